@@ -1,0 +1,38 @@
+#include "graph/diagnostic.h"
+
+#include <algorithm>
+
+namespace terrazzo {
+
+std::string Place::text() const {
+  if (file.empty()) return {};
+  if (line <= 0) return file;
+  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+std::string Diagnostic::text() const {
+  std::string out = place.text();
+  if (!out.empty()) out += ": ";
+  out += severity == Severity::Error ? "error: " : severity == Severity::Warning ? "warning: " : "note: ";
+  if (!node.empty()) out += node + (parameter.empty() ? "" : "." + parameter) + ": ";
+  out += message;
+  if (!hint.empty()) out += " (" + hint + ")";
+  return out;
+}
+
+bool has_errors(const Diagnostics& all) {
+  return std::any_of(all.begin(), all.end(), [](const auto& d) { return d.severity == Severity::Error; });
+}
+
+Error::Error(Diagnostic d) : diagnostic_(std::move(d)), text_(diagnostic_.text()) {}
+
+Error::Error(std::string code, std::string message, std::string hint)
+    : Error(Diagnostic{Severity::Error, std::move(code), std::move(message), std::move(hint), {}, {}, {}}) {}
+
+Error& Error::parameter(std::string name) {
+  diagnostic_.parameter = std::move(name);
+  text_ = diagnostic_.text();
+  return *this;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,53 @@
+#include "graph/node_type.h"
+
+#include <algorithm>
+
+namespace terrazzo {
+
+bool Port::accepts(const std::string& type) const {
+  return types.empty() || std::find(types.begin(), types.end(), type) != types.end();
+}
+
+std::string Port::type_text() const {
+  if (types.empty()) return "any";
+  std::string out = types[0];
+  for (std::size_t i = 1; i < types.size(); ++i) out += (i + 1 == types.size() ? " or " : ", ") + types[i];
+  return out;
+}
+
+NodeType& NodeType::doc_(std::string text) { return doc = std::move(text), *this; }
+NodeType& NodeType::source_(std::string text) { return source = std::move(text), *this; }
+NodeType& NodeType::input(std::string name, std::string type, std::string doc) {
+  inputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false});
+  return *this;
+}
+NodeType& NodeType::optional_input(std::string name, std::vector<std::string> types, std::string doc) {
+  inputs.push_back({std::move(name), std::move(types), std::move(doc), true, false});
+  return *this;
+}
+NodeType& NodeType::input_list(std::string name, std::vector<std::string> types, std::string doc) {
+  inputs.push_back({std::move(name), std::move(types), std::move(doc), false, true});
+  return *this;
+}
+NodeType& NodeType::output(std::string name, std::string type, std::string doc) {
+  outputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false});
+  return *this;
+}
+NodeType& NodeType::parameter(Parameter p) { return parameters.push_back(std::move(p)), *this; }
+NodeType& NodeType::writes_files_() { return writes_files = true, *this; }
+NodeType& NodeType::compute_(void (*fn)(Context&)) { return compute = fn, *this; }
+
+namespace {
+template <class List>
+auto find_by_name(const List& list, const std::string& name) -> decltype(list.data()) {
+  for (const auto& x : list)
+    if (x.name == name) return &x;
+  return nullptr;
+}
+}  // namespace
+
+const Port* NodeType::find_input(const std::string& n) const { return find_by_name(inputs, n); }
+const Port* NodeType::find_output(const std::string& n) const { return find_by_name(outputs, n); }
+const Parameter* NodeType::find_parameter(const std::string& n) const { return find_by_name(parameters, n); }
+
+}  // namespace terrazzo

@@ -1,0 +1,50 @@
+// A node type: the one declaration from which schema, keys, reference pages and help all come.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "graph/parameter.h"
+
+namespace terrazzo {
+
+class Context;  // runtime/context.h; the graph layer only carries the pointer
+
+struct Port {
+  std::string name;
+  std::vector<std::string> types;  // names of value types; an input with none takes any
+  std::string doc;
+  bool optional = false;
+  bool many = false;  // an input that takes a list of wires
+  bool accepts(const std::string& type) const;
+  std::string type_text() const;  // "Image", "Particles or Volume", "any"
+};
+
+struct NodeType {
+  std::string name;
+  int version = 1;  // raise it whenever the same inputs can give another result
+  std::string doc;
+  std::string source;  // paper and section, or ""
+  std::vector<Port> inputs;
+  std::vector<Port> outputs;
+  std::vector<Parameter> parameters;
+  bool writes_files = false;  // its results are files under the output folder
+  void (*compute)(Context&) = nullptr;
+
+  NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
+  NodeType& doc_(std::string text);
+  NodeType& source_(std::string text);
+  NodeType& input(std::string name, std::string type, std::string doc);
+  NodeType& optional_input(std::string name, std::vector<std::string> types, std::string doc);
+  NodeType& input_list(std::string name, std::vector<std::string> types, std::string doc);
+  NodeType& output(std::string name, std::string type, std::string doc);
+  NodeType& parameter(Parameter);
+  NodeType& writes_files_();
+  NodeType& compute_(void (*fn)(Context&));
+
+  const Port* find_input(const std::string&) const;
+  const Port* find_output(const std::string&) const;
+  const Parameter* find_parameter(const std::string&) const;
+};
+
+}  // namespace terrazzo

@@ -1,0 +1,258 @@
+#include "graph/parameter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "graph/nearest.h"
+
+namespace terrazzo {
+
+const char* name_of(ParameterKind k) {
+  switch (k) {
+    case ParameterKind::Bool: return "bool";
+    case ParameterKind::Int: return "int";
+    case ParameterKind::Number: return "number";
+    case ParameterKind::Choice: return "choice";
+    case ParameterKind::Text: return "text";
+    case ParameterKind::Ints: return "ints";
+    case ParameterKind::Numbers: return "numbers";
+    case ParameterKind::Texts: return "texts";
+    case ParameterKind::Color: return "color";
+    case ParameterKind::InputPath: return "path";
+    case ParameterKind::OutputPath: return "output path";
+  }
+  return "?";
+}
+
+std::string WrittenValue::text() const {
+  if (!is_list) return items.empty() ? "" : items[0];
+  return fmt::format("[{}]", fmt::join(items, ", "));
+}
+
+namespace {
+Parameter make(ParameterKind kind, std::string name, std::optional<ParameterValue> value) {
+  Parameter p;
+  p.name = std::move(name), p.kind = kind, p.value = std::move(value);
+  return p;
+}
+}  // namespace
+
+Parameter Parameter::boolean(std::string n, bool v) { return make(ParameterKind::Bool, std::move(n), v); }
+Parameter Parameter::integer(std::string n, std::int64_t v) { return make(ParameterKind::Int, std::move(n), v); }
+Parameter Parameter::number(std::string n, double v) { return make(ParameterKind::Number, std::move(n), v); }
+Parameter Parameter::choice(std::string n, std::string v, std::vector<std::string> choices) {
+  Parameter p = make(ParameterKind::Choice, std::move(n), std::move(v));
+  p.choices = std::move(choices);
+  return p;
+}
+Parameter Parameter::text(std::string n, std::string v) { return make(ParameterKind::Text, std::move(n), std::move(v)); }
+Parameter Parameter::ints(std::string n, std::vector<std::int64_t> v) {
+  return make(ParameterKind::Ints, std::move(n), std::move(v));
+}
+Parameter Parameter::numbers(std::string n, std::vector<double> v) {
+  return make(ParameterKind::Numbers, std::move(n), std::move(v));
+}
+Parameter Parameter::texts(std::string n, std::vector<std::string> v) {
+  return make(ParameterKind::Texts, std::move(n), std::move(v));
+}
+Parameter Parameter::color(std::string n, double r, double g, double b) {
+  return make(ParameterKind::Color, std::move(n), std::vector<double>{r, g, b});
+}
+Parameter Parameter::input_path(std::string n) { return make(ParameterKind::InputPath, std::move(n), {}); }
+Parameter Parameter::output_path(std::string n) { return make(ParameterKind::OutputPath, std::move(n), {}); }
+Parameter Parameter::with_keyword(ParameterKind kind, std::string n, std::string keyword) {
+  Parameter p = make(kind, std::move(n), keyword);
+  p.keywords.push_back(std::move(keyword));
+  return p;
+}
+
+Parameter& Parameter::doc_(std::string t) { return doc = std::move(t), *this; }
+Parameter& Parameter::unit_(std::string t) { return unit = std::move(t), *this; }
+Parameter& Parameter::range(double lo, double hi) { return min = lo, max = hi, *this; }
+Parameter& Parameter::above(double lo) { return min = lo, min_open = true, *this; }
+Parameter& Parameter::count(std::size_t lo, std::size_t hi) { return min_count = lo, max_count = hi, *this; }
+Parameter& Parameter::keyword(std::string w) { return keywords.push_back(std::move(w)), *this; }
+Parameter& Parameter::required() { return value.reset(), *this; }
+
+namespace {
+
+template <class T>
+std::optional<T> parse_number(const std::string& s) {
+  T v{};
+  const char* first = s.data() + (s.size() > 1 && s[0] == '+');
+  const auto [end, error] = std::from_chars(first, s.data() + s.size(), v);
+  if (error != std::errc() || end != s.data() + s.size()) return {};
+  return v;
+}
+
+bool in_range(const Parameter& p, double v, std::string& why) {
+  if (!std::isfinite(v)) {
+    why = "is not a finite number";
+    return false;
+  }
+  if (v > p.min || (v == p.min && !p.min_open)) {
+    if (v <= p.max) return true;
+  }
+  const std::string unit = p.unit.empty() ? "" : " " + p.unit;
+  if (std::isinf(p.max))
+    why = fmt::format("{} is out of range: it must be {} {}{}", v, p.min_open ? "above" : "at least", p.min, unit);
+  else if (std::isinf(p.min))
+    why = fmt::format("{} is out of range: it must be at most {}{}", v, p.max, unit);
+  else
+    why = fmt::format("{} is out of range: it must lie {} {} and {}{}", v, p.min_open ? "above" : "between", p.min, p.max, unit);
+  return false;
+}
+
+template <class T>
+bool read_list(const Parameter& p, const WrittenValue& w, std::vector<T>& out, std::string& why) {
+  if (w.items.size() < p.min_count || w.items.size() > p.max_count) {
+    why = p.min_count == p.max_count ? fmt::format("needs {} values, not {}", p.min_count, w.items.size())
+                                     : fmt::format("needs {} to {} values, not {}", p.min_count, p.max_count, w.items.size());
+    return false;
+  }
+  for (const auto& item : w.items) {
+    const auto v = parse_number<T>(item);
+    if (!v) {
+      why = fmt::format("'{}' is not {}", item, std::is_integral_v<T> ? "a whole number" : "a number");
+      return false;
+    }
+    if (!in_range(p, static_cast<double>(*v), why)) return false;
+    out.push_back(*v);
+  }
+  return true;
+}
+
+std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why) {
+  std::vector<double> rgb;
+  if (w.is_list && w.items.size() == 3) {
+    for (const auto& item : w.items) {
+      const auto v = parse_number<double>(item);
+      if (!v || !std::isfinite(*v) || *v < 0) return why = "'" + item + "' is not a linear colour component", std::nullopt;
+      rgb.push_back(*v);
+    }
+    return rgb;
+  }
+  const std::string s = w.text();
+  if (!w.is_list && s.size() == 7 && s[0] == '#') {
+    for (int i = 0; i < 3; ++i) {
+      int byte = 0;
+      const char* at = s.data() + 1 + 2 * i;
+      const auto [end, error] = std::from_chars(at, at + 2, byte, 16);
+      if (error != std::errc() || end != at + 2) return why = "'" + s + "' is not a colour like \"#a0b0c0\"", std::nullopt;
+      const double e = byte / 255.0;  // IEC 61966-2-1
+      rgb.push_back(e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4));
+    }
+    return rgb;
+  }
+  return why = "'" + s + "' is not a colour: write \"#rrggbb\" or three linear numbers", std::nullopt;
+}
+
+}  // namespace
+
+std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenValue& w, std::string& why) {
+  const std::string word = w.is_list ? "" : w.text();
+  if (!w.is_list && std::find(p.keywords.begin(), p.keywords.end(), word) != p.keywords.end()) return word;
+
+  const bool wants_list = p.kind == ParameterKind::Ints || p.kind == ParameterKind::Numbers ||
+                          p.kind == ParameterKind::Texts || p.kind == ParameterKind::Color;
+  if (w.is_list && !wants_list) return why = "takes one value, not a list", std::nullopt;
+
+  const auto or_keyword = [&](std::string text) {
+    if (!p.keywords.empty()) text += fmt::format(", nor one of {}", fmt::join(p.keywords, ", "));
+    return text + did_you_mean(word, p.keywords);
+  };
+  switch (p.kind) {
+    case ParameterKind::Bool:
+      if (word == "true" || word == "false") return word == "true";
+      return why = or_keyword("'" + word + "' is neither true nor false"), std::nullopt;
+    case ParameterKind::Int:
+      if (const auto v = parse_number<std::int64_t>(word)) {
+        if (in_range(p, static_cast<double>(*v), why)) return *v;
+        return std::nullopt;
+      }
+      return why = or_keyword("'" + word + "' is not a whole number"), std::nullopt;
+    case ParameterKind::Number:
+      if (const auto v = parse_number<double>(word)) {
+        if (in_range(p, *v, why)) return *v + 0.0;  // −0 and 0 are one value
+        return std::nullopt;
+      }
+      return why = or_keyword("'" + word + "' is not a number"), std::nullopt;
+    case ParameterKind::Choice:
+      if (std::find(p.choices.begin(), p.choices.end(), word) != p.choices.end()) return word;
+      return why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "), did_you_mean(word, p.choices)),
+             std::nullopt;
+    case ParameterKind::Text: return word;
+    case ParameterKind::InputPath:
+    case ParameterKind::OutputPath:
+      if (word.empty()) return why = "the path is empty", std::nullopt;
+      return word;
+    case ParameterKind::Ints: {
+      std::vector<std::int64_t> v;
+      if (read_list(p, w, v, why)) return v;
+      why = or_keyword(why);
+      return std::nullopt;
+    }
+    case ParameterKind::Numbers: {
+      std::vector<double> v;
+      if (read_list(p, w, v, why)) return v;
+      why = or_keyword(why);
+      return std::nullopt;
+    }
+    case ParameterKind::Texts: {
+      if (w.items.size() < p.min_count || w.items.size() > p.max_count)
+        return why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size()), std::nullopt;
+      for (const auto& item : w.items)
+        if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), item) == p.choices.end())
+          return why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "), did_you_mean(item, p.choices)),
+                 std::nullopt;
+      return w.items;
+    }
+    case ParameterKind::Color: {
+      const auto v = read_color(w, why);
+      if (!v) why = or_keyword(why);
+      return v;
+    }
+  }
+  return std::nullopt;
+}
+
+namespace {
+std::string quoted(const std::string& s) {
+  std::string out = "\"";
+  for (const char c : s) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+}  // namespace
+
+std::string canonical(const ParameterValue& v) {
+  return std::visit(
+      [](const auto& x) -> std::string {
+        using T = std::decay_t<decltype(x)>;
+        if constexpr (std::is_same_v<T, std::string>) {
+          return quoted(x);
+        } else if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+          std::string out = "[";
+          for (const auto& s : x) out += quoted(s) + ",";
+          return out + "]";
+        } else if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::vector<std::int64_t>>) {
+          return fmt::format("[{}]", fmt::join(x, ","));
+        } else {
+          return fmt::format("{}", x);
+        }
+      },
+      v);
+}
+
+std::string written(const ParameterValue& v) {
+  if (const auto* s = std::get_if<std::string>(&v)) return *s;
+  if (const auto* list = std::get_if<std::vector<std::string>>(&v)) return fmt::format("[{}]", fmt::join(*list, ", "));
+  return canonical(v);
+}
+
+}  // namespace terrazzo

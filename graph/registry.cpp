@@ -1,0 +1,72 @@
+#include "graph/registry.h"
+
+#include <set>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+namespace {
+
+void demand(bool ok, const NodeType& t, const std::string& what) {
+  if (!ok) throw Error("bad-node-type", "node type " + t.name + ": " + what);
+}
+
+// A declaration that is not whole would make keys, reference pages or messages wrong later: refuse it at the door.
+void check_declaration(const NodeType& t) {
+  demand(!t.name.empty() && t.version >= 1 && t.compute, t, "needs a name, a version from 1 on and a compute function");
+  demand(!t.doc.empty(), t, "has no documentation");
+  demand(!t.outputs.empty() || t.writes_files, t, "has neither outputs nor files");
+  std::set<std::string> inputs, outputs, parameters;
+  for (const auto& p : t.inputs) demand(inputs.insert(p.name).second && !p.doc.empty(), t, "input '" + p.name + "' is double or undocumented");
+  for (const auto& p : t.outputs) {
+    demand(outputs.insert(p.name).second && !p.doc.empty(), t, "output '" + p.name + "' is double or undocumented");
+    demand(p.types.size() == 1, t, "output '" + p.name + "' needs exactly one type");
+  }
+  for (const auto& p : t.parameters) {
+    demand(parameters.insert(p.name).second && !p.doc.empty(), t, "parameter '" + p.name + "' is double or undocumented");
+    std::string why;
+    if (p.value && p.kind != ParameterKind::Color) {
+      WrittenValue w;
+      if (const auto* list = std::get_if<std::vector<double>>(&*p.value)) {
+        for (const double v : *list) w.items.push_back(canonical(v));
+        w.is_list = true;
+      } else if (const auto* ints = std::get_if<std::vector<std::int64_t>>(&*p.value)) {
+        for (const auto v : *ints) w.items.push_back(std::to_string(v));
+        w.is_list = true;
+      } else if (const auto* words = std::get_if<std::vector<std::string>>(&*p.value)) {
+        w.items = *words, w.is_list = true;
+      } else {
+        w.items.push_back(written(*p.value));
+      }
+      demand(read_parameter(p, w, why).has_value(), t, "the default of '" + p.name + "' is invalid: " + why);
+    }
+  }
+}
+
+}  // namespace
+
+void Registry::add(NodeType t) {
+  check_declaration(t);
+  std::string name = t.name;
+  if (!types_.emplace(name, std::move(t)).second)
+    throw Error("duplicate-node-type", "there are two node types named " + name);
+}
+
+const NodeType* Registry::find(const std::string& name) const {
+  const auto it = types_.find(name);
+  return it == types_.end() ? nullptr : &it->second;
+}
+
+std::vector<const NodeType*> Registry::all() const {
+  std::vector<const NodeType*> out;
+  for (const auto& [name, type] : types_) out.push_back(&type);
+  return out;
+}
+
+std::vector<std::string> Registry::names() const {
+  std::vector<std::string> out;
+  for (const auto& [name, type] : types_) out.push_back(name);
+  return out;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,16 @@
+// Colour conversions of single values; whole pictures go through OpenColorIO (image_file.h).
+#pragma once
+
+#include <string>
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo {
+
+Vec3f srgb_to_linear(const Vec3f& encoded);  // IEC 61966-2-1, component-wise, 0…1
+Vec3f linear_to_srgb(const Vec3f& linear);
+// Oklab (Ottosson 2020) from and to scene-linear Rec. 709: perceptually even, L in 0…1.
+Vec3f linear_to_oklab(const Vec3f& linear);
+Vec3f oklab_to_linear(const Vec3f& lab);
+
+}  // namespace terrazzo

@@ -1,0 +1,35 @@
+// Figures drawn into an Image: axes, lines, bars, intervals, words. No window system, no font files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nodes/data/image.h"
+
+namespace terrazzo {
+
+struct PlotSeries {
+  enum class Kind { Line, Points, Bars };
+  Kind kind = Kind::Line;
+  std::string name;          // in the legend; empty: not listed
+  std::vector<double> x, y;  // NaN breaks a line
+  std::vector<double> low, high;  // of y; empty: no intervals
+  int color = 0;             // index into the palette
+};
+
+struct Plot {
+  std::string title, x_label, y_label;
+  bool log_x = false, log_y = false;
+  std::vector<PlotSeries> series;
+  int width = 720, height = 480;  // pixels
+};
+
+Image draw(const Plot&);
+// Side by side, `columns` a row.
+Image draw(const std::vector<Plot>&, int columns);
+
+// Words at a pixel position (top left), height in pixels. ASCII and µ ² ³ ° ×. Returns the width drawn.
+int draw_text(Image&, int x, int y, const std::string& text, int height, const Vec3f& linear_color);
+int text_width(const std::string& text, int height);
+
+}  // namespace terrazzo

@@ -1,0 +1,39 @@
+#include "nodes/data/image.h"
+
+#include "nodes/data/json.h"
+
+namespace terrazzo {
+namespace {
+
+void encode(const Image& v, Writer& w) {
+  w.pod(v.width), w.pod(v.height), w.pod(v.sections), w.pod(v.pixel_size);
+  w.raw_array(v.pixels);
+}
+
+Image decode(Reader& r) {
+  Image v;
+  v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
+  v.pixels = r.raw_array<Vec3f>();
+  if (v.pixels.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
+    throw Error("damaged", "the stored image has the wrong number of pixels");
+  return v;
+}
+
+nlohmann::json describe(const Image& v) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& p : v.pixels) mean += p.cast<double>();
+  if (!v.pixels.empty()) mean /= static_cast<double>(v.pixels.size());
+  return {{"width", v.width}, {"height", v.height}, {"sections", v.sections}, {"pixel_size", v.pixel_size},
+          {"mean", json_of(mean)}};
+}
+
+}  // namespace
+
+template <>
+const ValueType& value_type<Image>() {
+  static const ValueType type = make_value_type<Image>(
+      "Image", "One section or a stack of equal-scale sections, scene-linear Rec. 709", encode, decode, describe);
+  return type;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,42 @@
+#include "nodes/data/labels.h"
+
+#include <nlohmann/json.hpp>
+
+namespace terrazzo {
+namespace {
+
+void encode(const Labels& v, Writer& w) {
+  w.pod(v.width), w.pod(v.height), w.pod(v.sections), w.pod(v.pixel_size);
+  w.array(v.ids), w.array(v.classes);
+}
+
+Labels decode(Reader& r) {
+  Labels v;
+  v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
+  v.ids = r.array<std::int32_t>(), v.classes = r.array<std::int32_t>();
+  if (v.ids.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
+    throw Error("damaged", "the stored labels have the wrong number of pixels");
+  return v;
+}
+
+nlohmann::json describe(const Labels& v) {
+  std::size_t inside = 0;
+  for (const auto id : v.ids) inside += id > 0;
+  return {{"width", v.width},
+          {"height", v.height},
+          {"sections", v.sections},
+          {"pixel_size", v.pixel_size},
+          {"profiles", v.count()},
+          {"area_fraction", v.ids.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(v.ids.size())}};
+}
+
+}  // namespace
+
+template <>
+const ValueType& value_type<Labels>() {
+  static const ValueType type = make_value_type<Labels>(
+      "Labels", "Which particle's profile each pixel belongs to", encode, decode, describe);
+  return type;
+}
+
+}  // namespace terrazzo

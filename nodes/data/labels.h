@@ -1,0 +1,26 @@
+// Labels: which particle's profile each pixel belongs to.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "runtime/value.h"
+
+namespace terrazzo {
+
+struct Labels {
+  int width = 0, height = 0, sections = 1;
+  double pixel_size = 1;           // mm per pixel
+  std::vector<std::int32_t> ids;   // as in Image; 0 is binder, 1… the profiles, numbered through all sections
+  std::vector<std::int32_t> classes;  // of profile id k at k − 1: the colour or particle class, 0…
+
+  std::size_t index(int x, int y, int section = 0) const {
+    return (static_cast<std::size_t>(section) * height + y) * width + x;
+  }
+  int count() const { return static_cast<int>(classes.size()); }
+};
+
+template <>
+const ValueType& value_type<Labels>();
+
+}  // namespace terrazzo

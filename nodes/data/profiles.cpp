@@ -1,0 +1,66 @@
+#include "nodes/data/profiles.h"
+
+#include "nodes/data/json.h"
+
+namespace terrazzo {
+namespace {
+
+void encode(const Profiles& v, Writer& w) {
+  w.pod(v.observed_area), w.pod(v.sections), w.pod(v.classes);
+  w.bytes(v.window.data(), sizeof(double) * 2);
+  w.bytes(v.binder_color.data(), sizeof(float) * 3);
+  w.pod(v.area_fraction);
+  w.pod<std::uint64_t>(v.profiles.size());
+  for (const auto& p : v.profiles) {
+    w.pod(p.section), w.pod(p.cls), w.pod(p.area);
+    w.bytes(p.centroid.data(), sizeof(double) * 2);
+    w.pod<std::uint8_t>(p.touches_border), w.pod(p.weight);
+    w.bytes(p.color.data(), sizeof(float) * 3);
+    w.raw_array(p.contour);
+  }
+}
+
+Profiles decode(Reader& r) {
+  Profiles v;
+  v.observed_area = r.pod<double>(), v.sections = r.pod<int>(), v.classes = r.pod<int>();
+  r.bytes(v.window.data(), sizeof(double) * 2);
+  r.bytes(v.binder_color.data(), sizeof(float) * 3);
+  v.area_fraction = r.pod<double>();
+  v.profiles.resize(r.count(60));
+  for (auto& p : v.profiles) {
+    p.section = r.pod<int>(), p.cls = r.pod<int>(), p.area = r.pod<double>();
+    r.bytes(p.centroid.data(), sizeof(double) * 2);
+    p.touches_border = r.pod<std::uint8_t>() != 0, p.weight = r.pod<double>();
+    r.bytes(p.color.data(), sizeof(float) * 3);
+    p.contour = r.raw_array<Vec2>();
+  }
+  return v;
+}
+
+nlohmann::json describe(const Profiles& v) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& p : v.profiles) {
+    nlohmann::json j = {{"section", p.section}, {"class", p.cls}, {"area", p.area},
+                        {"centroid", json_of(p.centroid)}, {"touches_border", p.touches_border},
+                        {"weight", p.weight}, {"color", json_of(p.color)}};
+    if (!p.contour.empty()) {
+      auto& c = j["contour"] = nlohmann::json::array();
+      for (const auto& q : p.contour) c.push_back(json_of(q));
+    }
+    list.push_back(std::move(j));
+  }
+  return {{"observed_area", v.observed_area}, {"sections", v.sections}, {"classes", v.classes},
+          {"window", json_of(v.window)}, {"binder_color", json_of(v.binder_color)},
+          {"area_fraction", v.area_fraction}, {"profiles", std::move(list)}};
+}
+
+}  // namespace
+
+template <>
+const ValueType& value_type<Profiles>() {
+  static const ValueType type =
+      make_value_type<Profiles>("Profiles", "What plane sections show of the particles", encode, decode, describe);
+  return type;
+}
+
+}  // namespace terrazzo

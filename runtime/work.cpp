@@ -1,0 +1,40 @@
+#include "runtime/work.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+
+void Work::check() const {
+  if (cancelled()) throw Cancelled();
+}
+
+void Work::progress(double fraction, const std::string& note) const {
+  if (report_ && *report_) (*report_)(from_ + (to_ - from_) * std::clamp(fraction, 0.0, 1.0), note);
+}
+
+Work Work::part(double from, double to) const {
+  Work w = *this;
+  w.from_ = from_ + (to_ - from_) * from;
+  w.to_ = from_ + (to_ - from_) * to;
+  return w;
+}
+
+void Work::parallel(std::size_t n, std::size_t grain,
+                    const std::function<void(std::size_t, std::size_t)>& body) const {
+  if (n == 0) return;
+  grain = std::max<std::size_t>(grain, 1);
+  const std::size_t ranges = (n + grain - 1) / grain;
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(std::size_t{0}, ranges, [&](std::size_t r) {
+    check();
+    body(r * grain, std::min(n, (r + 1) * grain));
+    const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
+    if (report_ && ranges > 1) progress(static_cast<double>(k) / static_cast<double>(ranges));
+  });
+}
+
+}  // namespace terrazzo
