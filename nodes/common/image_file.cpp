@@ -1,0 +1,144 @@
+#include "nodes/common/image_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/color.h"
+#include "nodes/common/color_config.h"
+
+namespace terrazzo {
+namespace {
+
+// Which channels of a file hold red, green, blue and alpha; alpha is −1 where there is none.
+struct Channels {
+  int rgb[3] = {0, 0, 0};
+  int alpha = -1;
+};
+
+Channels channels_of(const OIIO::ImageSpec& spec) {
+  Channels c;
+  c.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels && spec.nchannels > 1
+                ? spec.alpha_channel
+                : -1;
+  int found[3] = {-1, -1, -1};
+  for (int i = 0; i < spec.nchannels; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (spec.channel_name(i) == std::string(1, "RGB"[k])) found[k] = i;
+  if (found[0] >= 0 && found[1] >= 0 && found[2] >= 0) {
+    std::copy(found, found + 3, c.rgb);
+  } else {
+    const int colours = spec.nchannels - (c.alpha >= 0 ? 1 : 0);
+    for (int k = 0; k < 3; ++k) c.rgb[k] = colours >= 3 ? k : 0;
+  }
+  return c;
+}
+
+Error unreadable(const std::filesystem::path& path, std::string why) {
+  while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
+  return Error("unreadable-image", "cannot read the picture '" + path.string() + "': " + why,
+               "check that the file exists, is whole, and is of a format that OpenImageIO reads")
+      .parameter("path");
+}
+
+// Reads all samples as T and hands them to `put(pixel, channel values, alpha)`.
+template <class T>
+std::vector<T> read_samples(OIIO::ImageInput& in, const std::filesystem::path& path, OIIO::TypeDesc type) {
+  const auto& s = in.spec();
+  std::vector<T> samples(static_cast<std::size_t>(s.width) * s.height * s.nchannels);
+  if (!in.read_image(0, 0, 0, s.nchannels, type, samples.data())) throw unreadable(path, in.geterror());
+  return samples;
+}
+
+// Samples to floats through a table, which makes a decoded 8 or 16 bit picture as cheap as a copy.
+template <class T>
+void decode(const std::vector<T>& samples, int stride, const Channels& c, const std::vector<float>& table,
+            Image& image) {
+  for (std::size_t p = 0; p < image.pixels.size(); ++p)
+    for (int k = 0; k < 3; ++k) image.pixels[p][k] = table[samples[p * stride + c.rgb[k]]];
+}
+
+std::vector<float> decoding_table(std::size_t size, bool srgb) {
+  std::vector<float> table(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const float v = static_cast<float>(i) / static_cast<float>(size - 1);
+    table[i] = srgb ? srgb_to_linear(Vec3f::Constant(v))[0] : v;
+  }
+  return table;
+}
+
+// EXIF orientation: pixel (x, y) of the upright picture comes from source(x, y).
+Image upright(Image in, int orientation) {
+  if (orientation < 2 || orientation > 8) return in;
+  const bool swapped = orientation >= 5;
+  Image out(swapped ? in.height : in.width, swapped ? in.width : in.height, 1, in.pixel_size);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      int u = swapped ? y : x, v = swapped ? x : y;
+      if (orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8) u = in.width - 1 - u;
+      if (orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7) v = in.height - 1 - v;
+      out.at(x, y) = in.at(u, v);
+    }
+  return out;
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size) {
+  OIIO::ImageSpec hints;
+  hints.attribute("oiio:UnassociatedAlpha", 1);  // otherwise the reader multiplies encoded values by alpha
+  auto in = OIIO::ImageInput::open(path.string(), &hints);
+  if (!in) throw unreadable(path, OIIO::geterror());
+  const OIIO::ImageSpec spec = in->spec();
+  if (spec.deep) throw unreadable(path, "deep pictures have no single colour a pixel");
+  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1)
+    throw unreadable(path, "it is empty or three-dimensional");
+
+  const Channels channels = channels_of(spec);
+  const bool is_float = spec.format.is_floating_point();
+  const bool automatic = colorspace == "auto";
+  Image image(spec.width, spec.height, 1, pixel_size);
+  std::vector<float> alpha;
+  auto take_alpha = [&](const auto& samples, float scale) {
+    if (channels.alpha < 0) return;
+    alpha.resize(image.pixels.size());
+    for (std::size_t p = 0; p < alpha.size(); ++p)
+      alpha[p] = static_cast<float>(samples[p * spec.nchannels + channels.alpha]) * scale;
+  };
+  if (spec.format == OIIO::TypeDesc::UINT8) {
+    const auto samples = read_samples<std::uint8_t>(*in, path, OIIO::TypeDesc::UINT8);
+    decode(samples, spec.nchannels, channels, decoding_table(256, automatic), image);
+    take_alpha(samples, 1 / 255.0f);
+  } else if (!is_float) {
+    const auto samples = read_samples<std::uint16_t>(*in, path, OIIO::TypeDesc::UINT16);
+    decode(samples, spec.nchannels, channels, decoding_table(65536, automatic), image);
+    take_alpha(samples, 1 / 65535.0f);
+  } else {
+    const auto samples = read_samples<float>(*in, path, OIIO::TypeDesc::FLOAT);
+    for (std::size_t p = 0; p < image.pixels.size(); ++p)
+      for (int k = 0; k < 3; ++k) image.pixels[p][k] = samples[p * spec.nchannels + channels.rgb[k]];
+    take_alpha(samples, 1);
+    for (std::size_t p = 0; p < image.pixels.size(); ++p)
+      if (!image.pixels[p].allFinite())
+        throw Error("bad-pixels",
+                    "'" + path.string() + "' holds NaN or infinity at column " +
+                        std::to_string(p % spec.width) + ", row " + std::to_string(p / spec.width),
+                    "repair the picture before reading it")
+            .parameter("path");
+  }
+  const char* environment = std::getenv("OCIO");
+  if (!automatic)
+    to_linear_rec709(image.pixels.data(), image.width, image.height, colorspace);
+  else if (is_float && environment && *environment)  // what that configuration calls scene-linear
+    to_linear_rec709(image.pixels.data(), image.width, image.height, "scene_linear");
+  // Over black: a plain product where the file keeps colour and alpha apart, already done where it does not.
+  if (!alpha.empty() && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0)
+    for (std::size_t p = 0; p < alpha.size(); ++p) image.pixels[p] *= alpha[p];
+  return upright(std::move(image), spec.get_int_attribute("Orientation", 1));
+}
+
+}  // namespace terrazzo
