@@ -1,0 +1,28 @@
+// A stroke font: every glyph is a few polylines, so that words need no font file and scale to any height.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo {
+
+// In font units, y up: baseline 0, lower case to 7, capitals to 10, descenders to −3.
+struct Glyph {
+  double advance = 0;
+  std::vector<std::vector<Vec2>> strokes;  // a stroke of one point is a dot
+};
+
+constexpr double font_ascent = 11.0,
+                 font_descent = 3.4;  // units above and below the baseline that a line of text takes
+constexpr double font_stroke = 1.15;  // width of the pen, units
+
+// Printable ASCII and µ ² ³ ¹ ⁻ ° × · ± – − Δ √ ≤ ≥ π σ φ χ Σ → …; any other code point shows as an empty
+// box.
+const Glyph& glyph(char32_t code_point);
+
+// Code points of UTF-8; a malformed byte becomes U+FFFD.
+std::vector<char32_t> code_points(const std::string& utf8);
+
+}  // namespace terrazzo
