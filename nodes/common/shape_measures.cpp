@@ -1,0 +1,118 @@
+#include "nodes/common/shape_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/depth_areas.h"
+#include "nodes/common/directions.h"
+#include "nodes/common/mesh.h"
+
+namespace terrazzo {
+namespace {
+
+struct Candidate {
+  Vec3 direction;
+  double area;
+};
+
+// Compass search over tilts of the direction, the depth being exact at every try. The largest section of a
+// polyhedron often lies on a crest (through vertices), so each round turns the compass to not miss the way
+// along it.
+Candidate climb(DepthSweep& sweep, Candidate c, double step, const Work& work) {
+  constexpr double kGolden = 2.399963229728653;
+  double turn = 0;
+  while (step > 2e-6) {
+    work.check();
+    bool better = false;
+    for (int k = 0; k < 6; ++k) {
+      const Vec3 a = c.direction.unitOrthogonal(), b = c.direction.cross(a);
+      const double angle = turn + k * std::numbers::pi / 3;
+      const Vec3 u = (c.direction + step * (std::cos(angle) * a + std::sin(angle) * b)).normalized();
+      const double area = sweep.sweep(u).max_area();
+      if (area > c.area) {
+        c = {u, area};
+        better = true;
+        break;
+      }
+    }
+    turn += kGolden;
+    if (!better) step /= 2;
+  }
+  return c;
+}
+
+}  // namespace
+
+double max_section_area(const Mesh& mesh, const Work& work) {
+  if (mesh.vertices.empty() || mesh.triangles.empty()) return 0;
+  const std::size_t n = mesh.triangles.size() > 20000 ? 240 : 800;
+  std::vector<Candidate> candidates(n);
+  work.part(0, 0.5).parallel(n, n / 8, [&](std::size_t begin, std::size_t end) {
+    DepthSweep sweep(mesh);
+    for (std::size_t i = begin; i < end; ++i) {
+      work.check();
+      const Vec3 u = half_sphere_direction(i, n);
+      candidates[i] = {u, sweep.sweep(u).max_area()};
+    }
+  });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.area > b.area; });
+  // The best of distinct neighbourhoods: one peak must not take all starts.
+  std::vector<Candidate> starts;
+  const double apart = std::cos(0.3);
+  for (const Candidate& c : candidates) {
+    if (starts.size() == 6) break;
+    const auto near = [&](const Candidate& s) { return std::abs(s.direction.dot(c.direction)) > apart; };
+    if (std::none_of(starts.begin(), starts.end(), near)) starts.push_back(c);
+  }
+  work.part(0.5, 1).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t) {
+    DepthSweep sweep(mesh);
+    starts[begin] = climb(sweep, starts[begin], 2 / std::sqrt(static_cast<double>(n)), work);
+  });
+  double best = 0;
+  for (const Candidate& c : starts) best = std::max(best, c.area);
+  return best;
+}
+
+Shape measure_shape(std::string name, Mesh mesh, double probability, const Work& work) {
+  if (const auto faults = mesh_faults(mesh); !faults.empty()) {
+    std::string text;
+    for (const auto& f : faults) text += (text.empty() ? "" : "; ") + f;
+    throw Error("open-mesh", fmt::format("the surface of \"{}\" bounds no solid: {}", name, text),
+                "close the holes and make all triangles face outwards");
+  }
+  Shape shape;
+  shape.name = std::move(name);
+  shape.probability = probability;
+  shape.volume = mesh_volume(mesh);
+  const double radius = mesh_bounding_radius(mesh, mesh.vertices[mesh.triangles[0][0]]);
+  if (!(shape.volume > 1e-12 * radius * radius * radius))
+    throw Error(
+        "no-volume", fmt::format("\"{}\" has a volume of {:.4g} mm³", shape.name, shape.volume),
+        shape.volume < 0 ? "turn the surface inside out" : "give it an extent in all three directions");
+  transform(mesh, Mat3::Identity(), -mesh_centroid(mesh));
+  shape.surface_area = mesh_surface_area(mesh);
+  shape.mean_caliper = mesh_mean_caliper(mesh);
+  shape.max_section_area = max_section_area(mesh, work);
+  shape.mesh = std::move(mesh);
+  return shape;
+}
+
+void normalise_probabilities(Shapes& shapes) {
+  double sum = 0;
+  for (const Shape& s : shapes.shapes) {
+    if (!(s.probability >= 0) || !std::isfinite(s.probability))
+      throw Error("bad-probabilities", fmt::format("\"{}\" has the probability {}", s.name, s.probability),
+                  "give each shape a probability of zero or more");
+    sum += s.probability;
+  }
+  if (!(sum > 0))
+    throw Error("bad-probabilities", "the probabilities of the shapes are all zero", "make one positive");
+  for (Shape& s : shapes.shapes) s.probability /= sum;
+}
+
+}  // namespace terrazzo
