@@ -1,0 +1,39 @@
+#include "nodes/export/checked_file.h"
+
+#include <cerrno>
+#include <cstring>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+namespace {
+
+Error failure(const char* doing, int reason) {
+  return Error("write-failed",
+               std::string("cannot ") + doing + " the file: " + (reason ? std::strerror(reason) : "unknown reason"),
+               reason == ENOSPC || reason == EFBIG || reason == EDQUOT ? "free some space or choose another folder"
+                                                                      : "check the folder and its permissions");
+}
+
+}  // namespace
+
+CheckedFile::CheckedFile(const std::filesystem::path& path) {
+  errno = 0;
+  stream_.open(path, std::ios::binary | std::ios::trunc);
+  if (!stream_) throw failure("open", errno);
+  stream_.exceptions(std::ios::badbit | std::ios::failbit);
+}
+
+void CheckedFile::close() {
+  stream_.flush();
+  stream_.close();
+}
+
+void CheckedFile::fail() const { throw failure("write all of", errno); }
+
+void write_bytes(const std::filesystem::path& path, std::string_view content) {
+  CheckedFile file(path);
+  file.guard([&](std::ostream& out) { out.write(content.data(), static_cast<std::streamsize>(content.size())); });
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,36 @@
+// A file that is written whole or not at all: every failure of the disk becomes an Error.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+namespace terrazzo {
+
+class CheckedFile {
+ public:
+  // Opens (and empties) the file. Throws Error "write-failed".
+  explicit CheckedFile(const std::filesystem::path&);
+  // Throws std::ios_base::failure as soon as a write fails; `guard` turns it into Error "write-failed".
+  std::ostream& stream() { return stream_; }
+  // Calls `write(stream)`, then flushes and closes. Throws Error "write-failed" with the system's reason.
+  template <class Write>
+  void guard(Write&& write) {
+    try {
+      write(stream());
+      close();
+    } catch (const std::ios_base::failure&) {
+      fail();
+    }
+  }
+
+ private:
+  void close();
+  [[noreturn]] void fail() const;
+  std::ofstream stream_;
+};
+
+// The whole content at once.
+void write_bytes(const std::filesystem::path&, std::string_view content);
+
+}  // namespace terrazzo

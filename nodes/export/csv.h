@@ -1,0 +1,28 @@
+// Values as comma-separated columns (RFC 4180, '\n' at line ends, a header first). Numbers are the shortest text that
+// reads back as the same number.
+#pragma once
+
+#include <string>
+
+#include "nodes/data/kmatrix.h"
+#include "nodes/data/particles.h"
+#include "nodes/data/profiles.h"
+#include "nodes/data/shapes.h"
+#include "nodes/data/size_distribution.h"
+#include "nodes/data/table.h"
+
+namespace terrazzo {
+
+std::string csv_of(const Table&);
+// section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g, color_b
+std::string csv_of(const Profiles&);
+// id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b
+std::string csv_of(const Particles&);
+// shape, class, size_low, size_high (mm), N_V, low, high (per mm³): a row per shape and size class
+std::string csv_of(const SizeDistribution&);
+// shape, profile_class, size_1 … size_n: a row of K a line; classes count from 1
+std::string csv_of(const KMatrix&);
+// name, probability, vertices, triangles, volume (mm³), surface_area (mm²), mean_caliper (mm), max_section_area (mm²)
+std::string csv_of(const Shapes&);
+
+}  // namespace terrazzo

@@ -1,0 +1,74 @@
+#include "nodes/export/picture_file.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "nodes/common/image_file.h"
+
+namespace terrazzo {
+namespace {
+
+Error incomplete(std::string why) {
+  while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
+  return Error("write-failed", "cannot write all of the picture" + (why.empty() ? "" : ": " + why),
+               "check the folder and the free space");
+}
+
+// Decodes the whole file.
+void verify(const std::filesystem::path& path) {
+  auto in = OIIO::ImageInput::open(path.string());
+  if (!in) throw incomplete(OIIO::geterror());
+  const auto& spec = in->spec();
+  std::vector<unsigned char> pixels(static_cast<std::size_t>(spec.image_bytes()));
+  if (!in->read_image(0, 0, 0, spec.nchannels, spec.format, pixels.data())) throw incomplete(in->geterror());
+}
+
+}  // namespace
+
+void write_picture(const std::filesystem::path& path, const Image& image, int section, const std::string& provenance) {
+  write_image(path, image, section, provenance);
+  verify(path);
+}
+
+void write_labels(const std::filesystem::path& path, const Labels& labels, int section, const std::string& provenance) {
+  const std::size_t count = static_cast<std::size_t>(labels.width) * labels.height;
+  if (count == 0 || section < 0 || section >= labels.sections ||
+      labels.ids.size() != count * static_cast<std::size_t>(labels.sections))
+    throw Error("empty-labels", fmt::format("there is no section {} in labels of {} × {} pixels and {} sections", section,
+                                            labels.width, labels.height, labels.sections));
+  const std::int32_t* ids = labels.ids.data() + count * static_cast<std::size_t>(section);
+  const auto [low, high] = std::minmax_element(ids, ids + count);
+  if (*low < 0) throw Error("bad-labels", fmt::format("the labels hold the negative id {}", *low));
+  const bool png = path.extension() == ".png";
+  if (png && *high > 65535)
+    throw Error("too-many-labels", fmt::format("id {} does not fit the 16 bits of a .png", *high), "write .tif or .exr");
+
+  auto out = OIIO::ImageOutput::create(path.string());
+  if (!out) throw incomplete(OIIO::geterror());
+  OIIO::ImageSpec spec(labels.width, labels.height, 1, png ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT32);
+  spec.attribute("oiio:ColorSpace", "Raw");  // no gamma chunk: these are names, not intensities
+  if (!png) spec.attribute("compression", "zip");
+  if (!provenance.empty()) spec.attribute("ImageDescription", provenance);
+  if (!out->open(path.string(), spec)) throw incomplete(out->geterror());
+  bool written = false;
+  if (png) {
+    const std::vector<std::uint16_t> narrow(ids, ids + count);
+    written = out->write_image(OIIO::TypeDesc::UINT16, narrow.data());
+  } else {
+    const std::vector<std::uint32_t> wide(ids, ids + count);
+    written = out->write_image(OIIO::TypeDesc::UINT32, wide.data());
+  }
+  if (!written || !out->close()) throw incomplete(out->geterror());
+  verify(path);
+}
+
+std::string section_name(const std::string& path, int section, int sections) {
+  const std::filesystem::path p(path);
+  const int digits = std::max<int>(3, static_cast<int>(std::to_string(std::max(sections - 1, 0)).size()));
+  return (p.parent_path() / fmt::format("{}_{:0{}}{}", p.stem().string(), section, digits, p.extension().string()))
+      .string();
+}
+
+}  // namespace terrazzo
