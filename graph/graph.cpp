@@ -1,0 +1,55 @@
+#include "graph/graph.h"
+
+#include "graph/nearest.h"
+
+namespace terrazzo {
+
+int Graph::find(const std::string& path) const {
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].path == path) return static_cast<int>(i);
+  return -1;
+}
+
+std::vector<std::string> Graph::paths() const {
+  std::vector<std::string> out;
+  for (const auto& n : nodes) out.push_back(n.path);
+  return out;
+}
+
+Wire Graph::wire_to(const std::string& text) const {
+  for (const auto& o : outputs)
+    if (o.name == text) return o.wire;
+  const auto dot = text.rfind('.');
+  const std::string path = text.substr(0, dot);
+  const int node = find(path);
+  if (node < 0) throw Error("unknown-node", "there is no node '" + path + "'" + did_you_mean(path, paths()));
+  const NodeType& type = *nodes[static_cast<std::size_t>(node)].type;
+  if (dot == std::string::npos) {
+    if (type.outputs.size() == 1) return {node, type.outputs[0].name, {}};
+    throw Error("unknown-port", type.name + " '" + path + "' has " + std::to_string(type.outputs.size()) +
+                                    " outputs: name one as " + path + ".PORT");
+  }
+  const std::string port = text.substr(dot + 1);
+  if (!type.find_output(port)) {
+    std::vector<std::string> names;
+    for (const auto& p : type.outputs) names.push_back(p.name);
+    throw Error("unknown-port", type.name + " '" + path + "' has no output '" + port + "'" + did_you_mean(port, names));
+  }
+  return {node, port, {}};
+}
+
+std::vector<int> Graph::sinks() const {
+  std::vector<bool> consumed(nodes.size(), false), wanted(nodes.size(), false);
+  for (const auto& n : nodes)
+    for (const auto& [port, wires] : n.inputs)
+      for (const auto& w : wires) consumed[static_cast<std::size_t>(w.node)] = true;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    wanted[i] = nodes[i].type->writes_files || (!consumed[i] && !nodes[i].in_subgraph());
+  for (const auto& o : outputs) wanted[static_cast<std::size_t>(o.wire.node)] = true;
+  std::vector<int> out;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (wanted[i]) out.push_back(static_cast<int>(i));
+  return out;
+}
+
+}  // namespace terrazzo

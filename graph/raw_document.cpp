@@ -1,0 +1,238 @@
+#include "graph/raw_document.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "graph/nearest.h"
+
+namespace terrazzo {
+namespace {
+
+class DocumentReader {
+ public:
+  DocumentReader(std::filesystem::path file, Diagnostics& found) : found_(found) { doc_.file = std::move(file); }
+
+  RawDocument read(const std::string& text) {
+    YAML::Node root;
+    try {
+      root = YAML::Load(text);
+    } catch (const YAML::Exception& e) {
+      fail("yaml", e.msg, place(e.mark));
+      return std::move(doc_);
+    }
+    if (!root.IsMap()) {
+      fail("not-a-graph", "a graph file is a map with the keys terrazzo, name, nodes", {doc_.file.string(), 1, 1});
+      return std::move(doc_);
+    }
+    bool has_version = false, has_nodes = false;
+    each_key(root, {"terrazzo", "name", "doc", "parameters", "nodes", "inputs", "outputs"}, "a graph file",
+             [&](const std::string& key, const YAML::Node& k, const YAML::Node& v) {
+               if (key == "terrazzo") {
+                 has_version = true;
+                 read_version(v, k);
+               } else if (key == "name" && v.IsScalar()) {
+                 doc_.name = v.Scalar();
+               } else if (key == "parameters") {
+                 each_key(v, {}, "parameters", [&](const auto& n, const auto& nk, const auto& nv) { read_parameter_(n, nk, nv); });
+               } else if (key == "nodes") {
+                 has_nodes = true;
+                 each_key(v, {}, "nodes", [&](const auto& n, const auto& nk, const auto& nv) { read_node(n, nk, nv); });
+               } else if (key == "inputs" || key == "outputs") {
+                 auto& list = key == "inputs" ? doc_.inputs : doc_.outputs;
+                 each_key(v, {}, key, [&](const auto& n, const auto&, const auto& nv) {
+                   if (nv.IsScalar())
+                     list.push_back({n, {nv.Scalar(), place(nv.Mark())}});
+                   else
+                     fail("bad-reference", fmt::format("'{}' must be NODE.PORT", n), place(nv.Mark()));
+                 });
+               }
+             });
+    if (!has_version)
+      fail("no-version", "the format version is missing", {doc_.file.string(), 1, 1}, fmt::format("begin with 'terrazzo: {}'", graph_format));
+    if (!has_nodes) fail("no-nodes", "the graph has no nodes", {doc_.file.string(), 1, 1});
+    return std::move(doc_);
+  }
+
+ private:
+  Place place(const YAML::Mark& m) const { return {doc_.file.string(), m.line + 1, m.column + 1}; }
+  void fail(std::string code, std::string message, Place at, std::string hint = {}) {
+    found_.push_back({Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
+  }
+
+  // Calls `use` for every key once; unknown keys (where `known` is not empty) and double keys are mistakes.
+  void each_key(const YAML::Node& map, const std::vector<std::string>& known, const std::string& where,
+                const std::function<void(const std::string&, const YAML::Node&, const YAML::Node&)>& use) {
+    if (map.IsNull()) return;
+    if (!map.IsMap()) return fail("not-a-map", where + " must be a map of 'name: value'", place(map.Mark()));
+    std::set<std::string> seen;
+    for (const auto& pair : map) {
+      if (!pair.first.IsScalar()) {
+        fail("bad-key", "a key must be a word", place(pair.first.Mark()));
+        continue;
+      }
+      const std::string key = pair.first.Scalar();
+      if (!seen.insert(key).second) {
+        fail("duplicate-key", fmt::format("'{}' stands twice in {}", key, where), place(pair.first.Mark()));
+        continue;
+      }
+      if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
+        fail("unknown-key", fmt::format("{} has no key '{}'{}", where, key, did_you_mean(key, known)), place(pair.first.Mark()));
+        continue;
+      }
+      use(key, pair.first, pair.second);
+    }
+  }
+
+  void read_version(const YAML::Node& v, const YAML::Node& key) {
+    int version = 0;
+    try {
+      version = v.as<int>();
+    } catch (const YAML::Exception&) {
+    }
+    if (version == graph_format) return;
+    fail("format-version", fmt::format("format version '{}' is not known here", v.IsScalar() ? v.Scalar() : "?"), place(key.Mark()),
+         version > graph_format ? "made by a newer Terrazzo" : fmt::format("this program reads version {}", graph_format));
+  }
+
+  bool read_value(const YAML::Node& v, RawValue& out, const std::string& what) {
+    out.place = place(v.Mark());
+    if (v.IsScalar()) {
+      out.written = {false, {v.Scalar()}};
+      return true;
+    }
+    if (v.IsSequence() && std::all_of(v.begin(), v.end(), [](const YAML::Node& n) { return n.IsScalar(); })) {
+      out.written.is_list = true;
+      for (const auto& item : v) out.written.items.push_back(item.Scalar());
+      return true;
+    }
+    fail("bad-value", fmt::format("'{}' must be a value or a list of values", what), out.place);
+    return false;
+  }
+
+  void read_parameter_(const std::string& name, const YAML::Node& key, const YAML::Node& v) {
+    static const std::map<std::string, ParameterKind> kinds = {
+        {"path", ParameterKind::InputPath}, {"int", ParameterKind::Int},         {"number", ParameterKind::Number},
+        {"bool", ParameterKind::Bool},      {"text", ParameterKind::Text},       {"choice", ParameterKind::Choice},
+        {"color", ParameterKind::Color},    {"numbers", ParameterKind::Numbers}, {"ints", ParameterKind::Ints},
+        {"texts", ParameterKind::Texts}};
+    RawParameter p;
+    p.declaration.name = name;
+    p.place = place(key.Mark());
+    bool has_type = false;
+    const auto number = [&](const YAML::Node& n, double& out) {
+      try {
+        out = n.as<double>();
+      } catch (const YAML::Exception&) {
+        fail("bad-value", "min and max must be numbers", place(n.Mark()));
+      }
+    };
+    each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"}, "parameter '" + name + "'",
+             [&](const std::string& k, const YAML::Node&, const YAML::Node& n) {
+               RawValue list;
+               if (k == "type") {
+                 has_type = true;
+                 const auto it = kinds.find(n.IsScalar() ? n.Scalar() : "");
+                 if (it != kinds.end()) {
+                   p.declaration.kind = it->second;
+                 } else {
+                   std::vector<std::string> names;
+                   for (const auto& [word, kind] : kinds) names.push_back(word);
+                   const std::string word = n.IsScalar() ? n.Scalar() : "?";
+                   fail("unknown-type", fmt::format("parameter '{}' has the unknown type '{}'{}", name, word, did_you_mean(word, names)),
+                        place(n.Mark()), fmt::format("{}", fmt::join(names, ", ")));
+                 }
+               } else if (k == "default") {
+                 read_value(n, p.value, name);
+               } else if (k == "doc" && n.IsScalar()) {
+                 p.declaration.doc = n.Scalar();
+               } else if (k == "unit" && n.IsScalar()) {
+                 p.declaration.unit = n.Scalar();
+               } else if (k == "min") {
+                 number(n, p.declaration.min);
+               } else if (k == "max") {
+                 number(n, p.declaration.max);
+               } else if (k == "choices" && read_value(n, list, k)) {
+                 p.declaration.choices = list.written.items;
+               } else if (k == "keywords" && read_value(n, list, k)) {
+                 p.declaration.keywords = list.written.items;
+               }
+             });
+    if (!has_type) fail("no-type", fmt::format("parameter '{}' needs a type", name), p.place);
+    doc_.parameters.push_back(std::move(p));
+  }
+
+  void read_node(const std::string& name, const YAML::Node& key, const YAML::Node& v) {
+    RawNode node;
+    node.name = name;
+    node.place = node.kind_place = place(key.Mark());
+    if (name.empty() || name.find_first_of("./ ") != std::string::npos)
+      fail("bad-name", fmt::format("'{}' cannot name a node: dots, slashes and blanks are not allowed", name), node.place);
+    each_key(v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",
+             [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
+               if ((k == "type" || k == "graph") && n.IsScalar()) {
+                 (k == "type" ? node.type : node.graph) = n.Scalar();
+                 node.kind_place = place(n.Mark());
+               } else if (k == "params") {
+                 each_key(n, {}, "params of '" + name + "'", [&](const auto& pname, const auto& pk, const auto& pv) {
+                   RawValue value;
+                   if (read_value(pv, value, pname)) {
+                     if (value.place.line <= 0) value.place = place(pk.Mark());
+                     node.params.push_back({pname, std::move(value)});
+                   }
+                 });
+               } else if (k == "inputs") {
+                 each_key(n, {}, "inputs of '" + name + "'", [&](const auto& port, const auto&, const auto& pv) {
+                   std::vector<RawReference> wires;
+                   if (pv.IsScalar()) wires.push_back({pv.Scalar(), place(pv.Mark())});
+                   if (pv.IsSequence())
+                     for (const auto& item : pv)
+                       if (item.IsScalar()) wires.push_back({item.Scalar(), place(item.Mark())});
+                   if (wires.empty())
+                     fail("bad-reference", fmt::format("input '{}' must be NODE.PORT or a list of them", port), place(pv.Mark()));
+                   else
+                     node.inputs.push_back({port, std::move(wires)});
+                 });
+               } else if (k != "doc") {
+                 fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
+               }
+             });
+    if (node.type.empty() == node.graph.empty())
+      fail("no-type", fmt::format("node '{}' needs either a type or a graph", name), node.place);
+    else
+      doc_.nodes.push_back(std::move(node));
+  }
+
+  RawDocument doc_;
+  Diagnostics& found_;
+};
+
+}  // namespace
+
+RawDocument read_document(const std::string& text, const std::filesystem::path& file, Diagnostics& found) {
+  return DocumentReader(file, found).read(text);
+}
+
+WrittenValue read_written(const std::string& text) {
+  try {
+    // A leading # would be a comment, and colours are written with one.
+    const YAML::Node v = !text.empty() && text[0] == '#' ? YAML::Node(text) : YAML::Load(text);
+    if (v.IsScalar()) return {false, {v.Scalar()}};
+    if (v.IsSequence()) {
+      WrittenValue out{true, {}};
+      for (const auto& item : v) {
+        if (!item.IsScalar()) throw Error("bad-value", "'" + text + "' is not a value or a list of values");
+        out.items.push_back(item.Scalar());
+      }
+      return out;
+    }
+    if (v.IsNull()) return {false, {text}};
+  } catch (const YAML::Exception&) {
+  }
+  throw Error("bad-value", "'" + text + "' is not a value or a list of values");
+}
+
+}  // namespace terrazzo

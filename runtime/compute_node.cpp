@@ -1,0 +1,87 @@
+#include "runtime/compute_node.h"
+
+#include <cmath>
+#include <new>
+
+#include "runtime/files.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+class NodeContext : public Context {
+ public:
+  explicit NodeContext(ComputeRequest r) : request_(std::move(r)) {
+    work_ = request_.work;
+    inputs_ = std::move(request_.inputs);
+    parameters_ = std::move(request_.parameters);
+    files_ = std::move(request_.files);
+  }
+
+  void metric(const std::string& name, double v) override { result.metrics[name] = v; }
+  void warn(const std::string& message) override { result.warnings.push_back(message); }
+  std::string provenance() const override { return request_.provenance; }
+
+  void write_file(const std::string& relative, const std::function<void(const fs::path&)>& write) override {
+    if (!request_.type->writes_files) throw Error("node-bug", request_.type->name + " writes a file without saying so");
+    write_atomically(request_.output_folder / relative, [&](const fs::path& temporary) {
+      write(temporary);
+      work_.check();  // cancelled while writing: the final name stays as it was
+    });
+    result.files.push_back(relative);
+  }
+
+  ComputeResult result;
+
+ protected:
+  void set_output(const std::string& name, Value v) override {
+    const Port* port = request_.type->find_output(name);
+    if (!port || !port->accepts(v.type().name))
+      throw Error("node-bug", request_.type->name + " gives an output '" + name + "' (" + v.type().name + ") that it does not declare");
+    result.outputs[name] = std::move(v);
+  }
+
+ private:
+  ComputeRequest request_;
+};
+
+}  // namespace
+
+ComputeResult compute_node(ComputeRequest request) {
+  const NodeType& type = *request.type;
+  try {
+    NodeContext context(std::move(request));
+    context.work().check();
+    type.compute(context);
+    context.work().check();
+    for (const auto& port : type.outputs)
+      if (!context.result.outputs.count(port.name))
+        throw Error("node-bug", type.name + " did not give its output '" + port.name + "'");
+    return std::move(context.result);
+  } catch (const Error&) {
+    throw;
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw Error("out-of-memory", "not enough memory", "choose a smaller resolution, size or number of particles");
+  } catch (const std::exception& e) {
+    throw Error("failed", e.what());
+  }
+}
+
+std::map<std::string, ParameterValue> effective_parameters(const NodeType& type,
+                                                           const std::map<std::string, ParameterValue>& written) {
+  std::map<std::string, ParameterValue> out;
+  for (const auto& p : type.parameters) {
+    const auto it = written.find(p.name);
+    if (it != written.end())
+      out[p.name] = it->second;
+    else if (p.value)
+      out[p.name] = *p.value;
+    else
+      throw Error("missing-parameter", type.name + " needs the parameter '" + p.name + "'").parameter(p.name);
+  }
+  return out;
+}
+
+}  // namespace terrazzo
