@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "graph/node_type.h"
+#include "nodes/common/shape_measures.h"
+#include "nodes/shape/closed_form.h"
+#include "nodes/shape/rock.h"
+#include "nodes/shape/solids.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+// A solid of arbitrary scale with what is known of it exactly.
+struct Solid {
+  Mesh mesh;
+  ClosedForm exact;
+  bool smooth = false;
+};
+
+Vec3 axes_of(const Context& c) {
+  const auto a = c.numbers("axes");
+  const Vec3 axes(a[0], a[1], a[2]);
+  if (axes.maxCoeff() > 1000 * axes.minCoeff())
+    throw Error(
+        "bad-axes",
+        fmt::format("the longest axis is {:.4g} times the shortest", axes.maxCoeff() / axes.minCoeff()),
+        "keep them within a factor of 1000")
+        .parameter("axes");
+  return axes / axes.maxCoeff();
+}
+
+Solid solid(const Context& c, const std::string& kind) {
+  const Vec3 axes = axes_of(c);
+  const int detail = static_cast<int>(c.integer("detail"));
+  const bool equal = axes.minCoeff() == axes.maxCoeff();
+  if (kind == "sphere") {
+    if (!equal)
+      throw Error("bad-axes", "a sphere has three equal axes", "use kind: ellipsoid").parameter("axes");
+    return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
+  }
+  if (kind == "ellipsoid") return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
+  if (kind == "box") return {box_mesh(axes), box_closed_form(axes), false};
+  if (kind == "cylinder") return {cylinder_mesh(axes, detail), cylinder_closed_form(axes), false};
+  if (kind == "superquadric") {
+    const auto e = c.numbers("exponents");
+    return {superquadric_mesh(axes, e[0], e[1], detail), superquadric_closed_form(axes, e[0], e[1]),
+            std::min(e[0], e[1]) >= 0.5 && std::max(e[0], e[1]) <= 1.5};
+  }
+  Solid s{platonic_mesh(kind), {}, false};
+  if (equal) s.exact = platonic_closed_form(kind, 1);
+  for (auto& v : s.mesh.vertices) v = v.cwiseProduct(axes);
+  return s;
+}
+
+// Puts exact measures in the place of the tessellation's, then scales everything to the particle size `size`.
+Shape sized(std::string name, Solid s, double size, double probability, const Work& work) {
+  Shape shape = measure_shape(std::move(name), std::move(s.mesh), probability, work);
+  shape.smooth = s.smooth;
+  shape.volume = s.exact.volume.value_or(shape.volume);
+  shape.surface_area = s.exact.surface_area.value_or(shape.surface_area);
+  shape.mean_caliper = s.exact.mean_caliper.value_or(shape.mean_caliper);
+  shape.max_section_area = s.exact.max_section_area.value_or(shape.max_section_area);
+  const double k = size / std::sqrt(4 * shape.max_section_area / std::numbers::pi);
+  for (auto& v : shape.mesh.vertices) v *= k;
+  shape.volume *= k * k * k;
+  shape.surface_area *= k * k;
+  shape.mean_caliper *= k;
+  shape.max_section_area = std::numbers::pi / 4 * size * size;
+  return shape;
+}
+
+void compute(Context& c) {
+  const std::string kind = c.text("kind");
+  const double size = c.number("size");
+  Shapes shapes;
+  if (kind == "rock") {
+    RockOptions o;
+    o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    o.axes = axes_of(c);
+    o.facets = static_cast<int>(c.integer("facets"));
+    o.chips = static_cast<int>(c.integer("chips"));
+    o.roughness = c.number("roughness");
+    o.detail = static_cast<int>(c.integer("detail"));
+    const auto count = c.integer("count");
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
+      o.item = static_cast<std::uint64_t>(i);
+      shapes.shapes.push_back(sized(count > 1 ? fmt::format("rock {}", i + 1) : "rock",
+                                    {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
+    }
+  } else {
+    if (c.integer("count") != 1)
+      throw Error("bad-count", fmt::format("{} copies of one {} are one shape", c.integer("count"), kind),
+                  "only rocks differ from each other: set count to 1 or kind to rock")
+          .parameter("count");
+    shapes.shapes.push_back(sized(kind, solid(c, kind), size, 1, c.work()));
+  }
+  double triangles = 0, volume = 0, caliper = 0;
+  for (const auto& s : shapes.shapes) {
+    triangles += s.mesh.triangles.size();
+    volume += s.probability * s.volume;
+    caliper += s.probability * s.mean_caliper;
+  }
+  c.metric("shapes", shapes.shapes.size());
+  c.metric("triangles", triangles);
+  c.metric("volume", volume);
+  c.metric("mean_caliper", caliper);
+  c.output("shapes", std::move(shapes));
+}
+
+}  // namespace
+
+NodeType shape_node() {
+  return NodeType("Shape", 1)
+      .doc_(
+          "A shape given by its name: solids of elementary geometry, superquadrics, or angular stones from a "
+          "seed. "
+          "Volume, surface, mean caliper and largest section are exact where a closed form is known.")
+      .source_("closed forms: Santaló 1976; superquadrics: Barr 1981")
+      .output("shapes", "Shapes", "one shape, or `count` different rocks of equal probability")
+      .parameter(Parameter::choice("kind", "sphere",
+                                   {"sphere", "ellipsoid", "box", "cylinder", "tetrahedron", "octahedron",
+                                    "dodecahedron", "icosahedron", "superquadric", "rock"})
+                     .doc_("which solid"))
+      .parameter(Parameter::number("size", 1).unit_("mm").above(0).doc_(
+          "the particle's size √(4·A_max/π), A_max being its largest plane section: a sphere's diameter"))
+      .parameter(
+          Parameter::numbers("axes", {1, 1, 1})
+              .count(3, 3)
+              .above(0)
+              .doc_("proportions along x, y, z: of the diameters of an ellipsoid, the edges of a box, the "
+                    "width, depth and height "
+                    "of a cylinder; of a rock the mean ones. Their scale does not matter: `size` sets it"))
+      .parameter(
+          Parameter::numbers("exponents", {0.4, 0.4})
+              .count(2, 2)
+              .range(0.1, 2.5)
+              .doc_(
+                  "of a superquadric, along z and around it: near 0 a box, 1 an ellipsoid, 2 an octahedron"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the rocks"))
+      .parameter(Parameter::integer("count", 1).range(1, 100).doc_("how many different rocks"))
+      .parameter(Parameter::integer("facets", 13).range(4, 30).doc_("large fracture faces of a rock"))
+      .parameter(Parameter::integer("chips", 6).range(0, 20).doc_("corners and edges broken off a rock"))
+      .parameter(Parameter::number("roughness", 0.02)
+                     .range(0, 0.1)
+                     .doc_("unevenness of a rock's faces, as a share of its radius"))
+      .parameter(Parameter::integer("detail", 3)
+                     .range(0, 6)
+                     .doc_("tessellation: 20·4^detail triangles of a sphere, about 60·2^detail of a rock"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
