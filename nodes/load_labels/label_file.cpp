@@ -1,0 +1,152 @@
+#include "nodes/load_labels/label_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/components.h"
+
+namespace terrazzo {
+namespace {
+
+Error unreadable(const std::filesystem::path& path, std::string why) {
+  while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
+  return Error("unreadable-image", "cannot read the mask '" + path.string() + "': " + why,
+               "check that the file exists, is whole, and is of a format that OpenImageIO reads")
+      .parameter("path");
+}
+
+// Reads in the file's own type, so that no value is scaled, and checks that each is a whole number.
+template <class T>
+std::vector<std::uint32_t> read_as(OIIO::ImageInput& in, const std::filesystem::path& path,
+                                   OIIO::TypeDesc type) {
+  const auto& s = in.spec();
+  std::vector<T> samples(static_cast<std::size_t>(s.width) * s.height * s.nchannels);
+  if (!in.read_image(0, 0, 0, s.nchannels, type, samples.data())) throw unreadable(path, in.geterror());
+  std::vector<std::uint32_t> out(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double v = static_cast<double>(samples[i]);
+    if (!(v >= 0 && v <= 4294967294.0 && v == std::floor(v)))
+      throw Error(
+          "bad-labels",
+          "'" + path.string() + "' holds the value " + std::to_string(v) + " where a label is expected",
+          "labels are whole numbers from 0, the background")
+          .parameter("path");
+    out[i] = static_cast<std::uint32_t>(v);
+  }
+  return out;
+}
+
+Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
+  Labels labels;
+  labels.width = masks.at(0).width, labels.height = masks[0].height,
+  labels.sections = static_cast<int>(masks.size());
+  labels.pixel_size = pixel_size;
+  for (const auto& m : masks)
+    if (m.width != labels.width || m.height != labels.height)
+      throw Error("unequal-sections",
+                  "masks of one stack are " + std::to_string(m.width) + " × " + std::to_string(m.height) +
+                      " and " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
+                      " pixels",
+                  "sections of one stack must have one size and scale")
+          .parameter("path");
+  labels.ids.reserve(masks.size() * labels.width * labels.height);
+  return labels;
+}
+
+Labels with_any(Labels labels) {
+  if (labels.classes.empty())
+    throw Error("no-particles", "the mask is background everywhere", "background is 0 or black")
+        .parameter("path");
+  return labels;
+}
+
+}  // namespace
+
+RawMask read_mask(const std::filesystem::path& path) {
+  OIIO::ImageSpec hints;
+  hints.attribute("oiio:UnassociatedAlpha", 1);
+  auto in = OIIO::ImageInput::open(path.string(), &hints);
+  if (!in) throw unreadable(path, OIIO::geterror());
+  const OIIO::ImageSpec s = in->spec();
+  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
+    throw unreadable(path, "it is no plain picture");
+  const bool alpha = s.alpha_channel >= 0 && s.nchannels > 1;
+  const int colours = s.nchannels - (alpha ? 1 : 0);
+
+  std::vector<std::uint32_t> samples;
+  if (s.format == OIIO::TypeDesc::UINT8)
+    samples = read_as<std::uint8_t>(*in, path, s.format);
+  else if (s.format == OIIO::TypeDesc::UINT16)
+    samples = read_as<std::uint16_t>(*in, path, s.format);
+  else if (s.format == OIIO::TypeDesc::INT16)
+    samples = read_as<std::int16_t>(*in, path, s.format);
+  else if (s.format == OIIO::TypeDesc::UINT32)
+    samples = read_as<std::uint32_t>(*in, path, s.format);
+  else if (s.format == OIIO::TypeDesc::INT32)
+    samples = read_as<std::int32_t>(*in, path, s.format);
+  else
+    samples = read_as<float>(*in, path, OIIO::TypeDesc::FLOAT);
+
+  RawMask mask{s.width, s.height, {}};
+  mask.values.resize(static_cast<std::size_t>(s.width) * s.height);
+  for (std::size_t p = 0; p < mask.values.size(); ++p) {
+    const std::uint32_t* v = &samples[p * s.nchannels];
+    if (alpha && v[s.alpha_channel] == 0) continue;
+    if (colours < 3 || (v[0] == v[1] && v[1] == v[2])) {
+      mask.values[p] = v[0];
+    } else {
+      if (s.format != OIIO::TypeDesc::UINT8)
+        throw Error("bad-labels", "'" + path.string() + "' has colours of more than 8 bit",
+                    "save the mask as grey numbers, or as 8 bit colours")
+            .parameter("path");
+      mask.values[p] = (v[0] << 16 | v[1] << 8 | v[2]) + 1;
+    }
+  }
+  return mask;
+}
+
+Labels labels_from_instances(const std::vector<RawMask>& masks, double pixel_size) {
+  Labels labels = empty_labels(masks, pixel_size);
+  for (const auto& m : masks) {
+    std::map<std::uint32_t, std::int32_t> id;
+    for (const auto v : m.values)
+      if (v != 0) id.emplace(v, 0);
+    for (auto& [value, number] : id) {
+      labels.classes.push_back(0);
+      number = labels.count();
+    }
+    for (const auto v : m.values) labels.ids.push_back(v == 0 ? 0 : id.at(v));
+  }
+  return with_any(std::move(labels));
+}
+
+Labels labels_from_classes(const std::vector<RawMask>& masks, double pixel_size) {
+  Labels labels = empty_labels(masks, pixel_size);
+  std::set<std::uint32_t> values;
+  for (const auto& m : masks) values.insert(m.values.begin(), m.values.end());
+  values.erase(0);
+  if (values.size() > 64)
+    throw Error("too-many-classes", "the mask holds " + std::to_string(values.size()) + " classes",
+                "use kind: instances, or save the mask without antialiasing and JPEG")
+        .parameter("kind");
+  for (const auto& m : masks) {
+    std::vector<std::int32_t> raster(m.values.size());
+    for (std::size_t p = 0; p < raster.size(); ++p)
+      raster[p] =
+          m.values[p] == 0
+              ? 0
+              : 1 + static_cast<std::int32_t>(std::distance(values.begin(), values.find(m.values[p])));
+    const Components parts = connected_components(raster, m.width, m.height, true);
+    const int before = labels.count();
+    for (const auto id : parts.ids) labels.ids.push_back(id == 0 ? 0 : id + before);
+    for (const auto v : parts.values) labels.classes.push_back(v - 1);
+  }
+  return with_any(std::move(labels));
+}
+
+}  // namespace terrazzo

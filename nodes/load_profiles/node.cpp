@@ -1,0 +1,67 @@
+#include <fstream>
+#include <sstream>
+
+#include "graph/node_type.h"
+#include "nodes/load_profiles/profile_table.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  const ProfileUnit unit = profile_unit(c.text("unit"));
+  Profiles all;
+  all.sections = 0;
+  for (const auto& file : c.files("path")) {
+    c.work().check();
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!in) throw Error("unreadable-file", "cannot read '" + file.string() + "'").parameter("path");
+    Profiles one = read_profiles(text.str(), file.string(), unit);
+    for (auto& p : one.profiles) {
+      p.section += all.sections;
+      all.profiles.push_back(std::move(p));
+    }
+    all.sections += one.sections;
+    all.classes = std::max(all.classes, one.classes);
+  }
+  all.observed_area = c.number("observed_area");
+  double sum = 0;
+  for (const auto& p : all.profiles) sum += p.area;
+  if (all.observed_area > 0) {
+    all.area_fraction = sum / all.observed_area;
+    if (all.area_fraction > 1)
+      throw Error("area-too-small",
+                  "the profiles cover " + std::to_string(sum) + " mm², more than the observed area of " +
+                      std::to_string(all.observed_area) + " mm²",
+                  "check unit and observed_area (mm², all sections together)")
+          .parameter("observed_area");
+  }
+  c.metric("profiles", static_cast<double>(all.profiles.size()));
+  c.metric("area", sum);
+  c.output("profiles", std::move(all));
+}
+
+}  // namespace
+
+NodeType load_profiles_node() {
+  return NodeType("LoadProfiles", 1)
+      .doc_(
+          "Reads areas or diameters of sections measured elsewhere, as ImageJ and GrainSizeTools write them.")
+      .output("profiles", "Profiles", "sizes, without outlines")
+      .parameter(Parameter::input_path("path").doc_(
+          "CSV or TSV with a column area or diameter; a glob joins several, each its own sections"))
+      .parameter(Parameter::number("observed_area", 0)
+                     .unit_("mm²")
+                     .range(0, 1e18)
+                     .doc_("Area in which the profiles were counted, all sections together; 0: unknown, "
+                           "densities are then "
+                           "relative"))
+      .parameter(
+          Parameter::choice("unit", "mm", {"mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})
+              .doc_("Unit of length in the file; areas are in its square"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
