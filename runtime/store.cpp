@@ -1,7 +1,9 @@
 #include "runtime/store.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -143,7 +145,8 @@ OutputRecord Store::put_value(const Value& v) {
   };
   if (!folder_.empty() && trouble().empty()) try {
       // The name is the content's hash, known only once written: into a temporary name first, then renamed.
-      const fs::path place = folder_ / "values" / fmt::format("incoming-{}", static_cast<const void*>(v.data()));
+      static std::atomic<unsigned> serial{0};
+      const fs::path place = folder_ / "values" / fmt::format("incoming-{}-{}", ::getpid(), ++serial);
       Hash content;
       std::uint64_t size = 0;
       write_atomically(place, [&](const fs::path& temporary) {

@@ -1,0 +1,124 @@
+#include "runtime/explain.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace terrazzo {
+namespace {
+
+using Step = Plan::Step;
+
+std::string at(const GraphNode& node, const std::string& parameter) {
+  const auto it = node.parameters.find(parameter);
+  return it == node.parameters.end() ? "its default" : it->second.place.text();
+}
+
+void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEntry& now, std::vector<std::string>& reasons) {
+  if (before.type != now.type)
+    reasons.push_back(fmt::format("the node's type changed: {} → {}", before.type, now.type));
+  else if (before.version != now.version)
+    reasons.push_back(fmt::format("{} has a new version: {} → {}", now.type, before.version, now.version));
+  for (const auto& p : node.type->parameters) {
+    const auto old = before.parameters.find(p.name), fresh = now.parameters.find(p.name);
+    if (p.kind == ParameterKind::InputPath) {
+      const auto old_files = before.files.find(p.name), fresh_files = now.files.find(p.name);
+      const bool same = old_files != before.files.end() && fresh_files != now.files.end() && old_files->second == fresh_files->second;
+      if (!same && fresh != now.parameters.end())
+        reasons.push_back(fmt::format("the content of {} changed: '{}' ({})", p.name, fresh->second, at(node, p.name)));
+    } else if (old != before.parameters.end() && fresh != now.parameters.end() && old->second != fresh->second) {
+      reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, old->second, fresh->second, at(node, p.name)));
+    } else if ((old == before.parameters.end()) != (fresh == now.parameters.end())) {
+      reasons.push_back(fmt::format("parameter {} is new or gone", p.name));
+    }
+  }
+  std::set<std::string> ports;
+  for (const auto& [port, content] : before.inputs) ports.insert(port);
+  for (const auto& [port, content] : now.inputs) ports.insert(port);
+  for (const auto& port : ports) {
+    const auto old = before.inputs.find(port), fresh = now.inputs.find(port);
+    if (old == before.inputs.end())
+      reasons.push_back(fmt::format("input {} is connected now", port));
+    else if (fresh == now.inputs.end())
+      reasons.push_back(fmt::format("input {} is no longer connected", port));
+    else if (old->second != fresh->second)
+      reasons.push_back(fmt::format("the content of input {} changed", port));
+  }
+}
+
+}  // namespace
+
+Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileHashes& hashes, const History& history) {
+  Plan plan;
+  plan.nodes.resize(graph.nodes.size());
+  std::vector<NodeResult> results(graph.nodes.size());
+  const auto needed = needed_nodes(graph, options.targets.empty() ? graph.sinks() : options.targets);
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    if (!needed[i]) continue;
+    const GraphNode& node = graph.nodes[i];
+    Plan::Node& out = plan.nodes[i];
+    std::map<std::string, std::vector<OutputRecord>> inputs;
+    std::set<std::string> running;
+    for (const auto& [port, wires] : node.inputs)
+      for (const auto& w : wires) {
+        const auto source = static_cast<std::size_t>(w.node);
+        if (plan.nodes[source].step == Step::Cached)
+          inputs[port].push_back(results[source].outputs.at(w.port));
+        else
+          running.insert(graph.nodes[source].path);
+      }
+    const auto before = history.find(graph, node);
+    if (!running.empty()) {
+      // The content to come is unknown: compare everything but the inputs.
+      out.step = Step::Perhaps;
+      if (before) {
+        HistoryEntry now = history_entry(node, results, hashes, {});
+        now.inputs = before->inputs;
+        compare(node, *before, now, out.reasons);
+        if (!out.reasons.empty()) out.step = Step::Compute;
+        Tier tier;
+        if (const auto record = store.find_action(Hash::parse(before->key), tier)) out.seconds = record->seconds;
+      } else {
+        out.step = Step::Compute;
+        out.reasons.push_back("never computed here");
+      }
+      out.reasons.push_back(fmt::format("downstream of {}", fmt::join(running, ", ")));
+      continue;
+    }
+    InputFiles files;
+    try {
+      files = input_files(node, hashes);
+    } catch (const Error& e) {
+      out.step = Step::Compute;
+      out.reasons.push_back("it will fail: " + e.diagnostic().message);
+      continue;
+    }
+    const Hash key = action_key(node, files.hashes, inputs);
+    Tier tier;
+    const auto record = store.find_action(key, tier);
+    out.step = Step::Cached;
+    if (record) {
+      out.seconds = record->seconds;
+      for (const auto& f : record->files) {
+        const auto now = hashes.hash(options.output_folder / f.path);
+        if (!now || *now != f.content)
+          out.reasons.push_back(fmt::format("the file '{}' {}", (options.output_folder / f.path).string(), now ? "was changed" : "is missing"));
+      }
+      for (const auto& [port, o] : record->outputs)
+        if (!store.has_value(o)) out.reasons.push_back(fmt::format("the value of {} was evicted from the cache", port));
+      if (out.reasons.empty()) {
+        results[i].outputs = record->outputs;
+        continue;
+      }
+    } else if (!before) {
+      out.reasons.push_back("never computed here");
+    } else {
+      compare(node, *before, history_entry(node, results, hashes, key), out.reasons);
+      if (out.reasons.empty()) out.reasons.push_back("its record was evicted from the cache");
+    }
+    out.step = Step::Compute;
+  }
+  return plan;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,73 @@
+#include "runtime/history.h"
+
+#include <nlohmann/json.hpp>
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+fs::path History::path(const Graph& graph, const GraphNode& node) const {
+  return folder_ / hash_of(fs::absolute(graph.file).lexically_normal().string() + "\n" + node.path).text();
+}
+
+std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& node) const {
+  if (folder_.empty()) return {};
+  const auto text = read_file(path(graph, node));
+  if (!text) return {};
+  try {
+    const json j = json::parse(*text);
+    HistoryEntry e;
+    e.key = j.at("key"), e.type = j.at("type"), e.version = j.at("version");
+    j.at("parameters").get_to(e.parameters);
+    j.at("files").get_to(e.files);
+    j.at("inputs").get_to(e.inputs);
+    return e;
+  } catch (const json::exception&) {
+    return {};  // damaged: as if never computed
+  }
+}
+
+HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>& results, FileHashes& hashes, const Hash& key) {
+  HistoryEntry e;
+  e.key = key.text(), e.type = node.type->name, e.version = node.type->version;
+  for (const auto& p : node.type->parameters) {
+    const auto it = node.parameters.find(p.name);
+    if (it != node.parameters.end())
+      e.parameters[p.name] = written(it->second.value);
+    else if (p.value)
+      e.parameters[p.name] = written(*p.value);
+  }
+  try {
+    for (const auto& [name, list] : input_files(node, hashes).hashes)
+      for (const auto& h : list) e.files[name].push_back(h.text());
+  } catch (const Error&) {
+    // A file that is gone shows as changed.
+  }
+  for (const auto& [port, wires] : node.inputs)
+    for (const auto& w : wires) {
+      const auto& outputs = results[static_cast<std::size_t>(w.node)].outputs;
+      const auto it = outputs.find(w.port);
+      e.inputs[port].push_back(it == outputs.end() ? "" : it->second.content.text());
+    }
+  return e;
+}
+
+void History::record(const Graph& graph, const RunResult& run, FileHashes& hashes) const {
+  if (folder_.empty()) return;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const Status s = run.nodes[i].status;
+    if (s != Status::Computed && s != Status::Disk && s != Status::Memory) continue;
+    const HistoryEntry e = history_entry(graph.nodes[i], run.nodes, hashes, run.nodes[i].key);
+    const json j = {{"key", e.key}, {"type", e.type}, {"version", e.version}, {"parameters", e.parameters},
+                    {"files", e.files}, {"inputs", e.inputs}};
+    const std::string text = j.dump();
+    const fs::path place = path(graph, graph.nodes[i]);
+    if (read_file(place) != text) try {
+        write_text_atomically(place, text);
+      } catch (const Error&) {
+        return;  // explanations are lost, results are not
+      }
+  }
+}
+
+}  // namespace terrazzo
