@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/export/checked_file.h"
-#include "nodes/export/render_mesh.h"
+#include "nodes/common/render_mesh.h"
 
 namespace terrazzo {
 namespace {

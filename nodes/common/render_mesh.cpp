@@ -1,4 +1,4 @@
-#include "nodes/export/render_mesh.h"
+#include "nodes/common/render_mesh.h"
 
 #include <algorithm>
 #include <cmath>
