@@ -3,35 +3,33 @@
 
 #include <vector>
 
-#include "nodes/data/shapes.h"
+#include "nodes/common/height_order.h"
 
 namespace terrazzo {
 
-// Between two neighbouring vertex heights the area is a quadratic of the depth: its values at both ends and
-// halfway.
-struct DepthAreas {
-  std::vector<double> height;             // of the vertices along the direction, rising, mm
-  std::vector<double> low, middle, high;  // one per interval between heights, mm²
-  double max_area() const;                // over all depths, exact
+// Over a range of depths the area is a quadratic of the depth.
+struct AreaRange {
+  double thickness;          // of the range, mm
+  double low, middle, high;  // area at both ends and halfway, mm²
 };
+
+double max_area(const AreaRange&);  // within the range, exact
 
 // Sweeps a mesh along directions. Holds scratch memory: one per thread.
 class DepthSweep {
  public:
   explicit DepthSweep(const Mesh& mesh);
-  // Valid until the next call. Every triangle adds a quadratic to the intervals that it spans; sums of
-  // differences over the sorted heights give all intervals in one pass.
-  const DepthAreas& sweep(const Vec3& direction);
+  // Total section area between each two neighbouring vertices, from the lowest up; valid until the next call.
+  // Every triangle adds a quadratic to the ranges that it spans; sums of differences give all ranges in one
+  // pass.
+  const std::vector<AreaRange>& sweep(const Vec3& direction);
 
  private:
-  void sort_heights();
-
   const Mesh& mesh_;
-  double radius_;
-  std::vector<Vec3> point_;  // vertices in coordinates whose z is the direction
-  std::vector<std::int32_t> order_, rank_, bucket_;
-  std::vector<double> c0_, c1_, c2_;  // differences of the coefficients
-  DepthAreas areas_;
+  HeightOrder order_;
+  double flat_;  // mm; triangles' parts no higher than that are added to their ranges one by one
+  std::vector<Quadratic> difference_;
+  std::vector<AreaRange> ranges_;
 };
 
 }  // namespace terrazzo

@@ -19,20 +19,26 @@ struct Candidate {
   double area;
 };
 
+double largest(DepthSweep& sweep, const Vec3& direction) {
+  double best = 0;
+  for (const AreaRange& r : sweep.sweep(direction)) best = std::max(best, max_area(r));
+  return best;
+}
+
 // Compass search over tilts of the direction, the depth being exact at every try. The largest section of a
 // polyhedron often lies on a crest (through vertices), so each round turns the compass to not miss the way
 // along it.
-Candidate climb(DepthSweep& sweep, Candidate c, double step, const Work& work) {
+Candidate climb(DepthSweep& sweep, Candidate c, double step, double finest, const Work& work) {
   constexpr double kGolden = 2.399963229728653;
   double turn = 0;
-  while (step > 2e-6) {
+  while (step > finest) {
     work.check();
     bool better = false;
     for (int k = 0; k < 6; ++k) {
       const Vec3 a = c.direction.unitOrthogonal(), b = c.direction.cross(a);
       const double angle = turn + k * std::numbers::pi / 3;
       const Vec3 u = (c.direction + step * (std::cos(angle) * a + std::sin(angle) * b)).normalized();
-      const double area = sweep.sweep(u).max_area();
+      const double area = largest(sweep, u);
       if (area > c.area) {
         c = {u, area};
         better = true;
@@ -49,14 +55,17 @@ Candidate climb(DepthSweep& sweep, Candidate c, double step, const Work& work) {
 
 double max_section_area(const Mesh& mesh, const Work& work) {
   if (mesh.vertices.empty() || mesh.triangles.empty()) return 0;
-  const std::size_t n = mesh.triangles.size() > 20000 ? 240 : 800;
+  // Few triangles meet in sharp peaks, many round them off.
+  const bool fine = mesh.triangles.size() > 1000;
+  const std::size_t n = fine ? 256 : 800;
+  const double finest = fine ? 1e-4 : 2e-6;
   std::vector<Candidate> candidates(n);
   work.part(0, 0.5).parallel(n, n / 8, [&](std::size_t begin, std::size_t end) {
     DepthSweep sweep(mesh);
     for (std::size_t i = begin; i < end; ++i) {
       work.check();
       const Vec3 u = half_sphere_direction(i, n);
-      candidates[i] = {u, sweep.sweep(u).max_area()};
+      candidates[i] = {u, largest(sweep, u)};
     }
   });
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -65,13 +74,13 @@ double max_section_area(const Mesh& mesh, const Work& work) {
   std::vector<Candidate> starts;
   const double apart = std::cos(0.3);
   for (const Candidate& c : candidates) {
-    if (starts.size() == 6) break;
+    if (starts.size() == (fine ? 3u : 6u)) break;
     const auto near = [&](const Candidate& s) { return std::abs(s.direction.dot(c.direction)) > apart; };
     if (std::none_of(starts.begin(), starts.end(), near)) starts.push_back(c);
   }
   work.part(0.5, 1).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t) {
     DepthSweep sweep(mesh);
-    starts[begin] = climb(sweep, starts[begin], 2 / std::sqrt(static_cast<double>(n)), work);
+    starts[begin] = climb(sweep, starts[begin], 2 / std::sqrt(static_cast<double>(n)), finest, work);
   });
   double best = 0;
   for (const Candidate& c : starts) best = std::max(best, c.area);

@@ -1,0 +1,57 @@
+// The profiles of a mesh, disjoint ones apart, at all depths of one direction at once.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/common/depth_areas.h"
+
+namespace terrazzo {
+
+// One profile over a range of depths; its area is without its holes.
+struct ProfileRange {
+  AreaRange area;
+  int holes;
+};
+
+// Sweeps a closed mesh along directions. Between two neighbouring critical vertices (minima, maxima, saddles
+// of the height) the loops of the section neither meet nor part, so each is the outline of one connected
+// piece of the surface in between: the level sets of the Reeb graph. Equal heights are told apart by the
+// vertices' numbers. Holds scratch memory: one per thread.
+class ProfileSweep {
+ public:
+  explicit ProfileSweep(const Mesh& mesh);
+  // In no particular but a fixed order; valid until the next call.
+  const std::vector<ProfileRange>& sweep(const Vec3& direction);
+
+ private:
+  struct Loop {               // within a slab between two critical vertices
+    double area = 0;          // halfway up the thickest range; negative of a hole
+    std::int32_t owner = -1;  // of a hole: the loop around it
+    int holes = 0;
+  };
+  void start(const Vec3& direction);
+  void add_slab(std::int32_t bottom, std::int32_t top);
+  void find_loops(std::int32_t bottom, std::int32_t top);
+  void add_areas(std::int32_t bottom, std::int32_t top);
+  void find_owners(double z);
+  std::int32_t root(std::int32_t edge);
+
+  const Mesh& mesh_;
+  HeightOrder order_;
+  double flat_;
+  std::vector<Triangle> sides_;             // numbers of the edges from vertex k to k + 1 of each triangle
+  std::vector<std::int32_t> parent_;        // of each edge, within a slab
+  std::vector<std::int32_t> loop_of_edge_;  // of the edges at the roots
+  std::vector<RankedTriangle> ranked_;
+  std::vector<std::int32_t> by_low_;  // triangles by the rank of their lowest vertex
+  std::vector<std::int32_t> bucket_, times_middle_;
+  std::size_t next_ = 0;  // into by_low_
+  std::vector<std::int32_t> active_, loop_of_active_;
+  std::vector<Loop> loops_;
+  std::vector<Quadratic> difference_;  // [loop][range]
+  std::vector<AreaRange> areas_;       // [loop][range]
+  std::vector<ProfileRange> ranges_;
+};
+
+}  // namespace terrazzo
