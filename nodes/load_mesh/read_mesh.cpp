@@ -1,0 +1,168 @@
+#include "nodes/load_mesh/read_mesh.h"
+
+#include <fmt/format.h>
+
+#include <OpenMesh/Core/IO/IOManager.hh>
+#include <OpenMesh/Core/IO/importer/BaseImporter.hh>
+#include <OpenMesh/Core/IO/reader/OBJReader.hh>
+#include <OpenMesh/Core/IO/reader/OFFReader.hh>
+#include <OpenMesh/Core/IO/reader/PLYReader.hh>
+#include <OpenMesh/Core/IO/reader/STLReader.hh>
+#include <OpenMesh/Core/System/omstream.hh>
+#include <algorithm>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+
+namespace {
+
+namespace om = OpenMesh;
+
+// OpenMesh's own importer builds half-edges at once, and so cuts faces loose that meet an edge twice. This
+// one keeps the file's faces as they are: whether they bound a solid is judged afterwards, with all of them
+// present.
+class SoupImporter final : public om::IO::BaseImporter {
+ public:
+  explicit SoupImporter(PolygonSoup& soup) : soup_(soup) {}
+
+  om::VertexHandle add_vertex(const om::Vec3f& p) override { return add({p[0], p[1], p[2]}); }
+  om::VertexHandle add_vertex(const om::Vec3d& p) override { return add({p[0], p[1], p[2]}); }
+  om::VertexHandle add_vertex() override { return add(Vec3::Zero()); }
+  void set_point(om::VertexHandle v, const om::Vec3f& p) override {
+    if (v.is_valid() && v.idx() < static_cast<int>(soup_.vertices.size()))
+      soup_.vertices[v.idx()] = {p[0], p[1], p[2]};
+  }
+  om::FaceHandle add_face(const VHandles& corners) override {
+    std::vector<int> polygon;
+    for (const auto v : corners) polygon.push_back(v.idx());
+    soup_.polygons.push_back(std::move(polygon));
+    return om::FaceHandle(static_cast<int>(soup_.polygons.size()) - 1);
+  }
+  size_t n_vertices() const override { return soup_.vertices.size(); }
+  size_t n_faces() const override { return soup_.polygons.size(); }
+  size_t n_edges() const override { return 0; }
+
+  // Half-edge input and attributes: of no use here.
+  om::HalfedgeHandle add_edge(om::VertexHandle, om::VertexHandle) override { return om::HalfedgeHandle(); }
+  om::FaceHandle add_face(om::HalfedgeHandle) override { return om::FaceHandle(); }
+  void add_face_texcoords(om::FaceHandle, om::VertexHandle, const std::vector<om::Vec2f>&) override {}
+  void add_face_texcoords(om::FaceHandle, om::VertexHandle, const std::vector<om::Vec3f>&) override {}
+  void set_face_texindex(om::FaceHandle, int) override {}
+  void set_halfedge(om::VertexHandle, om::HalfedgeHandle) override {}
+  void set_normal(om::VertexHandle, const om::Vec3f&) override {}
+  void set_normal(om::VertexHandle, const om::Vec3d&) override {}
+  void set_color(om::VertexHandle, const om::Vec3uc&) override {}
+  void set_color(om::VertexHandle, const om::Vec4uc&) override {}
+  void set_color(om::VertexHandle, const om::Vec3f&) override {}
+  void set_color(om::VertexHandle, const om::Vec4f&) override {}
+  void set_texcoord(om::VertexHandle, const om::Vec2f&) override {}
+  void set_status(om::VertexHandle, const om::Attributes::StatusInfo&) override {}
+  void set_next(om::HalfedgeHandle, om::HalfedgeHandle) override {}
+  void set_face(om::HalfedgeHandle, om::FaceHandle) override {}
+  void request_face_texcoords2D() override {}
+  void set_texcoord(om::HalfedgeHandle, const om::Vec2f&) override {}
+  void set_texcoord(om::VertexHandle, const om::Vec3f&) override {}
+  void set_texcoord(om::HalfedgeHandle, const om::Vec3f&) override {}
+  void set_status(om::HalfedgeHandle, const om::Attributes::StatusInfo&) override {}
+  void set_color(om::EdgeHandle, const om::Vec3uc&) override {}
+  void set_color(om::EdgeHandle, const om::Vec4uc&) override {}
+  void set_color(om::EdgeHandle, const om::Vec3f&) override {}
+  void set_color(om::EdgeHandle, const om::Vec4f&) override {}
+  void set_status(om::EdgeHandle, const om::Attributes::StatusInfo&) override {}
+  void set_normal(om::FaceHandle, const om::Vec3f&) override {}
+  void set_normal(om::FaceHandle, const om::Vec3d&) override {}
+  void set_color(om::FaceHandle, const om::Vec3uc&) override {}
+  void set_color(om::FaceHandle, const om::Vec4uc&) override {}
+  void set_color(om::FaceHandle, const om::Vec3f&) override {}
+  void set_color(om::FaceHandle, const om::Vec4f&) override {}
+  void set_status(om::FaceHandle, const om::Attributes::StatusInfo&) override {}
+  void add_texture_information(int, std::string) override {}
+
+ private:
+  om::VertexHandle add(const Vec3& p) {
+    soup_.vertices.push_back(p);
+    return om::VertexHandle(static_cast<int>(soup_.vertices.size()) - 1);
+  }
+  PolygonSoup& soup_;
+};
+
+// OpenMesh's readers and their message streams are one for the whole process.
+std::mutex& reader_mutex() {
+  static std::mutex m;
+  return m;
+}
+
+bool run_reader(const std::string& path, const std::string& extension, PolygonSoup& soup,
+                std::string& words) {
+  const std::lock_guard lock(reader_mutex());
+  // Naming the readers makes the linker keep them where OpenMesh is a static library.
+  om::IO::BaseReader* reader = extension == ".obj"   ? static_cast<om::IO::BaseReader*>(&om::IO::OBJReader())
+                               : extension == ".ply" ? static_cast<om::IO::BaseReader*>(&om::IO::PLYReader())
+                               : extension == ".stl" ? static_cast<om::IO::BaseReader*>(&om::IO::STLReader())
+                                                     : static_cast<om::IO::BaseReader*>(&om::IO::OFFReader());
+  std::ostringstream heard;
+  struct Redirect {
+    std::ostream& stream;
+    std::streambuf* before;
+    Redirect(std::ostream& s, std::ostringstream& to) : stream(s), before(s.rdbuf(to.rdbuf())) {}
+    ~Redirect() { stream.rdbuf(before); }
+  } errors(::omerr(), heard), notes(::omlog(), heard);
+  SoupImporter importer(soup);
+  om::IO::Options options;
+  bool good = false;
+  try {
+    good = reader->can_u_read(path) && reader->read(path, importer, options);
+  } catch (const std::exception& e) {
+    heard << e.what();
+  }
+  words = heard.str();
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  while (!words.empty() && words.back() == ' ') words.pop_back();
+  return good;
+}
+
+}  // namespace
+
+PolygonSoup read_mesh(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  if (extension != ".obj" && extension != ".ply" && extension != ".stl" && extension != ".off")
+    throw Error("unknown-format",
+                fmt::format("{}: no mesh format is known by the extension \"{}\"", name, extension),
+                "give an .obj, .ply, .stl or .off file");
+  if (!std::ifstream(path).good())
+    throw Error("unreadable-mesh", name + ": cannot be opened", "check the file's permissions");
+  PolygonSoup soup;
+  std::string words;
+  const bool good = run_reader(path.string(), extension, soup, words);
+  if (!good || soup.polygons.empty())
+    throw Error("unreadable-mesh",
+                name + ": " +
+                    (!words.empty() ? words
+                     : good         ? "holds no faces"
+                                    : "is not a " + extension.substr(1) + " file"),
+                "check that the file is whole and in the format that its extension says");
+  const int n = static_cast<int>(soup.vertices.size());
+  for (std::size_t f = 0; f < soup.polygons.size(); ++f) {
+    if (soup.polygons[f].size() < 3)
+      throw Error("bad-mesh", fmt::format("{}: face {} has {} corners", name, f, soup.polygons[f].size()),
+                  "remove lines and points from the mesh");
+    for (const int v : soup.polygons[f])
+      if (v < 0 || v >= n)
+        throw Error("bad-mesh", fmt::format("{}: face {} names vertex {} of {}", name, f, v, n),
+                    "the file is damaged: write it again");
+  }
+  for (int v = 0; v < n; ++v)
+    if (!soup.vertices[v].allFinite())
+      throw Error("bad-mesh", fmt::format("{}: vertex {} is not a finite number", name, v),
+                  "the file is damaged: write it again");
+  return soup;
+}
+
+}  // namespace terrazzo
