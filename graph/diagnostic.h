@@ -1,4 +1,5 @@
-// Messages with a place: what every layer reports, so that the user sees node, parameter and file:line:column.
+// Messages with a place: what every layer reports, so that the user sees node, parameter and
+// file:line:column.
 #pragma once
 
 #include <exception>

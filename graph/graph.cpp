@@ -33,7 +33,8 @@ Wire Graph::wire_to(const std::string& text) const {
   if (!type.find_output(port)) {
     std::vector<std::string> names;
     for (const auto& p : type.outputs) names.push_back(p.name);
-    throw Error("unknown-port", type.name + " '" + path + "' has no output '" + port + "'" + did_you_mean(port, names));
+    throw Error("unknown-port",
+                type.name + " '" + path + "' has no output '" + port + "'" + did_you_mean(port, names));
   }
   return {node, port, {}};
 }

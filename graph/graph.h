@@ -29,8 +29,8 @@ struct GraphNode {
   std::string path;  // "asset/pack"
   const NodeType* type = nullptr;
   Place place;
-  std::map<std::string, SetParameter> parameters;     // written ones only
-  std::map<std::string, std::vector<Wire>> inputs;    // connected ones only
+  std::map<std::string, SetParameter> parameters;   // written ones only
+  std::map<std::string, std::vector<Wire>> inputs;  // connected ones only
   bool in_subgraph() const { return path.find('/') != std::string::npos; }
 };
 
@@ -54,10 +54,11 @@ struct Graph {
 
   int find(const std::string& path) const;  // −1 where there is none
   std::vector<std::string> paths() const;
-  // Wire to "node.port", or "node" where the node has one output. Throws Error "unknown-node" / "unknown-port".
+  // Wire to "node.port", or "node" where the node has one output. Throws Error "unknown-node" /
+  // "unknown-port".
   Wire wire_to(const std::string& text) const;
-  // Nodes that are evaluated when nobody names a target: what nobody consumes (in subgraphs only what writes files),
-  // and the graph's own outputs.
+  // Nodes that are evaluated when nobody names a target: what nobody consumes (in subgraphs only what writes
+  // files), and the graph's own outputs.
   std::vector<int> sinks() const;
 };
 
@@ -67,13 +68,13 @@ struct Overrides {
   std::vector<std::pair<std::string, std::string>> parameters;
 };
 
-// Reads a graph file and checks everything: every mistake ends up in `found`, with its place. The result can be run
-// only if has_errors(found) is false. Paths in values are made absolute against the file that they stand in, those in
-// overrides against the working folder.
+// Reads a graph file and checks everything: every mistake ends up in `found`, with its place. The result can
+// be run only if has_errors(found) is false. Paths in values are made absolute against the file that they
+// stand in, those in overrides against the working folder.
 Graph load_graph(const std::filesystem::path& file, const Registry&, const Overrides&, Diagnostics& found);
 
 // The same from text, as if it stood in `file` (which need not exist).
-Graph load_graph_text(const std::string& text, const std::filesystem::path& file, const Registry&, const Overrides&,
-                      Diagnostics& found);
+Graph load_graph_text(const std::string& text, const std::filesystem::path& file, const Registry&,
+                      const Overrides&, Diagnostics& found);
 
 }  // namespace terrazzo

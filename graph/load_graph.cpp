@@ -41,7 +41,8 @@ class Linker {
     graph_.name = doc.name.empty() ? doc.file.stem().string() : doc.name;
     graph_.file = doc.file.string();
     std::map<std::string, Given> given;
-    for (const auto& [name, text] : overrides_.parameters) given[name] = from_command_line(text, "--param " + name);
+    for (const auto& [name, text] : overrides_.parameters)
+      given[name] = from_command_line(text, "--param " + name);
     Scope& root = open(std::move(doc), "", nullptr, nullptr, std::move(given));
     for (const auto& p : root.doc.parameters) {
       graph_.parameters.push_back({p.declaration, p.place});
@@ -82,7 +83,8 @@ class Linker {
     return it == index_.end() ? -1 : it->second;
   }
 
-  // --- parameters -------------------------------------------------------------------------------------------
+  // --- parameters
+  // -------------------------------------------------------------------------------------------
 
   // Replaces ${name}. A value that is nothing but one reference keeps the type and origin of what it names.
   Given substitute(const Scope& scope, const RawValue& raw) {
@@ -100,12 +102,15 @@ class Linker {
           std::vector<std::string> names;
           for (const auto& p : scope.doc.parameters) names.push_back(p.declaration.name);
           if (std::find(names.begin(), names.end(), name) == names.end())
-            fail("unknown-parameter", fmt::format("the graph has no parameter '{}'{}", name, did_you_mean(name, names)), raw.place);
+            fail("unknown-parameter",
+                 fmt::format("the graph has no parameter '{}'{}", name, did_you_mean(name, names)),
+                 raw.place);
           return out.written.items.clear(), out;
         }
         if (!raw.written.is_list && open == 0 && close + 1 == item.size()) {
           Given whole = it->second;
-          whole.place = it->second.place.line > 0 || !it->second.place.file.empty() ? it->second.place : raw.place;
+          whole.place =
+              it->second.place.line > 0 || !it->second.place.file.empty() ? it->second.place : raw.place;
           return whole;
         }
         text += item.substr(at, open - at) + it->second.written.text();
@@ -134,13 +139,16 @@ class Linker {
       }
       std::string why;
       if (!read_parameter(p.declaration, value.written, why)) {
-        fail("bad-value", why, value.place, {}, scope.prefix.empty() ? "" : scope.prefix.substr(0, scope.prefix.size() - 1), name);
+        fail("bad-value", why, value.place, {},
+             scope.prefix.empty() ? "" : scope.prefix.substr(0, scope.prefix.size() - 1), name);
         continue;
       }
       scope.parameters[name] = std::move(value);
     }
     for (const auto& [name, value] : given)
-      fail("unknown-parameter", fmt::format("{} has no parameter '{}'{}", scope.node ? "'" + scope.node->graph + "'" : "the graph", name, did_you_mean(name, names)),
+      fail("unknown-parameter",
+           fmt::format("{} has no parameter '{}'{}", scope.node ? "'" + scope.node->graph + "'" : "the graph",
+                       name, did_you_mean(name, names)),
            value.place);
   }
 
@@ -149,10 +157,12 @@ class Linker {
     if (!p) {
       std::vector<std::string> names;
       for (const auto& q : node.type->parameters) names.push_back(q.name);
-      return fail("unknown-parameter", fmt::format("{} has no parameter '{}'{}", node.type->name, name, did_you_mean(name, names)),
+      return fail("unknown-parameter",
+                  fmt::format("{} has no parameter '{}'{}", node.type->name, name, did_you_mean(name, names)),
                   given.place, {}, node.path);
     }
-    if (given.written.items.empty() && !given.written.is_list) return;  // already reported where it was substituted
+    if (given.written.items.empty() && !given.written.is_list)
+      return;  // already reported where it was substituted
     std::string why;
     auto value = read_parameter(*p, given.written, why);
     if (!value) return fail("bad-value", why, given.place, {}, node.path, name);
@@ -164,15 +174,18 @@ class Linker {
     node.parameters[name] = {std::move(*value), given.place, given.written.text()};
   }
 
-  // --- scopes -----------------------------------------------------------------------------------------------
+  // --- scopes
+  // -----------------------------------------------------------------------------------------------
 
-  Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node, std::map<std::string, Given> given) {
+  Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
+              std::map<std::string, Given> given) {
     auto owned = std::make_unique<Scope>();
     Scope& scope = *owned;
     scope.prefix = prefix, scope.doc = std::move(doc), scope.parent = parent, scope.node = node;
     scopes_[prefix] = std::move(owned);
     fill_parameters(scope, std::move(given));
-    for (const auto& raw : scope.doc.nodes) raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);
+    for (const auto& raw : scope.doc.nodes)
+      raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);
     return scope;
   }
 
@@ -183,8 +196,10 @@ class Linker {
     node.type = registry_.find(raw.type);
     if (!node.type) {
       unknown_.insert(node.path);
-      return fail("unknown-type", fmt::format("there is no node type '{}'{}", raw.type, did_you_mean(raw.type, registry_.names())),
-                  raw.kind_place, {}, node.path);
+      return fail(
+          "unknown-type",
+          fmt::format("there is no node type '{}'{}", raw.type, did_you_mean(raw.type, registry_.names())),
+          raw.kind_place, {}, node.path);
     }
     for (const auto& [name, value] : raw.params) set_parameter(node, name, substitute(scope, value));
     index_[node.path] = static_cast<int>(graph_.nodes.size());
@@ -202,7 +217,8 @@ class Linker {
     std::ifstream in(file, std::ios::binary);
     if (!in) {
       unknown_.insert(path);
-      return fail("no-file", fmt::format("cannot read the graph '{}'", file.string()), raw.kind_place, {}, path);
+      return fail("no-file", fmt::format("cannot read the graph '{}'", file.string()), raw.kind_place, {},
+                  path);
     }
     std::stringstream text;
     text << in.rdbuf();
@@ -235,24 +251,30 @@ class Linker {
       if (node >= 0)
         set_parameter(graph_.nodes[static_cast<std::size_t>(node)], target.substr(dot + 1), given);
       else if (!unknown_.count(target.substr(0, dot)))
-        fail("unknown-node", fmt::format("there is no node '{}'{}", target.substr(0, dot), did_you_mean(target.substr(0, dot), graph_.paths())),
+        fail("unknown-node",
+             fmt::format("there is no node '{}'{}", target.substr(0, dot),
+                         did_you_mean(target.substr(0, dot), graph_.paths())),
              given.place, dot == std::string::npos ? "write NODE.PARAM=VALUE" : "");
     }
   }
 
-  // --- wires ------------------------------------------------------------------------------------------------
+  // --- wires
+  // ------------------------------------------------------------------------------------------------
 
-  // Follows a reference through subgraphs to the node that makes the value. Mistakes are reported once, where written.
+  // Follows a reference through subgraphs to the node that makes the value. Mistakes are reported once, where
+  // written.
   std::optional<Wire> resolve(Scope& scope, const RawReference& ref, int depth = 0) {
     const auto dot = ref.text.rfind('.');
     std::string name = ref.text.substr(0, dot);
     const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
-    const auto raw = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(), [&](const RawNode& n) { return n.name == name; });
+    const auto raw = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(),
+                                  [&](const RawNode& n) { return n.name == name; });
     const std::string path = scope.prefix + name;
     if (raw == scope.doc.nodes.end()) {
       std::vector<std::string> names;
       for (const auto& n : scope.doc.nodes) names.push_back(n.name);
-      fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, names)), ref.place);
+      fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, names)),
+           ref.place);
       return {};
     }
     if (unknown_.count(path) || depth > 64) return {};
@@ -267,11 +289,13 @@ class Linker {
       if (it == scopes_.end()) return {};
       std::vector<std::string> names;
       for (const auto& [output, target] : it->second->doc.outputs) {
-        if (output == port || (port.empty() && it->second->doc.outputs.size() == 1)) return resolve(*it->second, target, depth + 1);
+        if (output == port || (port.empty() && it->second->doc.outputs.size() == 1))
+          return resolve(*it->second, target, depth + 1);
         names.push_back(output);
       }
-      fail("unknown-port", fmt::format("graph '{}' has no output '{}'{}", raw->graph, port, did_you_mean(port, names)), ref.place,
-           names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+      fail("unknown-port",
+           fmt::format("graph '{}' has no output '{}'{}", raw->graph, port, did_you_mean(port, names)),
+           ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
       return {};
     }
     const int node = find(path);
@@ -281,8 +305,9 @@ class Linker {
     if (type.find_output(port)) return Wire{node, port, ref.place};
     std::vector<std::string> names;
     for (const auto& p : type.outputs) names.push_back(p.name);
-    fail("unknown-port", fmt::format("{} '{}' has no output '{}'{}", type.name, name, port, did_you_mean(port, names)), ref.place,
-         names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+    fail("unknown-port",
+         fmt::format("{} '{}' has no output '{}'{}", type.name, name, port, did_you_mean(port, names)),
+         ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
     return {};
   }
 
@@ -301,11 +326,14 @@ class Linker {
       if (!p) {
         std::vector<std::string> names;
         for (const auto& q : node.type->inputs) names.push_back(q.name);
-        fail("unknown-port", fmt::format("{} has no input '{}'{}", node.type->name, port, did_you_mean(port, names)), refs.front().place, {}, path);
+        fail("unknown-port",
+             fmt::format("{} has no input '{}'{}", node.type->name, port, did_you_mean(port, names)),
+             refs.front().place, {}, path);
         continue;
       }
       if (refs.size() > 1 && !p->many) {
-        fail("too-many-wires", fmt::format("input '{}' takes one wire, not {}", port, refs.size()), refs[1].place, {}, path);
+        fail("too-many-wires", fmt::format("input '{}' takes one wire, not {}", port, refs.size()),
+             refs[1].place, {}, path);
         continue;
       }
       for (const auto& ref : refs) attach(scope, index, *p, ref);
@@ -325,12 +353,17 @@ class Linker {
 
   void attach(Scope& scope, int index, const Port& port, const RawReference& ref) {
     const auto wire = resolve(scope, ref);
-    broken_inputs_.insert({index, port.name});  // a wire was meant: "missing input" would be a second, wrong message
+    broken_inputs_.insert(
+        {index, port.name});  // a wire was meant: "missing input" would be a second, wrong message
     if (!wire) return;
-    const std::string& type = graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port)->types[0];
+    const std::string& type =
+        graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port)->types[0];
     GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
     if (!port.accepts(type))
-      return fail("wrong-type", fmt::format("input '{}' takes {}, but {} is {}", port.name, port.type_text(), ref.text, type), ref.place, {}, node.path);
+      return fail(
+          "wrong-type",
+          fmt::format("input '{}' takes {}, but {} is {}", port.name, port.type_text(), ref.text, type),
+          ref.place, {}, node.path);
     Wire w = *wire;
     w.place = ref.place;
     node.inputs[port.name].push_back(std::move(w));
@@ -343,7 +376,9 @@ class Linker {
     for (const auto& [input, target] : it->second->doc.inputs) names.push_back(input);
     for (const auto& [port, refs] : raw.inputs) {
       if (std::find(names.begin(), names.end(), port) == names.end())
-        fail("unknown-port", fmt::format("graph '{}' has no input '{}'{}", raw.graph, port, did_you_mean(port, names)), refs.front().place);
+        fail("unknown-port",
+             fmt::format("graph '{}' has no input '{}'{}", raw.graph, port, did_you_mean(port, names)),
+             refs.front().place);
       for (const auto& ref : refs) resolve(scope, ref);
     }
   }
@@ -352,16 +387,22 @@ class Linker {
     for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
       const GraphNode& node = graph_.nodes[i];
       for (const auto& port : node.type->inputs)
-        if (!port.optional && !node.inputs.count(port.name) && !broken_inputs_.count({static_cast<int>(i), port.name}))
-          fail("missing-input", fmt::format("{} needs the input '{}' ({})", node.type->name, port.name, port.type_text()), node.place, {}, node.path);
+        if (!port.optional && !node.inputs.count(port.name) &&
+            !broken_inputs_.count({static_cast<int>(i), port.name}))
+          fail("missing-input",
+               fmt::format("{} needs the input '{}' ({})", node.type->name, port.name, port.type_text()),
+               node.place, {}, node.path);
       for (const auto& p : node.type->parameters)
         if (!p.value && !node.parameters.count(p.name) && !has_error_on(node.path, p.name))
-          fail("missing-parameter", fmt::format("{} needs the parameter '{}' ({})", node.type->name, p.name, p.doc), node.place, {}, node.path);
+          fail("missing-parameter",
+               fmt::format("{} needs the parameter '{}' ({})", node.type->name, p.name, p.doc), node.place,
+               {}, node.path);
     }
   }
 
   bool has_error_on(const std::string& node, const std::string& parameter) const {
-    return std::any_of(found_.begin(), found_.end(), [&](const Diagnostic& d) { return d.node == node && d.parameter == parameter; });
+    return std::any_of(found_.begin(), found_.end(),
+                       [&](const Diagnostic& d) { return d.node == node && d.parameter == parameter; });
   }
 
   // Sources before consumers, otherwise in the order written.
@@ -409,24 +450,26 @@ class Linker {
   std::vector<bool> used_;
   Graph graph_;
   std::map<std::string, std::unique_ptr<Scope>> scopes_;
-  std::map<std::string, int> index_;                      // of graph_.nodes by path
-  std::set<std::string> unknown_;                         // paths whose type or file is unknown, already reported
+  std::map<std::string, int> index_;  // of graph_.nodes by path
+  std::set<std::string> unknown_;     // paths whose type or file is unknown, already reported
   std::set<std::pair<int, std::string>> broken_inputs_;
 };
 
 }  // namespace
 
-Graph load_graph_text(const std::string& text, const fs::path& file, const Registry& registry, const Overrides& overrides,
-                      Diagnostics& found) {
+Graph load_graph_text(const std::string& text, const fs::path& file, const Registry& registry,
+                      const Overrides& overrides, Diagnostics& found) {
   RawDocument doc = read_document(text, file.lexically_normal(), found);
   return Linker(registry, overrides, found).link(std::move(doc));
 }
 
-Graph load_graph(const fs::path& file, const Registry& registry, const Overrides& overrides, Diagnostics& found) {
+Graph load_graph(const fs::path& file, const Registry& registry, const Overrides& overrides,
+                 Diagnostics& found) {
   std::ifstream in(file, std::ios::binary);
   std::stringstream text;
   if (!in || fs::is_directory(file) || !(text << in.rdbuf())) {
-    found.push_back({Severity::Error, "no-file", "cannot read the graph file '" + file.string() + "'", {}, {}, {}, {}});
+    found.push_back(
+        {Severity::Error, "no-file", "cannot read the graph file '" + file.string() + "'", {}, {}, {}, {}});
     return {};
   }
   return load_graph_text(text.str(), file, registry, overrides, found);

@@ -12,17 +12,28 @@ namespace terrazzo {
 
 const char* name_of(ParameterKind k) {
   switch (k) {
-    case ParameterKind::Bool: return "bool";
-    case ParameterKind::Int: return "int";
-    case ParameterKind::Number: return "number";
-    case ParameterKind::Choice: return "choice";
-    case ParameterKind::Text: return "text";
-    case ParameterKind::Ints: return "ints";
-    case ParameterKind::Numbers: return "numbers";
-    case ParameterKind::Texts: return "texts";
-    case ParameterKind::Color: return "color";
-    case ParameterKind::InputPath: return "path";
-    case ParameterKind::OutputPath: return "output path";
+    case ParameterKind::Bool:
+      return "bool";
+    case ParameterKind::Int:
+      return "int";
+    case ParameterKind::Number:
+      return "number";
+    case ParameterKind::Choice:
+      return "choice";
+    case ParameterKind::Text:
+      return "text";
+    case ParameterKind::Ints:
+      return "ints";
+    case ParameterKind::Numbers:
+      return "numbers";
+    case ParameterKind::Texts:
+      return "texts";
+    case ParameterKind::Color:
+      return "color";
+    case ParameterKind::InputPath:
+      return "path";
+    case ParameterKind::OutputPath:
+      return "output path";
   }
   return "?";
 }
@@ -41,14 +52,18 @@ Parameter make(ParameterKind kind, std::string name, std::optional<ParameterValu
 }  // namespace
 
 Parameter Parameter::boolean(std::string n, bool v) { return make(ParameterKind::Bool, std::move(n), v); }
-Parameter Parameter::integer(std::string n, std::int64_t v) { return make(ParameterKind::Int, std::move(n), v); }
+Parameter Parameter::integer(std::string n, std::int64_t v) {
+  return make(ParameterKind::Int, std::move(n), v);
+}
 Parameter Parameter::number(std::string n, double v) { return make(ParameterKind::Number, std::move(n), v); }
 Parameter Parameter::choice(std::string n, std::string v, std::vector<std::string> choices) {
   Parameter p = make(ParameterKind::Choice, std::move(n), std::move(v));
   p.choices = std::move(choices);
   return p;
 }
-Parameter Parameter::text(std::string n, std::string v) { return make(ParameterKind::Text, std::move(n), std::move(v)); }
+Parameter Parameter::text(std::string n, std::string v) {
+  return make(ParameterKind::Text, std::move(n), std::move(v));
+}
 Parameter Parameter::ints(std::string n, std::vector<std::int64_t> v) {
   return make(ParameterKind::Ints, std::move(n), std::move(v));
 }
@@ -98,19 +113,22 @@ bool in_range(const Parameter& p, double v, std::string& why) {
   }
   const std::string unit = p.unit.empty() ? "" : " " + p.unit;
   if (std::isinf(p.max))
-    why = fmt::format("{} is out of range: it must be {} {}{}", v, p.min_open ? "above" : "at least", p.min, unit);
+    why = fmt::format("{} is out of range: it must be {} {}{}", v, p.min_open ? "above" : "at least", p.min,
+                      unit);
   else if (std::isinf(p.min))
     why = fmt::format("{} is out of range: it must be at most {}{}", v, p.max, unit);
   else
-    why = fmt::format("{} is out of range: it must lie {} {} and {}{}", v, p.min_open ? "above" : "between", p.min, p.max, unit);
+    why = fmt::format("{} is out of range: it must lie {} {} and {}{}", v, p.min_open ? "above" : "between",
+                      p.min, p.max, unit);
   return false;
 }
 
 template <class T>
 bool read_list(const Parameter& p, const WrittenValue& w, std::vector<T>& out, std::string& why) {
   if (w.items.size() < p.min_count || w.items.size() > p.max_count) {
-    why = p.min_count == p.max_count ? fmt::format("needs {} values, not {}", p.min_count, w.items.size())
-                                     : fmt::format("needs {} to {} values, not {}", p.min_count, p.max_count, w.items.size());
+    why = p.min_count == p.max_count
+              ? fmt::format("needs {} values, not {}", p.min_count, w.items.size())
+              : fmt::format("needs {} to {} values, not {}", p.min_count, p.max_count, w.items.size());
     return false;
   }
   for (const auto& item : w.items) {
@@ -130,7 +148,8 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
   if (w.is_list && w.items.size() == 3) {
     for (const auto& item : w.items) {
       const auto v = parse_number<double>(item);
-      if (!v || !std::isfinite(*v) || *v < 0) return why = "'" + item + "' is not a linear colour component", std::nullopt;
+      if (!v || !std::isfinite(*v) || *v < 0)
+        return why = "'" + item + "' is not a linear colour component", std::nullopt;
       rgb.push_back(*v);
     }
     return rgb;
@@ -141,7 +160,8 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
       int byte = 0;
       const char* at = s.data() + 1 + 2 * i;
       const auto [end, error] = std::from_chars(at, at + 2, byte, 16);
-      if (error != std::errc() || end != at + 2) return why = "'" + s + "' is not a colour like \"#a0b0c0\"", std::nullopt;
+      if (error != std::errc() || end != at + 2)
+        return why = "'" + s + "' is not a colour like \"#a0b0c0\"", std::nullopt;
       const double e = byte / 255.0;  // IEC 61966-2-1
       rgb.push_back(e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4));
     }
@@ -182,9 +202,11 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
       return why = or_keyword("'" + word + "' is not a number"), std::nullopt;
     case ParameterKind::Choice:
       if (std::find(p.choices.begin(), p.choices.end(), word) != p.choices.end()) return word;
-      return why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "), did_you_mean(word, p.choices)),
+      return why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "),
+                               did_you_mean(word, p.choices)),
              std::nullopt;
-    case ParameterKind::Text: return word;
+    case ParameterKind::Text:
+      return word;
     case ParameterKind::InputPath:
     case ParameterKind::OutputPath:
       if (word.empty()) return why = "the path is empty", std::nullopt;
@@ -203,10 +225,12 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
     }
     case ParameterKind::Texts: {
       if (w.items.size() < p.min_count || w.items.size() > p.max_count)
-        return why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size()), std::nullopt;
+        return why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size()),
+               std::nullopt;
       for (const auto& item : w.items)
         if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), item) == p.choices.end())
-          return why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "), did_you_mean(item, p.choices)),
+          return why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "),
+                                   did_you_mean(item, p.choices)),
                  std::nullopt;
       return w.items;
     }
@@ -240,7 +264,8 @@ std::string canonical(const ParameterValue& v) {
           std::string out = "[";
           for (const auto& s : x) out += quoted(s) + ",";
           return out + "]";
-        } else if constexpr (std::is_same_v<T, std::vector<double>> || std::is_same_v<T, std::vector<std::int64_t>>) {
+        } else if constexpr (std::is_same_v<T, std::vector<double>> ||
+                             std::is_same_v<T, std::vector<std::int64_t>>) {
           return fmt::format("[{}]", fmt::join(x, ","));
         } else {
           return fmt::format("{}", x);
@@ -251,7 +276,8 @@ std::string canonical(const ParameterValue& v) {
 
 std::string written(const ParameterValue& v) {
   if (const auto* s = std::get_if<std::string>(&v)) return *s;
-  if (const auto* list = std::get_if<std::vector<std::string>>(&v)) return fmt::format("[{}]", fmt::join(*list, ", "));
+  if (const auto* list = std::get_if<std::vector<std::string>>(&v))
+    return fmt::format("[{}]", fmt::join(*list, ", "));
   return canonical(v);
 }
 

@@ -45,9 +45,9 @@ struct Parameter {
   std::optional<ParameterValue> value;  // the default; without one the user must write it
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_open = false;                 // min itself is not allowed
-  std::vector<std::string> choices;      // of a Choice
-  std::vector<std::string> keywords;     // words allowed beside the kind's own values, such as "auto"
+  bool min_open = false;              // min itself is not allowed
+  std::vector<std::string> choices;   // of a Choice
+  std::vector<std::string> keywords;  // words allowed beside the kind's own values, such as "auto"
   std::size_t min_count = 1, max_count = 1u << 20;  // of lists
 
   // Declaration in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
@@ -68,10 +68,10 @@ struct Parameter {
   Parameter& doc_(std::string text);
   Parameter& unit_(std::string text);
   Parameter& range(double lo, double hi);
-  Parameter& above(double lo);                             // > lo
-  Parameter& count(std::size_t lo, std::size_t hi);        // length of a list
-  Parameter& keyword(std::string word);                    // one more allowed word
-  Parameter& required();                                   // no default
+  Parameter& above(double lo);                       // > lo
+  Parameter& count(std::size_t lo, std::size_t hi);  // length of a list
+  Parameter& keyword(std::string word);              // one more allowed word
+  Parameter& required();                             // no default
 };
 
 // Reads a written value. Returns the value, or says what is wrong in `why` (with the nearest valid word).

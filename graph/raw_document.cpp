@@ -14,7 +14,9 @@ namespace {
 
 class DocumentReader {
  public:
-  DocumentReader(std::filesystem::path file, Diagnostics& found) : found_(found) { doc_.file = std::move(file); }
+  DocumentReader(std::filesystem::path file, Diagnostics& found) : found_(found) {
+    doc_.file = std::move(file);
+  }
 
   RawDocument read(const std::string& text) {
     YAML::Node root;
@@ -25,7 +27,8 @@ class DocumentReader {
       return std::move(doc_);
     }
     if (!root.IsMap()) {
-      fail("not-a-graph", "a graph file is a map with the keys terrazzo, name, nodes", {doc_.file.string(), 1, 1});
+      fail("not-a-graph", "a graph file is a map with the keys terrazzo, name, nodes",
+           {doc_.file.string(), 1, 1});
       return std::move(doc_);
     }
     bool has_version = false, has_nodes = false;
@@ -37,10 +40,12 @@ class DocumentReader {
                } else if (key == "name" && v.IsScalar()) {
                  doc_.name = v.Scalar();
                } else if (key == "parameters") {
-                 each_key(v, {}, "parameters", [&](const auto& n, const auto& nk, const auto& nv) { read_parameter_(n, nk, nv); });
+                 each_key(v, {}, "parameters",
+                          [&](const auto& n, const auto& nk, const auto& nv) { read_parameter_(n, nk, nv); });
                } else if (key == "nodes") {
                  has_nodes = true;
-                 each_key(v, {}, "nodes", [&](const auto& n, const auto& nk, const auto& nv) { read_node(n, nk, nv); });
+                 each_key(v, {}, "nodes",
+                          [&](const auto& n, const auto& nk, const auto& nv) { read_node(n, nk, nv); });
                } else if (key == "inputs" || key == "outputs") {
                  auto& list = key == "inputs" ? doc_.inputs : doc_.outputs;
                  each_key(v, {}, key, [&](const auto& n, const auto&, const auto& nv) {
@@ -52,7 +57,8 @@ class DocumentReader {
                }
              });
     if (!has_version)
-      fail("no-version", "the format version is missing", {doc_.file.string(), 1, 1}, fmt::format("begin with 'terrazzo: {}'", graph_format));
+      fail("no-version", "the format version is missing", {doc_.file.string(), 1, 1},
+           fmt::format("begin with 'terrazzo: {}'", graph_format));
     if (!has_nodes) fail("no-nodes", "the graph has no nodes", {doc_.file.string(), 1, 1});
     return std::move(doc_);
   }
@@ -60,7 +66,8 @@ class DocumentReader {
  private:
   Place place(const YAML::Mark& m) const { return {doc_.file.string(), m.line + 1, m.column + 1}; }
   void fail(std::string code, std::string message, Place at, std::string hint = {}) {
-    found_.push_back({Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
+    found_.push_back(
+        {Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
   }
 
   // Calls `use` for every key once; unknown keys (where `known` is not empty) and double keys are mistakes.
@@ -80,7 +87,8 @@ class DocumentReader {
         continue;
       }
       if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
-        fail("unknown-key", fmt::format("{} has no key '{}'{}", where, key, did_you_mean(key, known)), place(pair.first.Mark()));
+        fail("unknown-key", fmt::format("{} has no key '{}'{}", where, key, did_you_mean(key, known)),
+             place(pair.first.Mark()));
         continue;
       }
       use(key, pair.first, pair.second);
@@ -94,8 +102,11 @@ class DocumentReader {
     } catch (const YAML::Exception&) {
     }
     if (version == graph_format) return;
-    fail("format-version", fmt::format("format version '{}' is not known here", v.IsScalar() ? v.Scalar() : "?"), place(key.Mark()),
-         version > graph_format ? "made by a newer Terrazzo" : fmt::format("this program reads version {}", graph_format));
+    fail("format-version",
+         fmt::format("format version '{}' is not known here", v.IsScalar() ? v.Scalar() : "?"),
+         place(key.Mark()),
+         version > graph_format ? "made by a newer Terrazzo"
+                                : fmt::format("this program reads version {}", graph_format));
   }
 
   bool read_value(const YAML::Node& v, RawValue& out, const std::string& what) {
@@ -115,10 +126,11 @@ class DocumentReader {
 
   void read_parameter_(const std::string& name, const YAML::Node& key, const YAML::Node& v) {
     static const std::map<std::string, ParameterKind> kinds = {
-        {"path", ParameterKind::InputPath}, {"int", ParameterKind::Int},         {"number", ParameterKind::Number},
-        {"bool", ParameterKind::Bool},      {"text", ParameterKind::Text},       {"choice", ParameterKind::Choice},
-        {"color", ParameterKind::Color},    {"numbers", ParameterKind::Numbers}, {"ints", ParameterKind::Ints},
-        {"texts", ParameterKind::Texts}};
+        {"path", ParameterKind::InputPath}, {"int", ParameterKind::Int},
+        {"number", ParameterKind::Number},  {"bool", ParameterKind::Bool},
+        {"text", ParameterKind::Text},      {"choice", ParameterKind::Choice},
+        {"color", ParameterKind::Color},    {"numbers", ParameterKind::Numbers},
+        {"ints", ParameterKind::Ints},      {"texts", ParameterKind::Texts}};
     RawParameter p;
     p.declaration.name = name;
     p.place = place(key.Mark());
@@ -130,8 +142,8 @@ class DocumentReader {
         fail("bad-value", "min and max must be numbers", place(n.Mark()));
       }
     };
-    each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"}, "parameter '" + name + "'",
-             [&](const std::string& k, const YAML::Node&, const YAML::Node& n) {
+    each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"},
+             "parameter '" + name + "'", [&](const std::string& k, const YAML::Node&, const YAML::Node& n) {
                RawValue list;
                if (k == "type") {
                  has_type = true;
@@ -142,7 +154,9 @@ class DocumentReader {
                    std::vector<std::string> names;
                    for (const auto& [word, kind] : kinds) names.push_back(word);
                    const std::string word = n.IsScalar() ? n.Scalar() : "?";
-                   fail("unknown-type", fmt::format("parameter '{}' has the unknown type '{}'{}", name, word, did_you_mean(word, names)),
+                   fail("unknown-type",
+                        fmt::format("parameter '{}' has the unknown type '{}'{}", name, word,
+                                    did_you_mean(word, names)),
                         place(n.Mark()), fmt::format("{}", fmt::join(names, ", ")));
                  }
                } else if (k == "default") {
@@ -170,36 +184,40 @@ class DocumentReader {
     node.name = name;
     node.place = node.kind_place = place(key.Mark());
     if (name.empty() || name.find_first_of("./ ") != std::string::npos)
-      fail("bad-name", fmt::format("'{}' cannot name a node: dots, slashes and blanks are not allowed", name), node.place);
-    each_key(v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",
-             [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
-               if ((k == "type" || k == "graph") && n.IsScalar()) {
-                 (k == "type" ? node.type : node.graph) = n.Scalar();
-                 node.kind_place = place(n.Mark());
-               } else if (k == "params") {
-                 each_key(n, {}, "params of '" + name + "'", [&](const auto& pname, const auto& pk, const auto& pv) {
-                   RawValue value;
-                   if (read_value(pv, value, pname)) {
-                     if (value.place.line <= 0) value.place = place(pk.Mark());
-                     node.params.push_back({pname, std::move(value)});
-                   }
-                 });
-               } else if (k == "inputs") {
-                 each_key(n, {}, "inputs of '" + name + "'", [&](const auto& port, const auto&, const auto& pv) {
-                   std::vector<RawReference> wires;
-                   if (pv.IsScalar()) wires.push_back({pv.Scalar(), place(pv.Mark())});
-                   if (pv.IsSequence())
-                     for (const auto& item : pv)
-                       if (item.IsScalar()) wires.push_back({item.Scalar(), place(item.Mark())});
-                   if (wires.empty())
-                     fail("bad-reference", fmt::format("input '{}' must be NODE.PORT or a list of them", port), place(pv.Mark()));
-                   else
-                     node.inputs.push_back({port, std::move(wires)});
-                 });
-               } else if (k != "doc") {
-                 fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
-               }
-             });
+      fail("bad-name", fmt::format("'{}' cannot name a node: dots, slashes and blanks are not allowed", name),
+           node.place);
+    each_key(
+        v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",
+        [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
+          if ((k == "type" || k == "graph") && n.IsScalar()) {
+            (k == "type" ? node.type : node.graph) = n.Scalar();
+            node.kind_place = place(n.Mark());
+          } else if (k == "params") {
+            each_key(n, {}, "params of '" + name + "'",
+                     [&](const auto& pname, const auto& pk, const auto& pv) {
+                       RawValue value;
+                       if (read_value(pv, value, pname)) {
+                         if (value.place.line <= 0) value.place = place(pk.Mark());
+                         node.params.push_back({pname, std::move(value)});
+                       }
+                     });
+          } else if (k == "inputs") {
+            each_key(n, {}, "inputs of '" + name + "'", [&](const auto& port, const auto&, const auto& pv) {
+              std::vector<RawReference> wires;
+              if (pv.IsScalar()) wires.push_back({pv.Scalar(), place(pv.Mark())});
+              if (pv.IsSequence())
+                for (const auto& item : pv)
+                  if (item.IsScalar()) wires.push_back({item.Scalar(), place(item.Mark())});
+              if (wires.empty())
+                fail("bad-reference", fmt::format("input '{}' must be NODE.PORT or a list of them", port),
+                     place(pv.Mark()));
+              else
+                node.inputs.push_back({port, std::move(wires)});
+            });
+          } else if (k != "doc") {
+            fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
+          }
+        });
     if (node.type.empty() == node.graph.empty())
       fail("no-type", fmt::format("node '{}' needs either a type or a graph", name), node.place);
     else

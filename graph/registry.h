@@ -11,7 +11,8 @@ namespace terrazzo {
 
 class Registry {
  public:
-  // Throws Error "duplicate-node-type" when the name is taken, "bad-node-type" when the declaration is not whole.
+  // Throws Error "duplicate-node-type" when the name is taken, "bad-node-type" when the declaration is not
+  // whole.
   void add(NodeType);
   const NodeType* find(const std::string& name) const;
   std::vector<const NodeType*> all() const;  // by name

@@ -17,17 +17,15 @@ class Writer {
   virtual void bytes(const void* data, std::size_t size) = 0;
 
   template <class T>
-    requires std::is_trivially_copyable_v<T>
-  void pod(const T& v) {
-    bytes(&v, sizeof v);
-  }
+  requires std::is_trivially_copyable_v<T>
+  void pod(const T& v) { bytes(&v, sizeof v); }
   void text(const std::string& s) {
     pod<std::uint64_t>(s.size());
     bytes(s.data(), s.size());
   }
   // Elements without padding only: padding bytes are not values and would spoil the content hash.
   template <class T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void array(const std::vector<T>& v) {
     pod<std::uint64_t>(v.size());
     bytes(v.data(), v.size() * sizeof(T));
@@ -53,8 +51,7 @@ class Reader {
     left_ -= size;
   }
   template <class T>
-    requires std::is_trivially_copyable_v<T>
-  T pod() {
+  requires std::is_trivially_copyable_v<T> T pod() {
     T v;
     bytes(&v, sizeof v);
     return v;
@@ -65,10 +62,7 @@ class Reader {
     return s;
   }
   template <class T>
-    requires std::is_trivially_copyable_v<T>
-  std::vector<T> array() {
-    return raw_array<T>();
-  }
+  requires std::is_trivially_copyable_v<T> std::vector<T> array() { return raw_array<T>(); }
   template <class T>
   std::vector<T> raw_array() {
     std::vector<T> v(count(sizeof(T)));
@@ -78,7 +72,8 @@ class Reader {
   // A length that at least `element` bytes each must follow.
   std::size_t count(std::size_t element) {
     const auto n = pod<std::uint64_t>();
-    if (n > left_ / (element ? element : 1)) throw Error("damaged", "the stored value has an impossible length");
+    if (n > left_ / (element ? element : 1))
+      throw Error("damaged", "the stored value has an impossible length");
     return static_cast<std::size_t>(n);
   }
   std::size_t left() const { return left_; }

@@ -23,7 +23,8 @@ class NodeContext : public Context {
   std::string provenance() const override { return request_.provenance; }
 
   void write_file(const std::string& relative, const std::function<void(const fs::path&)>& write) override {
-    if (!request_.type->writes_files) throw Error("node-bug", request_.type->name + " writes a file without saying so");
+    if (!request_.type->writes_files)
+      throw Error("node-bug", request_.type->name + " writes a file without saying so");
     write_atomically(request_.output_folder / relative, [&](const fs::path& temporary) {
       write(temporary);
       work_.check();  // cancelled while writing: the final name stays as it was
@@ -37,7 +38,8 @@ class NodeContext : public Context {
   void set_output(const std::string& name, Value v) override {
     const Port* port = request_.type->find_output(name);
     if (!port || !port->accepts(v.type().name))
-      throw Error("node-bug", request_.type->name + " gives an output '" + name + "' (" + v.type().name + ") that it does not declare");
+      throw Error("node-bug", request_.type->name + " gives an output '" + name + "' (" + v.type().name +
+                                  ") that it does not declare");
     result.outputs[name] = std::move(v);
   }
 
@@ -63,14 +65,15 @@ ComputeResult compute_node(ComputeRequest request) {
   } catch (const Cancelled&) {
     throw;
   } catch (const std::bad_alloc&) {
-    throw Error("out-of-memory", "not enough memory", "choose a smaller resolution, size or number of particles");
+    throw Error("out-of-memory", "not enough memory",
+                "choose a smaller resolution, size or number of particles");
   } catch (const std::exception& e) {
     throw Error("failed", e.what());
   }
 }
 
-std::map<std::string, ParameterValue> effective_parameters(const NodeType& type,
-                                                           const std::map<std::string, ParameterValue>& written) {
+std::map<std::string, ParameterValue> effective_parameters(
+    const NodeType& type, const std::map<std::string, ParameterValue>& written) {
   std::map<std::string, ParameterValue> out;
   for (const auto& p : type.parameters) {
     const auto it = written.find(p.name);

@@ -32,6 +32,7 @@ struct ComputeResult {
 ComputeResult compute_node(ComputeRequest);
 
 // Every parameter of the type: as written, else its default.
-std::map<std::string, ParameterValue> effective_parameters(const NodeType&, const std::map<std::string, ParameterValue>& written);
+std::map<std::string, ParameterValue> effective_parameters(
+    const NodeType&, const std::map<std::string, ParameterValue>& written);
 
 }  // namespace terrazzo

@@ -4,7 +4,9 @@ namespace terrazzo {
 namespace {
 
 // Asking for what was never declared is a mistake in the node, not of the user.
-[[noreturn]] void undeclared(const std::string& what) { throw Error("node-bug", "the node asks for " + what); }
+[[noreturn]] void undeclared(const std::string& what) {
+  throw Error("node-bug", "the node asks for " + what);
+}
 
 }  // namespace
 
@@ -42,9 +44,15 @@ bool Context::boolean(const std::string& n) const { return get<bool>(raw(n), n);
 std::int64_t Context::integer(const std::string& n) const { return get<std::int64_t>(raw(n), n); }
 double Context::number(const std::string& n) const { return get<double>(raw(n), n); }
 std::string Context::text(const std::string& n) const { return get<std::string>(raw(n), n); }
-std::vector<std::int64_t> Context::ints(const std::string& n) const { return get<std::vector<std::int64_t>>(raw(n), n); }
-std::vector<double> Context::numbers(const std::string& n) const { return get<std::vector<double>>(raw(n), n); }
-std::vector<std::string> Context::texts(const std::string& n) const { return get<std::vector<std::string>>(raw(n), n); }
+std::vector<std::int64_t> Context::ints(const std::string& n) const {
+  return get<std::vector<std::int64_t>>(raw(n), n);
+}
+std::vector<double> Context::numbers(const std::string& n) const {
+  return get<std::vector<double>>(raw(n), n);
+}
+std::vector<std::string> Context::texts(const std::string& n) const {
+  return get<std::vector<std::string>>(raw(n), n);
+}
 
 std::string Context::keyword(const std::string& n) const {
   const auto* s = std::get_if<std::string>(&raw(n));

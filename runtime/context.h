@@ -44,7 +44,8 @@ class Context {
   std::vector<std::string> texts(const std::string& name) const;
   // The keyword that stands in the place of a value ("auto"), or "" where there is a value.
   std::string keyword(const std::string& name) const;
-  // The files that an InputPath names: existing, absolute, sorted. A glob that matches nothing never gets here.
+  // The files that an InputPath names: existing, absolute, sorted. A glob that matches nothing never gets
+  // here.
   const std::vector<std::filesystem::path>& files(const std::string& name) const;
 
   // --- results.
@@ -56,8 +57,8 @@ class Context {
   virtual void metric(const std::string& name, double v) = 0;
   // Something that the user should know but that does not make the result wrong.
   virtual void warn(const std::string& message) = 0;
-  // Writes a file below the output folder: `write` gets a temporary path with the same extension, which takes the
-  // final name only once whole and synced. For nodes with writes_files.
+  // Writes a file below the output folder: `write` gets a temporary path with the same extension, which takes
+  // the final name only once whole and synced. For nodes with writes_files.
   virtual void write_file(const std::string& relative,
                           const std::function<void(const std::filesystem::path& temporary)>& write) = 0;
   // What made this result, as JSON: graph, overrides, keys of the nodes upstream. For files' metadata.

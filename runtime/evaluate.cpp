@@ -6,6 +6,7 @@
 #include <chrono>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "runtime/compute_node.h"
@@ -15,13 +16,20 @@ namespace fs = std::filesystem;
 
 const char* name_of(Status s) {
   switch (s) {
-    case Status::Unneeded: return "unneeded";
-    case Status::Computed: return "computed";
-    case Status::Memory: return "memory";
-    case Status::Disk: return "disk";
-    case Status::Failed: return "failed";
-    case Status::Skipped: return "skipped";
-    case Status::Cancelled: return "cancelled";
+    case Status::Unneeded:
+      return "unneeded";
+    case Status::Computed:
+      return "computed";
+    case Status::Memory:
+      return "memory";
+    case Status::Disk:
+      return "disk";
+    case Status::Failed:
+      return "failed";
+    case Status::Skipped:
+      return "skipped";
+    case Status::Cancelled:
+      return "cancelled";
   }
   return "?";
 }
@@ -56,7 +64,9 @@ InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
     const std::string& pattern = std::get<std::string>(written->second.value);
     auto& paths = out.paths[p.name] = expand_glob(pattern);
     if (paths.empty())
-      throw Error("no-file", "there is no file '" + pattern + "'", "paths in a graph are relative to the graph file").parameter(p.name);
+      throw Error("no-file", "there is no file '" + pattern + "'",
+                  "paths in a graph are relative to the graph file")
+          .parameter(p.name);
     for (const auto& path : paths) {
       const auto hash = hashes.hash(path);
       if (!hash) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
@@ -130,7 +140,8 @@ class Run {
       if (sources == 0) ready.push_back(static_cast<int>(i));
     }
     for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
-    const int threads = options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
+    const int threads =
+        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
     tbb::task_arena arena(std::max(threads, 1));
     arena.execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
@@ -215,7 +226,8 @@ class Run {
     Tier tier;
     const auto record = e_.store_.find_action(r.key, tier);
     if (!record) return false;
-    // Files count as cached only while they stand as they were written, never because something has that name.
+    // Files count as cached only while they stand as they were written, never because something has that
+    // name.
     for (const auto& f : record->files) {
       const auto now = e_.hashes_.hash(options_.output_folder / f.path);
       if (!now || *now != f.content) return false;
@@ -223,7 +235,8 @@ class Run {
     for (const auto& [port, o] : record->outputs)
       if (!e_.store_.has_value(o)) return false;
     r.status = tier == Tier::Memory ? Status::Memory : Status::Disk;
-    r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings, r.files = record->files;
+    r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
+    r.files = record->files;
     r.cached_seconds = record->seconds;
     return true;
   }
@@ -253,8 +266,10 @@ class Run {
       record.files.push_back({f, *hash});
     }
     record.metrics = std::move(computed.metrics), record.warnings = std::move(computed.warnings);
-    r.seconds = record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    r.outputs = record.outputs, r.metrics = record.metrics, r.warnings = record.warnings, r.files = record.files;
+    r.seconds = record.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    r.outputs = record.outputs, r.metrics = record.metrics, r.warnings = record.warnings,
+    r.files = record.files;
     r.status = Status::Computed;
     e_.store_.put_action(r.key, record);
   }
@@ -269,9 +284,19 @@ class Run {
     q.parameters = effective_parameters(*q.type, written);
     q.files = state(i).files.paths;
     q.output_folder = options_.output_folder;
-    q.provenance = options_.provenance;
+    if (q.type->writes_files) q.provenance = provenance(i);
     q.work = std::move(work);
     return q;
+  }
+
+  // What the caller says of the graph, and the keys of all nodes upstream.
+  std::string provenance(int i) {
+    nlohmann::json all =
+        options_.provenance.empty() ? nlohmann::json::object() : nlohmann::json::parse(options_.provenance);
+    const auto upstream = needed_nodes(graph_, {i});
+    for (std::size_t k = 0; k < upstream.size(); ++k)
+      if (upstream[k]) all["keys"][graph_.nodes[k].path] = result_.nodes[k].key.text();
+    return all.dump();
   }
 
   Value value_of(const Wire& w) {
@@ -281,8 +306,8 @@ class Run {
       if (const auto it = s.values.find(w.port); it != s.values.end()) return it->second;
     }
     if (Value v = e_.store_.get_value(result(w.node).outputs.at(w.port))) return v;
-    // The record is known but the value is lost or damaged: compute the source again. Isolated, so that this thread
-    // cannot meanwhile take a task that waits for the same source.
+    // The record is known but the value is lost or damaged: compute the source again. Isolated, so that this
+    // thread cannot meanwhile take a task that waits for the same source.
     Value v;
     tbb::this_task_arena::isolate([&] {
       const std::lock_guard lock(s.mutex);
@@ -318,7 +343,9 @@ class Run {
   std::map<Hash, std::shared_ptr<std::mutex>> keys_;
 };
 
-RunResult Evaluator::run(const Graph& graph, const RunOptions& options) { return Run(*this, graph, options).run(); }
+RunResult Evaluator::run(const Graph& graph, const RunOptions& options) {
+  return Run(*this, graph, options).run();
+}
 
 Value Evaluator::value(const Graph& graph, const RunResult& result, const Wire& wire) {
   return Run::fetch(*this, graph, result, wire);

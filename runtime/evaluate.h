@@ -53,7 +53,8 @@ struct RunOptions {
   std::string provenance;  // JSON, handed to nodes that write files
 };
 
-// The key of a node's computation: type, version, canonical parameters, content of files and inputs. Nothing else.
+// The key of a node's computation: type, version, canonical parameters, content of files and inputs. Nothing
+// else.
 Hash action_key(const GraphNode&, const std::map<std::string, std::vector<Hash>>& files,
                 const std::map<std::string, std::vector<OutputRecord>>& inputs);
 
@@ -66,7 +67,8 @@ InputFiles input_files(const GraphNode&, FileHashes&);
 
 class Evaluator {
  public:
-  Evaluator(const ValueTypes& types, Store& store, FileHashes& hashes) : types_(types), store_(store), hashes_(hashes) {}
+  Evaluator(const ValueTypes& types, Store& store, FileHashes& hashes)
+      : types_(types), store_(store), hashes_(hashes) {}
 
   RunResult run(const Graph&, const RunOptions&);
   // A value of a finished run; computed again where the store has lost it.

@@ -14,7 +14,8 @@ std::string at(const GraphNode& node, const std::string& parameter) {
   return it == node.parameters.end() ? "its default" : it->second.place.text();
 }
 
-void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEntry& now, std::vector<std::string>& reasons) {
+void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEntry& now,
+             std::vector<std::string>& reasons) {
   if (before.type != now.type)
     reasons.push_back(fmt::format("the node's type changed: {} → {}", before.type, now.type));
   else if (before.version != now.version)
@@ -23,11 +24,15 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
     const auto old = before.parameters.find(p.name), fresh = now.parameters.find(p.name);
     if (p.kind == ParameterKind::InputPath) {
       const auto old_files = before.files.find(p.name), fresh_files = now.files.find(p.name);
-      const bool same = old_files != before.files.end() && fresh_files != now.files.end() && old_files->second == fresh_files->second;
+      const bool same = old_files != before.files.end() && fresh_files != now.files.end() &&
+                        old_files->second == fresh_files->second;
       if (!same && fresh != now.parameters.end())
-        reasons.push_back(fmt::format("the content of {} changed: '{}' ({})", p.name, fresh->second, at(node, p.name)));
-    } else if (old != before.parameters.end() && fresh != now.parameters.end() && old->second != fresh->second) {
-      reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, old->second, fresh->second, at(node, p.name)));
+        reasons.push_back(
+            fmt::format("the content of {} changed: '{}' ({})", p.name, fresh->second, at(node, p.name)));
+    } else if (old != before.parameters.end() && fresh != now.parameters.end() &&
+               old->second != fresh->second) {
+      reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, old->second, fresh->second,
+                                    at(node, p.name)));
     } else if ((old == before.parameters.end()) != (fresh == now.parameters.end())) {
       reasons.push_back(fmt::format("parameter {} is new or gone", p.name));
     }
@@ -48,7 +53,8 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
 
 }  // namespace
 
-Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileHashes& hashes, const History& history) {
+Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileHashes& hashes,
+              const History& history) {
   Plan plan;
   plan.nodes.resize(graph.nodes.size());
   std::vector<NodeResult> results(graph.nodes.size());
@@ -77,7 +83,8 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
         compare(node, *before, now, out.reasons);
         if (!out.reasons.empty()) out.step = Step::Compute;
         Tier tier;
-        if (const auto record = store.find_action(Hash::parse(before->key), tier)) out.seconds = record->seconds;
+        if (const auto record = store.find_action(Hash::parse(before->key), tier))
+          out.seconds = record->seconds;
       } else {
         out.step = Step::Compute;
         out.reasons.push_back("never computed here");
@@ -102,10 +109,12 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
       for (const auto& f : record->files) {
         const auto now = hashes.hash(options.output_folder / f.path);
         if (!now || *now != f.content)
-          out.reasons.push_back(fmt::format("the file '{}' {}", (options.output_folder / f.path).string(), now ? "was changed" : "is missing"));
+          out.reasons.push_back(fmt::format("the file '{}' {}", (options.output_folder / f.path).string(),
+                                            now ? "was changed" : "is missing"));
       }
       for (const auto& [port, o] : record->outputs)
-        if (!store.has_value(o)) out.reasons.push_back(fmt::format("the value of {} was evicted from the cache", port));
+        if (!store.has_value(o))
+          out.reasons.push_back(fmt::format("the value of {} was evicted from the cache", port));
       if (out.reasons.empty()) {
         results[i].outputs = record->outputs;
         continue;

@@ -10,7 +10,12 @@
 namespace terrazzo {
 
 struct Plan {
-  enum class Step { Unneeded, Cached, Compute, Perhaps };  // Perhaps: a source runs, its result may turn out equal
+  enum class Step {
+    Unneeded,
+    Cached,
+    Compute,
+    Perhaps
+  };  // Perhaps: a source runs, its result may turn out equal
   struct Node {
     Step step = Step::Unneeded;
     std::vector<std::string> reasons;  // a line each

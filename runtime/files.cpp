@@ -1,8 +1,8 @@
 #include "runtime/files.h"
 
 #include <fcntl.h>
-#include <fnmatch.h>
 #include <fmt/format.h>
+#include <fnmatch.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,8 +26,10 @@ std::vector<fs::path> expand_glob(const fs::path& pattern) {
       if (fs::exists(base / part, error)) {
         next.push_back(base / part);
       } else if (glob) {
-        for (const auto& entry : fs::directory_iterator(base, fs::directory_options::skip_permission_denied, error))
-          if (fnmatch(name.c_str(), entry.path().filename().c_str(), FNM_PERIOD) == 0) next.push_back(entry.path());
+        for (const auto& entry :
+             fs::directory_iterator(base, fs::directory_options::skip_permission_denied, error))
+          if (fnmatch(name.c_str(), entry.path().filename().c_str(), FNM_PERIOD) == 0)
+            next.push_back(entry.path());
       }
     }
     found = std::move(next);
@@ -66,7 +68,9 @@ std::optional<Hash> hash_bytes(const fs::path& path) {
   }
 }
 
-std::int64_t nanoseconds(const struct stat& s) { return s.st_mtim.tv_sec * 1'000'000'000 + s.st_mtim.tv_nsec; }
+std::int64_t nanoseconds(const struct stat& s) {
+  return s.st_mtim.tv_sec * 1'000'000'000 + s.st_mtim.tv_nsec;
+}
 
 }  // namespace
 
@@ -79,13 +83,15 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
   const fs::path memo = folder_.empty() ? fs::path() : folder_ / hash_of(name).text();
   {
     const std::lock_guard lock(mutex_);
-    if (const auto it = entries_.find(name); it != entries_.end() && fresh(it->second)) return it->second.hash;
+    if (const auto it = entries_.find(name); it != entries_.end() && fresh(it->second))
+      return it->second.hash;
   }
   if (!memo.empty())
     if (const auto text = read_file(memo)) {
       Entry e{};
       char hex[33] = {};
-      if (std::sscanf(text->c_str(), "%ju %ld %32s", &e.size, &e.time, hex) == 3 && fresh(e) && (e.hash = Hash::parse(hex))) {
+      if (std::sscanf(text->c_str(), "%ju %ld %32s", &e.size, &e.time, hex) == 3 && fresh(e) &&
+          (e.hash = Hash::parse(hex))) {
         const std::lock_guard lock(mutex_);
         entries_[name] = e;
         return e.hash;
@@ -132,8 +138,9 @@ void write_atomically(const fs::path& final, const std::function<void(const fs::
   std::error_code error;
   if (!final.parent_path().empty()) fs::create_directories(final.parent_path(), error);
   if (error) fail(error.message());
-  const fs::path temporary = final.parent_path() / fmt::format(".{}.{}.{}.tmp{}", final.stem().string(), ::getpid(), ++serial,
-                                                               final.extension().string());
+  const fs::path temporary =
+      final.parent_path() /
+      fmt::format(".{}.{}.{}.tmp{}", final.stem().string(), ::getpid(), ++serial, final.extension().string());
   struct Remover {
     const fs::path& path;
     ~Remover() {

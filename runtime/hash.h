@@ -15,7 +15,7 @@ struct Hash {
   std::uint64_t high = 0, low = 0;
   auto operator<=>(const Hash&) const = default;
   explicit operator bool() const { return high || low; }
-  std::string text() const;  // 32 hexadecimal digits
+  std::string text() const;               // 32 hexadecimal digits
   static Hash parse(const std::string&);  // zero where it is no hash
 };
 

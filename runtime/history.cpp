@@ -27,7 +27,8 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
   }
 }
 
-HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>& results, FileHashes& hashes, const Hash& key) {
+HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>& results, FileHashes& hashes,
+                           const Hash& key) {
   HistoryEntry e;
   e.key = key.text(), e.type = node.type->name, e.version = node.type->version;
   for (const auto& p : node.type->parameters) {
@@ -58,8 +59,9 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
     const Status s = run.nodes[i].status;
     if (s != Status::Computed && s != Status::Disk && s != Status::Memory) continue;
     const HistoryEntry e = history_entry(graph.nodes[i], run.nodes, hashes, run.nodes[i].key);
-    const json j = {{"key", e.key}, {"type", e.type}, {"version", e.version}, {"parameters", e.parameters},
-                    {"files", e.files}, {"inputs", e.inputs}};
+    const json j = {{"key", e.key},         {"type", e.type},
+                    {"version", e.version}, {"parameters", e.parameters},
+                    {"files", e.files},     {"inputs", e.inputs}};
     const std::string text = j.dump();
     const fs::path place = path(graph, graph.nodes[i]);
     if (read_file(place) != text) try {

@@ -1,4 +1,5 @@
-// Counter-based random numbers: Random(seed, stream, item) is the same sequence wherever and whenever it is asked for.
+// Counter-based random numbers: Random(seed, stream, item) is the same sequence wherever and whenever it is
+// asked for.
 #pragma once
 
 #include <cmath>
@@ -6,7 +7,8 @@
 
 namespace terrazzo {
 
-// SplitMix64's finaliser (Steele, Lea, Flood 2014): a bijection of 64 bits that passes BigCrush as a counter's hash.
+// SplitMix64's finaliser (Steele, Lea, Flood 2014): a bijection of 64 bits that passes BigCrush as a
+// counter's hash.
 constexpr std::uint64_t mix64(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ull;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;

@@ -50,11 +50,17 @@ class FileWriter : public Writer {
 
 json to_json(const ActionRecord& r) {
   json outputs = json::object(), files = json::array();
-  for (const auto& [port, o] : r.outputs) outputs[port] = {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
+  for (const auto& [port, o] : r.outputs)
+    outputs[port] = {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
   for (const auto& f : r.files) files.push_back({{"path", f.path}, {"content", f.content.text()}});
   json metrics = json::object();
-  for (const auto& [name, v] : r.metrics) metrics[name] = fmt::format("{}", v);  // keeps infinities and every digit
-  return {{"outputs", outputs}, {"metrics", metrics}, {"warnings", r.warnings}, {"files", files}, {"seconds", r.seconds}};
+  for (const auto& [name, v] : r.metrics)
+    metrics[name] = fmt::format("{}", v);  // keeps infinities and every digit
+  return {{"outputs", outputs},
+          {"metrics", metrics},
+          {"warnings", r.warnings},
+          {"files", files},
+          {"seconds", r.seconds}};
 }
 
 ActionRecord from_json(const json& j) {
@@ -63,7 +69,8 @@ ActionRecord from_json(const json& j) {
     r.outputs[port] = {o.at("type"), Hash::parse(o.at("content").get<std::string>()), o.at("bytes")};
   for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = std::stod(v.get<std::string>());
   r.warnings = j.at("warnings").get<std::vector<std::string>>();
-  for (const auto& f : j.at("files")) r.files.push_back({f.at("path"), Hash::parse(f.at("content").get<std::string>())});
+  for (const auto& f : j.at("files"))
+    r.files.push_back({f.at("path"), Hash::parse(f.at("content").get<std::string>())});
   r.seconds = j.at("seconds");
   return r;
 }
@@ -107,7 +114,8 @@ std::optional<ActionRecord> Store::find_action(const Hash& key, Tier& from) {
   const fs::path path = action_path(key);
   const auto text = read_file(path);
   if (!text) return {};
-  // First line: hash of the rest. Whatever does not hold is a miss, and is removed so that it is written anew.
+  // First line: hash of the rest. Whatever does not hold is a miss, and is removed so that it is written
+  // anew.
   const auto line = text->find('\n');
   if (line == 32 && Hash::parse(text->substr(0, 32)) == hash_of(text->data() + 33, text->size() - 33)) try {
       ActionRecord r = from_json(json::parse(text->begin() + 33, text->end()));
@@ -219,7 +227,8 @@ Value Store::get_value(const OutputRecord& r) {
   if (!data) return {};
   constexpr std::size_t head = sizeof value_magic;
   if (data->size() > head && data->compare(0, head, value_magic, head) == 0 &&
-      hash_of(data->data() + head, data->size() - head) == r.content) try {
+      hash_of(data->data() + head, data->size() - head) == r.content)
+    try {
       Reader reader(data->data() + head, data->size() - head);
       if (reader.text() == r.type) {
         Value v(type, type->decode(reader));

@@ -1,4 +1,5 @@
-// Store: what was computed before. Two tables, action key → record and content hash → value, in memory and on disk.
+// Store: what was computed before. Two tables, action key → record and content hash → value, in memory and on
+// disk.
 #pragma once
 
 #include <filesystem>
@@ -40,7 +41,8 @@ enum class Tier { None, Memory, Disk };
 
 class Store {
  public:
-  // Without a folder everything stays in memory. `budget`: bytes of values kept in memory beyond those in use.
+  // Without a folder everything stays in memory. `budget`: bytes of values kept in memory beyond those in
+  // use.
   Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t budget = 2ull << 30);
 
   std::optional<ActionRecord> find_action(const Hash& key, Tier& from);

@@ -1,4 +1,5 @@
-// Values on wires, with their type forgotten: what the runtime stores, hashes and hands on without knowing it.
+// Values on wires, with their type forgotten: what the runtime stores, hashes and hands on without knowing
+// it.
 #pragma once
 
 #include <functional>
@@ -15,9 +16,9 @@ namespace terrazzo {
 struct ValueType {
   std::string name;  // as in ports: "Image"
   std::string doc;
-  std::function<void(const void*, Writer&)> encode;               // deterministic: equal values, equal bytes
-  std::function<std::shared_ptr<const void>(Reader&)> decode;     // throws Error "damaged"
-  std::function<nlohmann::json(const void*)> describe;            // `terrazzo show --json`
+  std::function<void(const void*, Writer&)> encode;            // deterministic: equal values, equal bytes
+  std::function<std::shared_ptr<const void>(Reader&)> decode;  // throws Error "damaged"
+  std::function<nlohmann::json(const void*)> describe;         // `terrazzo show --json`
 };
 
 // Specialised beside each type, in nodes/data/.
@@ -26,8 +27,8 @@ const ValueType& value_type();
 
 // Declares the ValueType of T from three functions; used in nodes/data/*.cpp.
 template <class T>
-ValueType make_value_type(std::string name, std::string doc, void (*encode)(const T&, Writer&), T (*decode)(Reader&),
-                          nlohmann::json (*describe)(const T&));
+ValueType make_value_type(std::string name, std::string doc, void (*encode)(const T&, Writer&),
+                          T (*decode)(Reader&), nlohmann::json (*describe)(const T&));
 
 class Value {
  public:
@@ -52,7 +53,8 @@ class Value {
   template <class T>
   const T& as() const {
     if (!is<T>())
-      throw Error("wrong-type", "expected a " + value_type<T>().name + ", got " + (type_ ? type_->name : "nothing"));
+      throw Error("wrong-type",
+                  "expected a " + value_type<T>().name + ", got " + (type_ ? type_->name : "nothing"));
     return *static_cast<const T*>(data_.get());
   }
 
@@ -73,8 +75,8 @@ class ValueTypes {
 };
 
 template <class T>
-ValueType make_value_type(std::string name, std::string doc, void (*encode)(const T&, Writer&), T (*decode)(Reader&),
-                          nlohmann::json (*describe)(const T&)) {
+ValueType make_value_type(std::string name, std::string doc, void (*encode)(const T&, Writer&),
+                          T (*decode)(Reader&), nlohmann::json (*describe)(const T&)) {
   return {std::move(name), std::move(doc),
           [encode](const void* v, Writer& w) { encode(*static_cast<const T*>(v), w); },
           [decode](Reader& r) -> std::shared_ptr<const void> { return std::make_shared<const T>(decode(r)); },

@@ -1,4 +1,5 @@
-// Work: the loops that nodes use. Parallelism, cancellation and progress live here so that no algorithm can forget them.
+// Work: the loops that nodes use. Parallelism, cancellation and progress live here so that no algorithm can
+// forget them.
 #pragma once
 
 #include <atomic>
@@ -29,9 +30,9 @@ class Work {
   // The share [from, to] of this work's progress, for a stage of it.
   Work part(double from, double to) const;
 
-  // Calls body(begin, end) for consecutive ranges of at most `grain` items of [0, n), on all threads of the run.
-  // The ranges depend on n and grain alone, never on the number of threads. Checks for cancellation before every
-  // range and reports progress.
+  // Calls body(begin, end) for consecutive ranges of at most `grain` items of [0, n), on all threads of the
+  // run. The ranges depend on n and grain alone, never on the number of threads. Checks for cancellation
+  // before every range and reports progress.
   void parallel(std::size_t n, std::size_t grain,
                 const std::function<void(std::size_t begin, std::size_t end)>& body) const;
 

@@ -11,12 +11,14 @@
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
 
-std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& list, const std::string& option) {
+std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& list,
+                                                                   const std::string& option) {
   std::vector<std::pair<std::string, std::string>> out;
   for (const auto& text : list) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error("usage", fmt::format("{} '{}' has no value", option, text), option == "--set" ? "write --set NODE.PARAM=VALUE" : "write --param NAME=VALUE");
+      throw Error("usage", fmt::format("{} '{}' has no value", option, text),
+                  option == "--set" ? "write --set NODE.PARAM=VALUE" : "write --param NAME=VALUE");
     out.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return out;
@@ -48,10 +50,14 @@ std::string provenance(const Graph& graph, const GraphOptions& o, const Registry
   nlohmann::json parameters = nlohmann::json::object();
   for (const auto& node : graph.nodes)
     for (const auto& [name, p] : node.parameters)
-      if (node.type->find_parameter(name)->kind != ParameterKind::InputPath) parameters[node.path][name] = written(p.value);
-      else parameters[node.path][name] = fs::path(written(p.value)).filename().string();
-  return nlohmann::json{{"program", "terrazzo"}, {"graph", fs::path(graph.file).filename().string()}, {"name", graph.name},
-                        {"set", o.set}, {"param", o.parameters}, {"node_versions", versions}, {"parameters", parameters}}
+      if (node.type->find_parameter(name)->kind != ParameterKind::InputPath)
+        parameters[node.path][name] = written(p.value);
+      else
+        parameters[node.path][name] = fs::path(written(p.value)).filename().string();
+  return nlohmann::json{{"program", "terrazzo"},   {"graph", fs::path(graph.file).filename().string()},
+                        {"name", graph.name},      {"set", o.set},
+                        {"param", o.parameters},   {"node_versions", versions},
+                        {"parameters", parameters}}
       .dump();
 }
 

@@ -30,7 +30,8 @@ struct GraphOptions {
 };
 
 // "a.b=c" → {"a.b", "c"}. Throws Error "usage" where there is no '='.
-std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>&, const std::string& option);
+std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>&,
+                                                                   const std::string& option);
 
 // Prints all messages to standard error.
 void print(const Diagnostics&);

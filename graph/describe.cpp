@@ -1,0 +1,241 @@
+#include "graph/describe.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace terrazzo {
+using nlohmann::json;
+
+namespace {
+
+json value_json(const ParameterValue& v) {
+  return std::visit([](const auto& x) { return json(x); }, v);
+}
+
+}  // namespace
+
+std::string range_text(const Parameter& p) {
+  std::string out;
+  if (!p.choices.empty()) out = fmt::format("{}", fmt::join(p.choices, ", "));
+  const auto add = [&](const std::string& s) { out += (out.empty() ? "" : "; ") + s; };
+  if (std::isfinite(p.min) && std::isfinite(p.max))
+    add(fmt::format("{}{} to {}", p.min_open ? "above " : "", p.min, p.max));
+  else if (std::isfinite(p.min))
+    add(fmt::format("{} {}", p.min_open ? "above" : "at least", p.min));
+  else if (std::isfinite(p.max))
+    add(fmt::format("at most {}", p.max));
+  if (!p.keywords.empty()) add(fmt::format("or {}", fmt::join(p.keywords, ", ")));
+  return out;
+}
+
+json describe_json(const NodeType& t) {
+  const auto ports = [](const std::vector<Port>& list) {
+    json out = json::array();
+    for (const auto& p : list)
+      out.push_back(
+          {{"name", p.name}, {"types", p.types}, {"doc", p.doc}, {"optional", p.optional}, {"many", p.many}});
+    return out;
+  };
+  json parameters = json::array();
+  for (const auto& p : t.parameters) {
+    json j = {{"name", p.name},        {"kind", name_of(p.kind)},          {"doc", p.doc},
+              {"unit", p.unit},        {"required", !p.value.has_value()}, {"choices", p.choices},
+              {"keywords", p.keywords}};
+    if (p.value) j["default"] = value_json(*p.value);
+    if (std::isfinite(p.min)) j["min"] = p.min;
+    if (std::isfinite(p.max)) j["max"] = p.max;
+    if (p.min_open) j["min_open"] = true;
+    parameters.push_back(std::move(j));
+  }
+  return {{"type", t.name},
+          {"version", t.version},
+          {"doc", t.doc},
+          {"source", t.source},
+          {"writes_files", t.writes_files},
+          {"inputs", ports(t.inputs)},
+          {"outputs", ports(t.outputs)},
+          {"parameters", parameters}};
+}
+
+std::string describe_text(const NodeType& t) {
+  std::string out = fmt::format("{} (version {})\n  {}\n", t.name, t.version, t.doc);
+  if (!t.source.empty()) out += fmt::format("  Source: {}\n", t.source);
+  const auto ports = [&](const char* title, const std::vector<Port>& list) {
+    if (list.empty()) return;
+    out += fmt::format("{}\n", title);
+    for (const auto& p : list)
+      out += fmt::format("  {:<16} {}{}{}: {}\n", p.name, p.type_text(), p.many ? ", several" : "",
+                         p.optional ? ", optional" : "", p.doc);
+  };
+  ports("Inputs", t.inputs);
+  ports("Outputs", t.outputs);
+  if (!t.parameters.empty()) out += "Parameters\n";
+  for (const auto& p : t.parameters) {
+    const std::string value = p.value ? written(*p.value) : "required";
+    const std::string range = range_text(p);
+    out +=
+        fmt::format("  {:<16} {} = {}{}{}\n{:19}{}\n", p.name, name_of(p.kind), value,
+                    p.unit.empty() ? "" : " " + p.unit, range.empty() ? "" : " (" + range + ")", "", p.doc);
+  }
+  return out;
+}
+
+std::string describe_markdown(const NodeType& t) {
+  std::string out = fmt::format("# {}\n\n{}\n\n", t.name, t.doc);
+  if (!t.source.empty()) out += fmt::format("Source: {}\n\n", t.source);
+  const auto ports = [&](const char* title, const std::vector<Port>& list) {
+    if (list.empty()) return;
+    out += fmt::format("## {}\n\n| name | type | |\n|---|---|---|\n", title);
+    for (const auto& p : list)
+      out += fmt::format("| `{}` | {}{}{} | {} |\n", p.name, p.type_text(), p.many ? " (several)" : "",
+                         p.optional ? " (optional)" : "", p.doc);
+    out += "\n";
+  };
+  ports("Inputs", t.inputs);
+  ports("Outputs", t.outputs);
+  if (!t.parameters.empty()) {
+    out += "## Parameters\n\n| name | kind | default | unit | range | |\n|---|---|---|---|---|---|\n";
+    for (const auto& p : t.parameters)
+      out += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", p.name, name_of(p.kind),
+                         p.value ? "`" + written(*p.value) + "`" : "required", p.unit, range_text(p), p.doc);
+  }
+  return out;
+}
+
+namespace {
+
+json parameter_schema(const Parameter& p) {
+  json reference = {{"type", "string"}, {"pattern", "\\$\\{[^}]+\\}"}};
+  json plain;
+  const auto number = [&](const char* type) {
+    json j = {{"type", type}};
+    if (std::isfinite(p.min)) j[p.min_open ? "exclusiveMinimum" : "minimum"] = p.min;
+    if (std::isfinite(p.max)) j["maximum"] = p.max;
+    return j;
+  };
+  const auto list_of = [&](json item) {
+    json list = {{"type", "array"}, {"items", item}, {"minItems", p.min_count}, {"maxItems", p.max_count}};
+    return p.min_count <= 1 ? json{{"anyOf", {item, list}}} : list;
+  };
+  switch (p.kind) {
+    case ParameterKind::Bool:
+      plain = {{"type", "boolean"}};
+      break;
+    case ParameterKind::Int:
+      plain = number("integer");
+      break;
+    case ParameterKind::Number:
+      plain = number("number");
+      break;
+    case ParameterKind::Choice:
+      plain = {{"enum", p.choices}};
+      break;
+    case ParameterKind::Ints:
+      plain = list_of(number("integer"));
+      break;
+    case ParameterKind::Numbers:
+      plain = list_of(number("number"));
+      break;
+    case ParameterKind::Texts:
+      plain = list_of(p.choices.empty() ? json{{"type", "string"}} : json{{"enum", p.choices}});
+      break;
+    case ParameterKind::Color:
+      plain = {
+          {"anyOf",
+           {json{{"type", "string"}, {"pattern", "^#[0-9a-fA-F]{6}$"}},
+            json{{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 3}, {"maxItems", 3}}}}};
+      break;
+    default:
+      plain = {{"type", "string"}};
+  }
+  json any = json::array({plain, reference});
+  if (!p.keywords.empty()) any.push_back({{"enum", p.keywords}});
+  json out = {{"anyOf", any}, {"description", p.doc + (p.unit.empty() ? "" : " [" + p.unit + "]")}};
+  if (p.value) out["default"] = value_json(*p.value);
+  return out;
+}
+
+}  // namespace
+
+json graph_schema(const Registry& registry) {
+  json node_types = json::array();
+  for (const NodeType* t : registry.all()) {
+    json params = json::object(), inputs = json::object(), required_inputs = json::array(),
+         required_params = json::array();
+    for (const auto& p : t->parameters) {
+      params[p.name] = parameter_schema(p);
+      if (!p.value) required_params.push_back(p.name);
+    }
+    for (const auto& p : t->inputs) {
+      json wire = {{"type", "string"}};
+      inputs[p.name] = {{"description", p.doc + " (" + p.type_text() + ")"},
+                        {"anyOf", p.many ? json::array({wire, json{{"type", "array"}, {"items", wire}}})
+                                         : json::array({wire})}};
+      if (!p.optional) required_inputs.push_back(p.name);
+    }
+    json schema = {{"type", "object"},
+                   {"description", t->doc},
+                   {"properties",
+                    {{"type", {{"const", t->name}}},
+                     {"doc", {{"type", "string"}}},
+                     {"params",
+                      {{"type", "object"},
+                       {"properties", params},
+                       {"required", required_params},
+                       {"additionalProperties", false}}},
+                     {"inputs",
+                      {{"type", "object"},
+                       {"properties", inputs},
+                       {"required", required_inputs},
+                       {"additionalProperties", false}}}}},
+                   {"required", {"type"}},
+                   {"additionalProperties", false}};
+    if (!required_inputs.empty()) schema["required"].push_back("inputs");
+    if (!required_params.empty()) schema["required"].push_back("params");
+    node_types.push_back(std::move(schema));
+  }
+  node_types.push_back({{"type", "object"},
+                        {"description", "A graph used as a node"},
+                        {"properties",
+                         {{"graph", {{"type", "string"}}},
+                          {"doc", {{"type", "string"}}},
+                          {"params", {{"type", "object"}}},
+                          {"inputs", {{"type", "object"}}}}},
+                        {"required", {"graph"}},
+                        {"additionalProperties", false}});
+  const json reference_map = {{"type", "object"}, {"additionalProperties", {{"type", "string"}}}};
+  return {
+      {"$schema", "https://json-schema.org/draft/2020-12/schema"},
+      {"title", "Terrazzo graph"},
+      {"type", "object"},
+      {"properties",
+       {{"terrazzo", {{"const", 1}, {"description", "Format version"}}},
+        {"name", {{"type", "string"}}},
+        {"doc", {{"type", "string"}}},
+        {"parameters",
+         {{"type", "object"},
+          {"additionalProperties",
+           {{"type", "object"},
+            {"properties",
+             {{"type",
+               {{"enum",
+                 {"path", "int", "number", "bool", "text", "choice", "color", "numbers", "ints", "texts"}}}},
+              {"default", json::object()},
+              {"doc", {{"type", "string"}}},
+              {"unit", {{"type", "string"}}},
+              {"min", {{"type", "number"}}},
+              {"max", {{"type", "number"}}},
+              {"choices", {{"type", "array"}}},
+              {"keywords", {{"type", "array"}}}}},
+            {"required", {"type"}},
+            {"additionalProperties", false}}}}},
+        {"nodes", {{"type", "object"}, {"additionalProperties", {{"anyOf", node_types}}}}},
+        {"inputs", reference_map},
+        {"outputs", reference_map}}},
+      {"required", {"terrazzo", "nodes"}},
+      {"additionalProperties", false}};
+}
+
+}  // namespace terrazzo

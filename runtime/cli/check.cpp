@@ -1,0 +1,42 @@
+#include <iostream>
+#include <memory>
+
+#include "runtime/cli/commands.h"
+
+namespace terrazzo::cli {
+
+// Beyond what loading finds: input files that are not there.
+static Diagnostics missing_files(const Graph& graph) {
+  Diagnostics found;
+  for (const auto& node : graph.nodes)
+    for (const auto& p : node.type->parameters) {
+      const auto it = node.parameters.find(p.name);
+      if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
+      const auto& path = std::get<std::string>(it->second.value);
+      if (expand_glob(path).empty())
+        found.push_back({Severity::Error,
+                         "no-file",
+                         "there is no file '" + path + "'",
+                         {},
+                         it->second.place,
+                         node.path,
+                         p.name});
+    }
+  return found;
+}
+
+void add_check(CLI::App& app, const Program& program, int& exit_code) {
+  auto* command = app.add_subcommand("check", "Report every mistake in a graph; run nothing");
+  auto o = std::make_shared<GraphOptions>();
+  add_graph_options(*command, *o);
+  command->callback([o, &program, &exit_code] {
+    Graph graph;
+    const bool ok = open_graph(program, *o, graph);
+    const Diagnostics missing = ok ? missing_files(graph) : Diagnostics{};
+    print(missing);
+    exit_code = ok && missing.empty() ? done : wrong_usage;
+    if (exit_code == done) std::cout << graph.file << ": " << graph.nodes.size() << " nodes, no mistakes\n";
+  });
+}
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,70 @@
+#include "runtime/cli/command_line.h"
+
+#include <iostream>
+
+#include "runtime/cli/commands.h"
+
+namespace terrazzo {
+namespace cli {
+
+void add_graph_options(CLI::App& app, GraphOptions& o) {
+  app.add_option("graph", o.graph, "Graph file (YAML)")->required();
+  app.add_option("--set", o.set, "Override a node's parameter: NODE.PARAM=VALUE")->take_all()->expected(1);
+  app.add_option("--param", o.parameters, "Set a parameter of the graph: NAME=VALUE")
+      ->take_all()
+      ->expected(1);
+}
+
+void add_cache_options(CLI::App& app, GraphOptions& o) {
+  app.add_option("--out", o.out, "Folder for the files written")->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024));
+  auto* cache = app.add_option("--cache", o.cache, "Cache folder (default: the user's)");
+  app.add_flag("--no-cache", o.no_cache, "Neither read nor keep results on disk")->excludes(cache);
+}
+
+std::vector<int> target_nodes(const Graph& graph, const GraphOptions& o) {
+  std::vector<int> out;
+  for (const auto& t : o.targets) {
+    const int node = graph.find(t);
+    out.push_back(node >= 0 ? node : graph.wire_to(t).node);
+  }
+  return out;
+}
+
+}  // namespace cli
+
+int run_command_line(int argc, char** argv, const Registry& registry, const ValueTypes& types) {
+  const cli::Program program{registry, types};
+  CLI::App app{"Terrazzo: from flat pictures of materials to solid ones", "terrazzo"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "terrazzo 0.1.0");
+  int exit_code = cli::done;
+  cli::add_run(app, program, exit_code);
+  cli::add_check(app, program, exit_code);
+  cli::add_show(app, program, exit_code);
+  cli::add_explain(app, program, exit_code);
+  cli::add_graph(app, program, exit_code);
+  cli::add_nodes(app, program, exit_code);
+  cli::add_schema(app, program, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    app.exit(e);
+    return cli::wrong_usage;
+  } catch (const Error& e) {
+    std::cerr << e.what() << '\n';
+    const auto& code = e.diagnostic().code;
+    return code == "usage" || code == "unknown-node" || code == "unknown-port" ? cli::wrong_usage
+                                                                               : cli::node_failed;
+  } catch (const Cancelled&) {
+    return cli::interrupted;
+  } catch (const std::exception& e) {
+    std::cerr << "error: " << e.what() << '\n';
+    return cli::node_failed;
+  }
+  return exit_code;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,28 @@
+// The commands of `terrazzo`, one file each. Every one declares its options and says what it does when
+// chosen.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "runtime/cli/session.h"
+
+namespace terrazzo::cli {
+
+// Adds GRAPH and the options that several commands share.
+void add_graph_options(CLI::App&, GraphOptions&);
+void add_cache_options(CLI::App&, GraphOptions&);
+
+// Each adds its command; the callback stores the exit code.
+void add_run(CLI::App&, const Program&, int& exit_code);
+void add_check(CLI::App&, const Program&, int& exit_code);
+void add_show(CLI::App&, const Program&, int& exit_code);
+void add_explain(CLI::App&, const Program&, int& exit_code);
+void add_graph(CLI::App&, const Program&, int& exit_code);
+void add_nodes(CLI::App&, const Program&, int& exit_code);
+void add_schema(CLI::App&, const Program&, int& exit_code);
+
+// Prints the plan of a run; shared by `explain` and `run --dry-run`.
+void print_plan(const Program&, const Graph&, const GraphOptions&, bool reasons);
+std::vector<int> target_nodes(const Graph&, const GraphOptions&);
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,19 @@
+// What a run leaves to read: the table of nodes, the numbers, the JSON report.
+#pragma once
+
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "runtime/evaluate.h"
+
+namespace terrazzo::cli {
+
+nlohmann::json report_json(const Graph&, const RunResult&, int threads);
+void print_table(std::ostream&, const Graph&, const RunResult&);
+void print_metrics(std::ostream&, const Graph&, const RunResult&);
+// A value's JSON as text: tables in columns, anything else as name: value lines with long lists shortened.
+std::string readable(const std::string& type, const nlohmann::json&);
+std::string bytes_text(std::uint64_t);
+
+}  // namespace terrazzo::cli

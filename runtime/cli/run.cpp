@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/progress.h"
+#include "runtime/cli/report.h"
+
+namespace terrazzo::cli {
+namespace {
+
+struct RunOptionsText : GraphOptions {
+  std::string report;
+  bool dry_run = false;
+};
+
+// The graph's own outputs that are tables: how close the result came, told at the end of the run.
+void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResult& result) {
+  for (const auto& o : graph.outputs) {
+    const auto& node = result.nodes[static_cast<std::size_t>(o.wire.node)];
+    const auto it = node.outputs.find(o.wire.port);
+    if (it == node.outputs.end() || it->second.type != "Table") continue;
+    const Value v = evaluator.value(graph, result, o.wire);
+    std::cout << '\n' << o.name << ":\n" << readable("Table", v.type().describe(v.data()));
+  }
+}
+
+int run(const Program& program, const RunOptionsText& o) {
+  Graph graph;
+  if (!open_graph(program, o, graph)) return wrong_usage;
+  RunOptions options;
+  options.targets = target_nodes(graph, o);
+  if (o.dry_run) {
+    print_plan(program, graph, o, false);
+    return done;
+  }
+  options.output_folder = o.out;
+  options.threads =
+      o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  options.cancel = cancel_on_interrupt();
+  options.provenance = provenance(graph, o, program.registry);
+  Cache cache(program, o);
+  Evaluator evaluator(program.types, cache.store, cache.hashes);
+  const auto needed = needed_nodes(graph, options.targets.empty() ? graph.sinks() : options.targets);
+  RunResult result;
+  {
+    ProgressLine line(graph, static_cast<std::size_t>(std::count(needed.begin(), needed.end(), true)),
+                      o.quiet);
+    options.observer = &line;
+    result = evaluator.run(graph, options);
+  }
+  cache.history.record(graph, result, cache.hashes);
+  if (!o.quiet) {
+    print_table(std::cout, graph, result);
+    print_metrics(std::cout, graph, result);
+    if (!result.cancelled()) print_output_tables(evaluator, graph, result);
+    for (const auto& node : result.nodes)
+      for (const auto& f : node.files)
+        std::cout << "wrote " << (std::filesystem::path(o.out) / f.path).string() << '\n';
+  }
+  if (const std::string trouble = cache.store.trouble(); !trouble.empty())
+    std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
+  if (!o.report.empty())
+    write_text_atomically(o.report, report_json(graph, result, options.threads).dump(2) + "\n");
+  if (result.cancelled()) {
+    std::cerr << "interrupted; what was finished is cached\n";
+    return interrupted;
+  }
+  return result.failed() ? node_failed : done;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, const Program& program, int& exit_code) {
+  auto* command = app.add_subcommand("run", "Evaluate what the targets need");
+  auto o = std::make_shared<RunOptionsText>();
+  add_graph_options(*command, *o);
+  add_cache_options(*command, *o);
+  command->add_option("--target", o->targets, "NODE or NODE.PORT to evaluate (default: every sink)")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--report", o->report, "Write a JSON report to this file");
+  command->add_flag("--dry-run", o->dry_run, "Tell what would run, and run nothing");
+  command->add_flag("--quiet", o->quiet, "Errors only");
+  command->callback([o, &program, &exit_code] { exit_code = run(program, *o); });
+}
+
+}  // namespace terrazzo::cli
