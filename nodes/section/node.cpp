@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include "graph/node_type.h"
+#include "nodes/section/cut.h"
+#include "nodes/section/section.h"
+#include "nodes/section/volume_section.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+double number_or_auto(const Context& c, const std::string& name) {
+  return c.keyword(name).empty() ? c.number(name) : 0;
+}
+
+SectionChoice choice_of(const Context& c) {
+  SectionChoice choice;
+  choice.planes = static_cast<int>(c.integer("planes"));
+  choice.axis = c.text("axis");
+  if (c.keyword("offsets").empty()) choice.offsets = c.numbers("offsets");
+  choice.width = number_or_auto(c, "width"), choice.height = number_or_auto(c, "height");
+  choice.pixel_size = number_or_auto(c, "pixel_size");
+  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  if (choice.axis != "random" && (choice.width > 0 || choice.height > 0))
+    throw Error("window-on-axis", "planes across an axis show one whole face of the box",
+                "choose axis random, or leave width and height auto")
+        .parameter(choice.width > 0 ? "width" : "height");
+  return choice;
+}
+
+Section section_of_particles(Context& c) {
+  const Particles* particles = c.optional<Particles>("particles");
+  const Shapes* shapes = c.optional<Shapes>("shapes");
+  if (!particles || !shapes)
+    throw Error("missing-input",
+                particles ? "particles need their shapes"
+                : shapes  ? "shapes need particles"
+                          : "there is nothing to cut",
+                "connect particles and shapes, or a volume");
+  check_particles(*particles, *shapes);
+  const SectionLayout layout =
+      choose_planes(choice_of(c), particles->box, true, particles->box.maxCoeff() / 512);
+  Section section = cut_section(*particles, *shapes, layout, c.work());
+  if (section.overlap > 1e-4)
+    c.warn(fmt::format("particles overlap in {:.2g} of the sections' area, which area_fraction counts once",
+                       section.overlap));
+  c.metric("overlap_fraction", section.overlap);
+  return section;
+}
+
+Section section_of_volume(Context& c) {
+  if (c.has("particles") || c.has("shapes"))
+    throw Error("two-sources", "both particles and a volume are connected", "connect one of them");
+  const Volume& volume = *c.optional<Volume>("volume");
+  const VolumeBox box = volume_box(volume);
+  VolumeSection section =
+      cut_volume(volume, choose_planes(choice_of(c), box.size, box.periodic, box.voxel), c.work());
+  if (section.label_grid.empty())
+    c.warn("the volume has no grid id and no density: there are no labels and no profiles");
+  if (section.label_grid == "density")
+    c.warn("the volume has no grid id: particles that touch count as one profile");
+  return section;
+}
+
+void compute(Context& c) {
+  Section section = c.has("volume") ? section_of_volume(c) : section_of_particles(c);
+  const Profiles& profiles = section.profiles;
+  double weights = 0;
+  for (const Profile& p : profiles.profiles) weights += p.weight;
+  c.metric("profiles", static_cast<double>(profiles.profiles.size()));
+  c.metric("area_fraction", profiles.area_fraction);
+  c.metric("profiles_per_area", weights / profiles.observed_area);
+  if (profiles.profiles.empty()) c.warn("the planes meet no particle");
+  c.output("image", std::move(section.image));
+  c.output("labels", std::move(section.labels));
+  c.output("profiles", std::move(section.profiles));
+  c.output("table", std::move(section.table));
+}
+
+}  // namespace
+
+NodeType section_node() {
+  return NodeType("Section", 1)
+      .doc_(
+          "Cuts a packing, or a volume, with planes: picture, labels and exact profiles. Planes across an "
+          "axis show one "
+          "whole period; random ones are isotropic and uniform, as stereology asks.")
+      .source_(
+          "Border weights: Miles 1974, Lantuéjoul 1978. Identities: Jagnow et al. 2004, eq. 1; Underwood "
+          "1970.")
+      .optional_input("particles", {"Particles"}, "a packing in a periodic box; with shapes")
+      .optional_input("shapes", {"Shapes"}, "the particles' shapes")
+      .optional_input("volume", {"Volume"},
+                      "instead of particles: grids Cd or density, and id for the labels")
+      .output("image", "Image",
+              "the sections, one below the other in the stack; particles antialiased over the binder")
+      .output("labels", "Labels", "the profile at each pixel's centre, 0 for binder")
+      .output("profiles", "Profiles",
+              "one per connected region: of particles exact, of volumes counted in pixels")
+      .output(
+          "table", "Table",
+          "per profile its section, particle, class, area, of particles also perimeter and holes, and weight")
+      .parameter(Parameter::integer("planes", 1)
+                     .range(1, 100000)
+                     .doc_("Number of planes; where offsets are given, theirs."))
+      .parameter(
+          Parameter::choice("axis", "z", {"x", "y", "z", "random"})
+              .doc_("The axis that the planes cross at a right angle, or random: any orientation and place."))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
+                     .unit_("mm")
+                     .range(0, 1e9)
+                     .doc_("Where along the axis, from the box's corner; auto: evenly spaced, half a step "
+                           "from the ends."))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "width", "auto")
+                     .unit_("mm")
+                     .above(0)
+                     .doc_("Width of a random plane's window; auto: the box's shortest edge."))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "height", "auto")
+                     .unit_("mm")
+                     .above(0)
+                     .doc_("Height of a random plane's window; auto: the box's shortest edge."))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "pixel_size", "auto")
+                     .unit_("mm")
+                     .above(0)
+                     .doc_("Rounded so that whole pixels fill the width; auto: the longest edge / 512, a "
+                           "volume's own voxel, and "
+                           "coarser where the stack would exceed 64 megapixels."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of random planes."))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

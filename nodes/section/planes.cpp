@@ -1,0 +1,90 @@
+#include "nodes/section/planes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+
+namespace {
+
+// Uniform over all rotations (Shoemake 1992).
+Mat3 random_rotation(Random& random) {
+  const double u = random.uniform(), v = 2 * M_PI * random.uniform(), w = 2 * M_PI * random.uniform();
+  const double a = std::sqrt(1 - u), b = std::sqrt(u);
+  return Quat(b * std::cos(w), a * std::sin(v), a * std::cos(v), b * std::sin(w))
+      .normalized()
+      .toRotationMatrix();
+}
+
+void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
+  constexpr double most = 64e6, limit = 256e6;
+  const double sections = static_cast<double>(layout.planes.size());
+  if (wanted <= 0) wanted = std::max(fallback, std::sqrt(layout.window_area() * sections / most));
+  const double x = std::max(1.0, std::round(layout.width / wanted));
+  const double y = std::max(1.0, std::round(layout.height / (layout.width / x)));
+  if (!(x * y * sections <= limit))
+    throw Error("too-many-pixels",
+                fmt::format("{} sections of {:.0f} × {:.0f} pixels are more than {:.0f} megapixels", sections,
+                            x, y, limit / 1e6),
+                "raise pixel_size or ask for fewer planes")
+        .parameter("pixel_size");
+  layout.pixels_x = static_cast<int>(x), layout.pixels_y = static_cast<int>(y);
+  layout.pixel_size = layout.width / x;
+}
+
+}  // namespace
+
+SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool periodic,
+                            double default_pixel_size) {
+  SectionLayout layout;
+  if (choice.axis == "random") {
+    if (!choice.offsets.empty())
+      throw Error("offsets-at-random", "offsets have no meaning for random planes", "choose axis x, y or z")
+          .parameter("offsets");
+    layout.width = choice.width > 0 ? choice.width : box.minCoeff();
+    layout.height = choice.height > 0 ? choice.height : box.minCoeff();
+    for (int i = 0; i < choice.planes; ++i) {
+      Random random(choice.seed, 0x73656374, static_cast<std::uint64_t>(i));
+      SectionPlane plane;
+      plane.frame = random_rotation(random);
+      Vec3 center;
+      for (int k = 0; k < 3; ++k) center[k] = box[k] * random.uniform();
+      plane.origin =
+          center - plane.frame.col(0) * (layout.width / 2) - plane.frame.col(1) * (layout.height / 2);
+      layout.planes.push_back(plane);
+    }
+  } else {
+    const int u = choice.axis[0] - 'x', a = (u + 1) % 3, b = (u + 2) % 3;
+    layout.width = box[a], layout.height = box[b], layout.tile = periodic;
+    const auto given = choice.offsets.size();
+    if (given > 1 && choice.planes > 1 && given != static_cast<std::size_t>(choice.planes))
+      throw Error("planes-and-offsets", fmt::format("{} planes, but {} offsets", choice.planes, given),
+                  "give one of the two")
+          .parameter("offsets");
+    const auto n = given ? given : static_cast<std::size_t>(choice.planes);
+    for (std::size_t i = 0; i < n; ++i) {
+      SectionPlane plane;
+      plane.frame.col(0) = Vec3::Unit(a), plane.frame.col(1) = Vec3::Unit(b),
+      plane.frame.col(2) = Vec3::Unit(u);
+      const double offset =
+          given ? choice.offsets[i] : (static_cast<double>(i) + 0.5) * box[u] / static_cast<double>(n);
+      if (!(offset >= 0 && offset <= box[u]))
+        throw Error("bad-offset",
+                    fmt::format("the plane at {} = {:g} mm misses the box, which ends at {:g} mm",
+                                choice.axis, offset, box[u]),
+                    fmt::format("offsets lie in 0 … {:g} mm", box[u]))
+            .parameter("offsets");
+      plane.origin = offset * Vec3::Unit(u);
+      layout.planes.push_back(plane);
+    }
+  }
+  lay_pixels(layout, choice.pixel_size, default_pixel_size);
+  return layout;
+}
+
+}  // namespace terrazzo

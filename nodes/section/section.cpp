@@ -1,0 +1,135 @@
+#include "nodes/section/section.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/section/cut.h"
+#include "nodes/section/raster.h"
+
+namespace terrazzo {
+
+namespace {
+
+// The profile of a cut, and the part of its region that the window shows. No area where that is nothing.
+Profile profile_of(const Cut& cut, const Particles& particles, const SectionLayout& layout, Region& visible) {
+  Profile p;
+  p.section = cut.section;
+  p.cls = particles.cls[cut.particle];
+  p.color = particles.color[cut.particle];
+  visible = cut.region;
+  if (!layout.tile) {
+    const Extent e = region_extent(cut.region);
+    const Vec2 size = e.hi - e.lo;
+    p.touches_border = e.lo.minCoeff() < 0 || e.hi.x() > layout.width || e.hi.y() > layout.height;
+    if (p.touches_border) {
+      p.weight = 0;
+      visible = clipped(cut.region, layout.width, layout.height);
+      if (visible.empty() || !(region_area(visible) > 0)) return {};
+    } else {
+      p.weight = layout.window_area() / ((layout.width - size.x()) * (layout.height - size.y()));
+    }
+  }
+  p.area = region_area(visible);
+  p.centroid = region_centroid(visible);
+  p.contour = visible[0];
+  return p;
+}
+
+// All copies of a tile's regions that reach into it.
+std::vector<Region> with_images(const std::vector<Region>& regions, const SectionLayout& layout) {
+  std::vector<Region> all;
+  for (const Region& r : regions) {
+    const Extent e = region_extent(r);
+    const int x0 = -static_cast<int>(std::floor(e.hi.x() / layout.width)),
+              x1 = -static_cast<int>(std::floor(e.lo.x() / layout.width));
+    const int y0 = -static_cast<int>(std::floor(e.hi.y() / layout.height)),
+              y1 = -static_cast<int>(std::floor(e.lo.y() / layout.height));
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) all.push_back(translated(r, {x * layout.width, y * layout.height}));
+  }
+  return all;
+}
+
+struct Canvas {
+  std::vector<Vec3f> color;
+  std::vector<float> cover;
+};
+
+// Paints one section. Where particles overlap, their colours share the pixel.
+void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
+           const PixelGrid& grid, const Vec3f& binder) {
+  const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
+  Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f)};
+  for (std::size_t k = 0; k < visible.size(); ++k) {
+    const Profile& p = out.profiles.profiles[first + k];
+    cover_pixels(visible[k], grid, [&](int x, int row, double share) {
+      const std::size_t at = static_cast<std::size_t>(row) * grid.width + x;
+      canvas.color[at] += static_cast<float>(share) * p.color;
+      canvas.cover[at] += static_cast<float>(share);
+    });
+    fill_pixels(visible[k], grid, [&](int x, int row) {
+      out.labels.ids[out.labels.index(x, row, section)] = static_cast<std::int32_t>(first + k + 1);
+    });
+  }
+  for (std::size_t at = 0; at < pixels; ++at) {
+    const float c = canvas.cover[at];
+    out.image.pixels[section * pixels + at] =
+        c > 1 ? Vec3f(canvas.color[at] / c) : Vec3f(canvas.color[at] + (1 - c) * binder);
+  }
+}
+
+}  // namespace
+
+Section cut_section(const Particles& particles, const Shapes& shapes, const SectionLayout& layout,
+                    const Work& work) {
+  check_particles(particles, shapes);
+  const std::vector<Cut> cuts = cut_particles(particles, shapes, layout, work.part(0, 0.5));
+  const int sections = static_cast<int>(layout.planes.size());
+
+  Section out;
+  out.image = Image(layout.pixels_x, layout.pixels_y, sections, layout.pixel_size);
+  out.labels.width = layout.pixels_x, out.labels.height = layout.pixels_y, out.labels.sections = sections;
+  out.labels.pixel_size = layout.pixel_size;
+  out.labels.ids.assign(out.image.pixels.size(), 0);
+  Profiles& profiles = out.profiles;
+  profiles.sections = sections;
+  profiles.window = {layout.width, layout.height};
+  profiles.observed_area = layout.window_area() * sections;
+  profiles.binder_color = particles.binder_color;
+  out.table.columns = {"section", "particle", "class", "area mm²", "perimeter mm", "holes", "weight"};
+
+  std::vector<std::vector<Region>> visible(sections);
+  std::vector<std::size_t> first(sections + 1, 0);
+  double sum = 0;
+  for (const Cut& cut : cuts) {
+    Region region;
+    Profile p = profile_of(cut, particles, layout, region);
+    if (!(p.area > 0)) continue;
+    ++first[cut.section + 1];
+    sum += p.area;
+    profiles.classes = std::max(profiles.classes, p.cls + 1);
+    out.labels.classes.push_back(p.cls);
+    out.table.rows.push_back({double(cut.section), double(cut.particle), double(p.cls), p.area,
+                              region_perimeter(region), double(region.size() - 1), p.weight});
+    profiles.profiles.push_back(std::move(p));
+    visible[cut.section].push_back(std::move(region));
+  }
+  for (int s = 0; s < sections; ++s) first[s + 1] += first[s];
+
+  const PixelGrid grid{layout.pixels_x, layout.pixels_y, layout.width / layout.pixels_x,
+                       layout.height / layout.pixels_y, layout.tile};
+  std::vector<double> covered(sections, 0.0);
+  work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
+    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color);
+    covered[s] =
+        union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
+  });
+  double united = 0;
+  for (double c : covered) united += c;
+  profiles.area_fraction = united / profiles.observed_area;
+  // Rounding alone must not look like an overlap.
+  out.overlap = sum > united * (1 + 1e-7) ? (sum - united) / profiles.observed_area : 0;
+  return out;
+}
+
+}  // namespace terrazzo

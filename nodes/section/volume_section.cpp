@@ -1,0 +1,136 @@
+#include "nodes/section/volume_section.h"
+
+#include <openvdb/tools/Interpolation.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/section/pixel_regions.h"
+
+namespace terrazzo {
+
+namespace {
+
+// Reads a grid at points in space, repeating one period where the volume has one.
+template <class Grid>
+class Sampler {
+ public:
+  using T = typename Grid::ValueType;
+  Sampler(const Grid& grid, const Volume& volume)
+      : grid_(grid), accessor_(grid.getConstAccessor()), n_(volume.resolution) {}
+
+  T trilinear(const Vec3& world) const {
+    const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
+    int base[3];
+    double t[3];
+    for (int k = 0; k < 3; ++k) base[k] = static_cast<int>(std::floor(at[k])), t[k] = at[k] - base[k];
+    T sum = openvdb::zeroVal<T>();
+    for (int c = 0; c < 8; ++c) {
+      const int d[3] = {c & 1, c >> 1 & 1, c >> 2};
+      double weight = 1;
+      for (int k = 0; k < 3; ++k) weight *= d[k] ? t[k] : 1 - t[k];
+      if (weight > 0)
+        sum = sum + T(read(base[0] + d[0], base[1] + d[1], base[2] + d[2]) * static_cast<float>(weight));
+    }
+    return sum;
+  }
+  T nearest(const Vec3& world) const {
+    const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
+    return read(static_cast<int>(std::floor(at[0] + 0.5)), static_cast<int>(std::floor(at[1] + 0.5)),
+                static_cast<int>(std::floor(at[2] + 0.5)));
+  }
+
+ private:
+  T read(int x, int y, int z) const {
+    int v[3] = {x, y, z};
+    for (int k = 0; k < 3; ++k)
+      if (n_[k] > 0) v[k] = (v[k] % n_[k] + n_[k]) % n_[k];
+    return accessor_.getValue(openvdb::Coord(v[0], v[1], v[2]));
+  }
+  const Grid& grid_;
+  typename Grid::ConstAccessor accessor_;
+  Vec3i n_;
+};
+
+Vec3f vector_of(const openvdb::Vec3s& v) { return {v[0], v[1], v[2]}; }
+Vec3f vector_of(float v) { return {v, v, v}; }
+
+// sample(sampler, point, x, row, section) at every pixel's centre.
+template <class Grid, class Sample>
+void sweep(const Grid& grid, const Volume& volume, const SectionLayout& layout, const Vec3& corner,
+           const Work& work, Sample sample) {
+  const double mm_x = layout.width / layout.pixels_x, mm_y = layout.height / layout.pixels_y;
+  work.parallel(layout.planes.size() * layout.pixels_y, 16, [&](std::size_t begin, std::size_t end) {
+    const Sampler<Grid> sampler(grid, volume);
+    for (std::size_t i = begin; i < end; ++i) {
+      const int section = static_cast<int>(i / layout.pixels_y), row = static_cast<int>(i % layout.pixels_y);
+      const SectionPlane& plane = layout.planes[section];
+      const Vec3 start = corner + plane.origin + plane.frame.col(1) * ((layout.pixels_y - row - 0.5) * mm_y);
+      for (int x = 0; x < layout.pixels_x; ++x)
+        sample(sampler, start + plane.frame.col(0) * ((x + 0.5) * mm_x), x, row, section);
+    }
+  });
+}
+
+}  // namespace
+
+VolumeBox volume_box(const Volume& volume) {
+  if (volume.grids.empty()) throw Error("no-grids", "the volume holds no grids");
+  const auto& transform = volume.grids[0]->transform();
+  const openvdb::Vec3d voxel = transform.voxelSize();
+  VolumeBox box;
+  box.voxel = std::min({voxel[0], voxel[1], voxel[2]});
+  openvdb::CoordBBox active;
+  box.periodic = volume.resolution.minCoeff() > 0;
+  if (box.periodic)
+    active = {openvdb::Coord(0),
+              openvdb::Coord(volume.resolution[0] - 1, volume.resolution[1] - 1, volume.resolution[2] - 1)};
+  else
+    for (const auto& g : volume.grids) active.expand(g->evalActiveVoxelBoundingBox());
+  if (active.empty()) throw Error("empty-volume", "no voxel of the volume is active");
+  const openvdb::Vec3d lo = transform.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
+  const openvdb::Vec3d hi = transform.indexToWorld(active.max().asVec3d() + openvdb::Vec3d(0.5));
+  for (int k = 0; k < 3; ++k) box.corner[k] = std::min(lo[k], hi[k]), box.size[k] = std::abs(hi[k] - lo[k]);
+  if (!(box.size.minCoeff() > 0)) throw Error("empty-volume", "the volume's box has no extent");
+  return box;
+}
+
+VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, const Work& work) {
+  const VolumeBox box = volume_box(volume);
+  const auto color = volume.find<openvdb::Vec3SGrid>("Cd");
+  const auto density = volume.find<openvdb::FloatGrid>("density");
+  const auto id = volume.find<openvdb::Int32Grid>("id");
+  if (!color && !density)
+    throw Error("no-color", "the volume has neither a grid Cd (vectors) nor density (floats) to show",
+                "give one of its grids that name");
+
+  VolumeSection out;
+  out.color_grid = color ? "Cd" : "density";
+  out.label_grid = id ? "id" : density ? "density" : "";
+  const int sections = static_cast<int>(layout.planes.size());
+  out.image = Image(layout.pixels_x, layout.pixels_y, sections, layout.pixel_size);
+  auto shade = [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
+    out.image.at(x, row, section) = vector_of(sampler.trilinear(p));
+  };
+  if (color)
+    sweep(*color, volume, layout, box.corner, work.part(0, 0.5), shade);
+  else
+    sweep(*density, volume, layout, box.corner, work.part(0, 0.5), shade);
+
+  // −1: binder. Without ids every grain of density is of one value, so that only connection tells them apart.
+  PixelRegions pixels(layout, out.image);
+  if (id)
+    sweep(*id, volume, layout, box.corner, work.part(0.5, 0.9),
+          [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
+            pixels.value(x, row, section) = std::max(-1, sampler.nearest(p));
+          });
+  else if (density)
+    sweep(*density, volume, layout, box.corner, work.part(0.5, 0.9),
+          [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
+            pixels.value(x, row, section) = sampler.trilinear(p) >= 0.5f ? 0 : -1;
+          });
+  pixels.measure(out, work);
+  return out;
+}
+
+}  // namespace terrazzo
