@@ -105,7 +105,7 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
   const Mat4d matrix(m);
   if (matrix.det() == 0 || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
     throw Error("damaged", "the stored volume has no valid transform");
-  // OpenVDB's tools are faster on the special maps; its own simplify() would change the last bits.
+  // OpenVDB's tools are faster on the special maps.
   const Vec3d scale(m[0], m[5], m[10]), shift(m[12], m[13], m[14]);
   const bool diagonal = m[1] == 0 && m[2] == 0 && m[4] == 0 && m[6] == 0 && m[8] == 0 && m[9] == 0;
   const bool even = m[0] == m[5] && m[0] == m[10];
@@ -120,7 +120,14 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
   } catch (const openvdb::Exception&) {
     throw Error("damaged", "the stored volume has no valid transform");
   }
-  return std::make_shared<Transform>(map);
+  // By way of OpenVDB's reader: its constructors take a map apart and change the last bits of the scale.
+  std::stringstream stream(std::ios::in | std::ios::out | std::ios::binary);
+  openvdb::io::setCurrentVersion(stream);
+  openvdb::writeString(stream, map->type());
+  map->write(stream);
+  auto transform = std::make_shared<Transform>();
+  transform->read(stream);
+  return transform;
 }
 
 // --- the value
@@ -238,9 +245,9 @@ void initialize_openvdb() {
 
 openvdb::math::Transform::Ptr voxel_transform(double size) {
   initialize_openvdb();
-  // Not by postTranslate, which changes the last bits of the voxel size.
-  return std::make_shared<openvdb::math::Transform>(
-      std::make_shared<openvdb::math::UniformScaleTranslateMap>(size, openvdb::Vec3d(size / 2)));
+  auto transform = openvdb::math::Transform::createLinearTransform(size);
+  transform->postTranslate(openvdb::Vec3d(size / 2));
+  return transform;
 }
 
 }  // namespace terrazzo
