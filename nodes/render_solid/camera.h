@@ -1,0 +1,32 @@
+// A perspective camera that frames a box.
+#pragma once
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo {
+
+struct Camera {
+  Vec3f position, forward, right, up;  // unit directions, image up and right
+  float half_width = 0, half_height = 0;  // of the image plane at distance 1
+
+  // Looks at the box from `azimuth` (radians from +x towards +y) and `elevation`; the box fills `fill` of the tighter
+  // side of the image and is centred. `field` is the angle over the shorter side, radians.
+  static Camera framing(const Eigen::AlignedBox3f& box, float azimuth, float elevation, int width, int height,
+                        float field = 0.38f, float fill = 0.8f);
+
+  // Through a point of the image, in pixels from its upper left corner.
+  Vec3f direction(float x, float y, int width, int height) const {
+    return (forward + right * ((2 * x / float(width) - 1) * half_width) +
+            up * ((1 - 2 * y / float(height)) * half_height))
+        .normalized();
+  }
+  // Where a point appears, in pixels; it must be in front.
+  Eigen::Vector2f project(const Vec3f& p, int width, int height) const {
+    const Vec3f v = p - position;
+    const float depth = v.dot(forward);
+    return {(v.dot(right) / depth / half_width + 1) * 0.5f * float(width),
+            (1 - v.dot(up) / depth / half_height) * 0.5f * float(height)};
+  }
+};
+
+}  // namespace terrazzo

@@ -1,0 +1,34 @@
+// Pictures of solids: paths of light through the Studio, from the camera.
+#pragma once
+
+#include <cstdint>
+
+#include "nodes/data/image.h"
+#include "nodes/render_solid/camera.h"
+#include "nodes/render_solid/solid.h"
+#include "nodes/render_solid/studio.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+struct RenderSettings {
+  int width = 720, height = 720;  // pixels
+  int samples = 32;               // paths a pixel
+  int bounces = 2;                // diffuse reflections between surfaces
+  float gloss = 0.5f;             // share of a polished surface's mirror reflection, 0…1
+  bool tone_map = true;
+  std::uint64_t seed = 1;
+};
+
+// The radiance of each pixel, scene-linear and display-referred: 1 is white. Neighbouring pixels share no randomness; the
+// result does not depend on the number of threads.
+//
+// Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by sampling.
+// Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased (a control variate).
+Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
+
+// Leaves values up to 0.85 as they are and bends those above towards 1; all channels by the same factor, so that the
+// hue stays.
+Vec3f tone_mapped(const Vec3f& linear);
+
+}  // namespace terrazzo

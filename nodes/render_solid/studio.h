@@ -1,0 +1,53 @@
+// The light in which solids are shown: a pale dome, one large soft lamp, a pale floor. All of it is neutral, so that a
+// grey solid stays grey, and its strength is such that a white surface facing up is white: radiances are in units of
+// what an unshadowed white floor would send back.
+#pragma once
+
+#include <array>
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo {
+
+class Studio {
+ public:
+  struct Settings {
+    float lamp_share = 0.52f;      // of the light that a surface facing up gets
+    float lamp_azimuth = 0;        // radians from +x towards +y
+    float lamp_elevation = 0.98f;  // radians
+    float lamp_sharpness = 36;     // κ of the lamp's von Mises–Fisher lobe: its radius is about 1/√κ radians
+    float horizon = 0.85f, zenith = 1.15f;  // the dome's radiance, relative
+    float floor = 0.5f;       // radiance of the unshadowed floor as a light on the solid
+    float background = 0.8f;  // radiance of the unshadowed floor as the camera sees it
+    bool has_floor = true;    // else the dome goes on below, with radiance `floor`, and nothing is shadowed
+  };
+  explicit Studio(const Settings&);
+  // Radiance 1 from everywhere, no lamp, no floor: a convex body then shows its albedo exactly.
+  static Studio furnace();
+
+  const Settings& settings() const { return settings_; }
+  // Irradiance over π of an unoccluded surface, the lamp included.
+  float irradiance(const Vec3f& normal) const;
+  // Radiance from a direction, without the lamp; the floor unshadowed.
+  float radiance(const Vec3f& direction) const {
+    return direction.z() < 0 ? settings_.floor : horizon_ + (zenith_ - horizon_) * direction.z();
+  }
+  // Radiance with the lamp, for mirror reflections.
+  float mirrored(const Vec3f& direction) const;
+  // A direction to the lamp, distributed as its light; a surface gets lamp() · cos θ from it (irradiance over π).
+  Vec3f to_lamp(float u, float v) const;
+  float lamp() const { return lamp_; }
+
+ private:
+  Settings settings_;
+  Vec3f direction_, across_, along_;  // to the lamp, and two directions beside it
+  float lamp_ = 0, horizon_ = 0, zenith_ = 0;
+  static constexpr int steps = 256;
+  std::array<float, steps + 1> by_height_{};  // dome and floor, over the normal's z from −1 to 1
+  std::array<float, steps + 1> by_angle_{};   // lamp, over the cosine from the normal to its middle
+};
+
+// A direction around the unit `normal`, distributed as its cosine.
+Vec3f cosine_direction(const Vec3f& normal, float u, float v);
+
+}  // namespace terrazzo
