@@ -30,6 +30,13 @@ class Work {
   // The share [from, to] of this work's progress, for a stage of it.
   Work part(double from, double to) const;
 
+  // The same loops and cancellation without reports: for the many short loops within one step of an iteration.
+  Work quiet() const {
+    Work w = *this;
+    w.report_ = nullptr;
+    return w;
+  }
+
   // Calls body(begin, end) for consecutive ranges of at most `grain` items of [0, n), on all threads of the
   // run. The ranges depend on n and grain alone, never on the number of threads. Checks for cancellation
   // before every range and reports progress.

@@ -1,0 +1,216 @@
+#include "nodes/anneal/contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace terrazzo::anneal {
+namespace {
+
+// Sums over the elements of one body inside the field of the other, in the field's frame and unit.
+struct Probe {
+  Vec3f push = Vec3f::Zero(), turn_field = Vec3f::Zero(), turn_own = Vec3f::Zero();
+  float lever_field = 0, lever_own = 0, weight = 0;
+  float deepest = 0, gap = 1e30f;
+};
+
+struct Frame {  // own frame of the elements to that of the field
+  float m[9];
+  Vec3f t;
+  float scale;
+  void point(const float* p, float* q) const {
+    for (int r = 0; r < 3; ++r) q[r] = m[3 * r] * p[0] + m[3 * r + 1] * p[1] + m[3 * r + 2] * p[2] + t[r];
+  }
+  void direction(const float* p, float* q) const {
+    for (int r = 0; r < 3; ++r) q[r] = m[3 * r] * p[0] + m[3 * r + 1] * p[1] + m[3 * r + 2] * p[2];
+  }
+};
+
+void add(Probe& probe, const Frame& frame, const Vec3f& p, const Vec3f& n, float depth) {
+  const Vec3f arm = p - frame.t;
+  const Vec3f cf = p.cross(n), co = arm.cross(n);
+  probe.weight += depth;
+  const float w = depth * depth;
+  probe.push += w * n;
+  probe.turn_field += w * cf;
+  probe.turn_own += w * co;
+  probe.lever_field += depth * cf.squaredNorm();
+  probe.lever_own += depth * co.squaredNorm();
+  probe.deepest = std::max(probe.deepest, depth);
+}
+
+// The lowest point of the field along a segment, by the crossing of the two ends' tangents (Kelley's cuts in one
+// dimension): finite for the planes of a polyhedron, and close for a grid.
+void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e, float threshold) {
+  float c[3], h[3], g[3];
+  frame.point(e.center, c);
+  frame.direction(e.half, h);
+  const float length = e.half_length * frame.scale;
+  const float middle = field.value(c);
+  if (middle - length > threshold) {
+    probe.gap = std::min(probe.gap, middle - length);
+    return;
+  }
+  struct End {
+    float at, value, slope;
+    Vec3f p, n;
+  };
+  const auto sample = [&](float at) {
+    End end;
+    end.at = at;
+    for (int a = 0; a < 3; ++a) end.p[a] = c[a] + at * h[a];
+    end.value = field.value(end.p.data(), g);
+    end.n = Vec3f(g[0], g[1], g[2]);
+    end.slope = g[0] * h[0] + g[1] * h[1] + g[2] * h[2];
+    return end;
+  };
+  End lo = sample(-1), hi = sample(1);
+  End best = lo.value <= hi.value ? lo : hi;
+  float bound = best.value;
+  for (int step = 0; step < 6 && lo.slope < 0 && hi.slope > 0; ++step) {
+    // Crossing of the two tangents: the least that a convex function can be there.
+    const float at = (hi.value - lo.value + lo.slope * lo.at - hi.slope * hi.at) / (lo.slope - hi.slope);
+    if (!(at > lo.at && at < hi.at)) break;
+    bound = lo.value + lo.slope * (at - lo.at);
+    if (bound > threshold) break;
+    const End mid = sample(at);
+    if (mid.value < best.value) best = mid;
+    if (mid.value - bound < 1e-3f * length || step == 5) {
+      if (mid.value < threshold) {
+        // At a ridge the push that leaves the segment is across it: the mixture of both faces' normals.
+        best = mid;
+        const float s = hi.slope / (hi.slope - lo.slope);
+        best.n = s * lo.n + (1 - s) * hi.n;
+      }
+      break;
+    }
+    (mid.slope < 0 ? lo : hi) = mid;
+  }
+  if (best.value >= threshold) {
+    // The tangents' bound holds for convex fields; a grid may dip between them by a little.
+    probe.gap = std::min(probe.gap, std::max(std::min(bound, best.value), threshold));
+    return;
+  }
+  float depth = threshold - best.value;
+  const float norm = best.n.norm();
+  if (norm > 1e-6f) best.n /= norm;
+  if (norm < 1) depth /= std::max(norm, 0.5f);
+  add(probe, frame, best.p, best.n, depth);
+}
+
+void probe_element(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e, float threshold) {
+  if (e.half_length > 0) return probe_segment(probe, frame, field, e, threshold);
+  float c[3], g[3];
+  frame.point(e.center, c);
+  const float radius = e.radius * frame.scale;
+  const float v = field.value(c, g) - radius;
+  if (v >= threshold) {
+    probe.gap = std::min(probe.gap, v);
+    return;
+  }
+  Vec3f n(g[0], g[1], g[2]);
+  const float norm = n.norm();
+  if (norm > 1e-6f) n /= norm;
+  const Vec3f p = Vec3f(c[0], c[1], c[2]) - radius * n;
+  add(probe, frame, p, n, threshold - v);
+}
+
+Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold) {
+  Probe probe;
+  const auto* nodes = tree.nodes.data();
+  const auto end = static_cast<std::int32_t>(tree.nodes.size());
+  for (std::int32_t k = 0; k < end;) {
+    const auto& node = nodes[k];
+    float c[3];
+    frame.point(node.center, c);
+    const float clearance = field.value(c) - node.radius * frame.scale;
+    if (clearance > threshold) {
+      probe.gap = std::min(probe.gap, clearance);
+      k = node.next;
+      continue;
+    }
+    for (int m = node.first; m < node.first + node.count; ++m)
+      probe_element(probe, frame, field, tree.elements[m], threshold);
+    ++k;
+  }
+  return probe;
+}
+
+// Elements of `own` in the field of `other`; `offset` is other's centre less own's.
+Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, bool fine) {
+  Frame frame;
+  const float inverse = 1 / other.scale;
+  frame.scale = own.scale * inverse;
+  const Eigen::Matrix3f m = other.rotation.transpose() * own.rotation * frame.scale;
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) frame.m[3 * r + c] = m(r, c);
+  frame.t = other.rotation.transpose() * (-offset) * inverse;
+  return probe_tree(fine ? own.shape->fine : own.shape->coarse, frame, other.shape->field, margin * inverse);
+}
+
+// Adds a probe to the contact; `sign` is +1 where the elements are a's.
+void accumulate(Contact& contact, const Probe& probe, const Body& field, bool elements_are_a, float share) {
+  const float s = field.scale, w = share / probe.weight;
+  const Vec3f push = field.rotation * probe.push * (s * w);
+  const Vec3f turn_own = field.rotation * probe.turn_own * (s * s * w);
+  const Vec3f turn_field = field.rotation * probe.turn_field * (s * s * w);
+  contact.depth = std::max(contact.depth, probe.deepest * s);
+  if (elements_are_a) {
+    contact.push += push;
+    contact.turn_a += turn_own, contact.turn_b -= turn_field;
+    contact.lever_a += probe.lever_own * s * s * w, contact.lever_b += probe.lever_field * s * s * w;
+  } else {
+    contact.push -= push;
+    contact.turn_b += turn_own, contact.turn_a -= turn_field;
+    contact.lever_b += probe.lever_own * s * s * w, contact.lever_a += probe.lever_field * s * s * w;
+  }
+}
+
+}  // namespace
+
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine) {
+  Contact contact;
+  const bool ball_a = a.shape->field.kind() == DistanceField::Kind::Sphere;
+  const bool ball_b = b.shape->field.kind() == DistanceField::Kind::Sphere;
+  if (ball_a && ball_b) {
+    const float distance = offset.norm();
+    const float gap = distance - a.shape->field.radius() * a.scale - b.shape->field.radius() * b.scale - margin;
+    if (gap >= 0) {
+      contact.gap = gap;
+      return contact;
+    }
+    contact.depth = -gap;
+    contact.push = distance > 1e-12f ? Vec3f(offset * (gap / distance)) : Vec3f(gap, 0, 0);
+    return contact;
+  }
+  // A ball is its centre with a radius: probing it with points of the other adds nothing.
+  Probe of_a, of_b;
+  if (!ball_b) of_a = probe_body(a, b, offset, margin, fine);
+  const float gap_a = ball_b ? 0 : of_a.gap * b.scale - margin;
+  if (of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
+    contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
+    return contact;
+  }
+  if (!ball_a) of_b = probe_body(b, a, -offset, margin, fine);
+  const int found = (of_a.weight > 0) + (of_b.weight > 0);
+  if (found == 0) {
+    const float gap_b = ball_a ? 0 : of_b.gap * a.scale - margin;
+    contact.gap = ball_a ? gap_a : ball_b ? gap_b : std::min(gap_a, gap_b);
+    contact.gap = std::max(contact.gap, 0.f);
+    return contact;
+  }
+  const float share = 1.f / static_cast<float>(found);
+  if (of_a.weight > 0) accumulate(contact, of_a, b, true, share);
+  if (of_b.weight > 0) accumulate(contact, of_b, a, false, share);
+  // Bodies deep in each other have surfaces that push all ways: part them along their centres.
+  const float deep = 0.35f * std::min(a.scale * static_cast<float>(a.shape->gyration),
+                                      b.scale * static_cast<float>(b.shape->gyration));
+  const float distance = offset.norm();
+  if (contact.depth > deep && distance > 1e-12f) {
+    const float mix = std::min(1.f, contact.depth / deep - 1);
+    contact.push = (1 - mix) * contact.push - mix * contact.depth / distance * offset;
+    contact.turn_a *= 1 - mix, contact.turn_b *= 1 - mix;
+  }
+  return contact;
+}
+
+}  // namespace terrazzo::anneal

@@ -1,0 +1,44 @@
+// What the packer knows of a shape: a distance field to be probed by others, and the surface elements that it probes
+// others with. One per shape, shared by all instances; own frame, mm at scale 1.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/anneal/distance_field.h"
+
+namespace terrazzo::anneal {
+
+// A ball (radius > 0), a point, or a segment center ± half.
+struct Element {
+  float center[3];
+  float half[3] = {0, 0, 0};
+  float half_length = 0;
+  float radius = 0;
+};
+
+// Spheres around elements, depth first: a pruned node continues at `next`.
+struct ElementTree {
+  struct Node {
+    float center[3];
+    float radius;
+    std::int32_t next;
+    std::int32_t first, count;  // elements of a leaf; count 0 in an inner node
+  };
+  std::vector<Node> nodes;
+  std::vector<Element> elements;
+};
+
+struct ContactShape {
+  DistanceField field;
+  ElementTree coarse, fine;     // a subset for far-from-done states, and all
+  double bounding_radius = 0;   // about the origin
+  double gyration = 0;          // lever arm that weighs rotations against translations
+  double error = 0;             // typical distance by which field and elements may miss a contact
+};
+
+// Elements are chosen where the surface protrudes beyond those chosen before, so flat parts need none; edges sharper
+// than 30° enter as segments. The mesh must be watertight with its centroid at the origin.
+ContactShape make_contact_shape(const Mesh& mesh, const Work& work = {});
+
+}  // namespace terrazzo::anneal

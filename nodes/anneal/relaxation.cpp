@@ -1,0 +1,166 @@
+#include "nodes/anneal/relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/random.h"
+
+namespace terrazzo::anneal {
+
+Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap)
+    : extra(packing.count(), 0.0), shapes_(shapes), packing_(packing), binder_gap_(binder_gap),
+      bodies_(packing.count()), travel_(packing.count(), 0.0), drift_(packing.count(), Vec3::Zero()),
+      velocity_(packing.count(), Vec3::Zero()), spin_(packing.count(), Vec3::Zero()),
+      strain_(packing.count(), 0.0) {}
+
+double Relaxation::required_margin(std::size_t a, std::size_t b) const {
+  return binder_gap_ + extra[a] + extra[b] +
+         packing_.shrink * (shapes_[packing_.shape[a]].error * packing_.scale[a] +
+                            shapes_[packing_.shape[b]].error * packing_.scale[b]);
+}
+
+double Relaxation::target_margin(std::size_t a, std::size_t b) const {
+  return required_margin(a, b) + surplus * std::min(packing_.size[a], packing_.size[b]);
+}
+
+void Relaxation::forget() { stale_ = true; }
+
+void Relaxation::rebuild(const Work& work) {
+  const std::size_t n = packing_.count();
+  std::vector<double> radius(n);
+  double mean = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const ContactShape& shape = shapes_[packing_.shape[i]];
+    bodies_[i].shape = &shape;
+    bodies_[i].scale = static_cast<float>(packing_.scale[i] * packing_.shrink);
+    bodies_[i].rotation = packing_.orientation[i].toRotationMatrix().cast<float>();
+    // Half of each pair's margin belongs to each body; the smaller size bounds the surplus of a pair.
+    radius[i] = shape.bounding_radius * packing_.scale[i] * packing_.shrink + 0.5 * binder_gap_ + extra[i] +
+                shape.error * packing_.scale[i] + 0.5 * surplus * packing_.size[i];
+    mean += radius[i];
+    drift_[i].setZero();
+  }
+  reach_ = 0.15 * mean / static_cast<double>(std::max<std::size_t>(n, 1));
+  pairs_ = near_pairs(packing_.box, packing_.position, radius, 2 * reach_, work);
+  incidence_ = incidence_of(n, pairs_);
+  contacts_.assign(pairs_.size(), Contact{});
+  slack_.assign(pairs_.size(), -1.f);
+  stamp_.assign(pairs_.size(), 0.0);
+  stale_ = false;
+}
+
+Overlap Relaxation::find_contacts(const Work& work) {
+  if (stale_) rebuild(work);
+  const auto combine = [](Overlap x, const Overlap& y) {
+    x.worst = std::max(x.worst, y.worst);
+    x.energy += y.energy;
+    x.pairs += y.pairs;
+    return x;
+  };
+  Overlap none;
+  none.worst = -1;
+  return work.reduce<Overlap>(
+      pairs_.size(), 256, none,
+      [&](std::size_t begin, std::size_t end) {
+        Overlap sum = none;
+        for (std::size_t k = begin; k < end; ++k) {
+          const Pair& p = pairs_[k];
+          const double travelled = travel_[p.a] + travel_[p.b];
+          if (travelled - stamp_[k] < slack_[k]) continue;  // contacts_[k].depth is still 0
+          const double margin = target_margin(p.a, p.b);
+          const Vec3 offset = offset_of(p, packing_.box, packing_.position);
+          contacts_[k] =
+              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin), fine);
+          slack_[k] = contacts_[k].depth > 0 ? -1.f : contacts_[k].gap;
+          stamp_[k] = travelled;
+          if (contacts_[k].depth > 0) {
+            const double unit = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
+            const double depth = (contacts_[k].depth - (margin - required_margin(p.a, p.b))) / unit;
+            sum.worst = std::max(sum.worst, depth);
+            if (depth > 0) sum.energy += depth * depth, ++sum.pairs;
+          }
+        }
+        return sum;
+      },
+      combine);
+}
+
+void Relaxation::displace(std::size_t i, const Vec3& by, const Vec3& turn) {
+  Vec3& p = packing_.position[i];
+  p += by;
+  drift_[i] += by;
+  double moved = by.norm();
+  const double angle = turn.norm();
+  if (angle > 1e-12) {
+    Quat& q = packing_.orientation[i];
+    q = Quat(Eigen::AngleAxisd(angle, turn / angle)) * q;
+    q.normalize();
+    bodies_[i].rotation = q.toRotationMatrix().cast<float>();
+    moved += angle * bodies_[i].shape->bounding_radius * bodies_[i].scale;
+  }
+  travel_[i] += moved * 1.0001;
+}
+
+void Relaxation::move(const Work& work) {
+  const std::size_t n = packing_.count();
+  const double farthest = work.reduce<double>(
+      n, 512, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double far = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+          Vec3f push = Vec3f::Zero(), turn = Vec3f::Zero();
+          float lever = 0, deepest = 0;
+          int touching = 0;
+          for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e) {
+            const Contact& c = contacts_[incidence_.entry[e] >> 1];
+            if (!(c.depth > 0)) continue;
+            const bool is_a = (incidence_.entry[e] & 1) == 0;
+            if (is_a) push += c.push, turn += c.turn_a, lever += c.lever_a;
+            else push -= c.push, turn += c.turn_b, lever += c.lever_b;
+            deepest = std::max(deepest, c.depth);
+            ++touching;
+          }
+          strain_[i] = deepest / packing_.size[i];
+          Vec3 v = Vec3::Zero(), w = Vec3::Zero();
+          if (touching > 0) {
+            const double arm = bodies_[i].shape->gyration * bodies_[i].scale;
+            const Vec3 dx = push.cast<double>() * (step_length / touching);
+            const Vec3 dw = turn.cast<double>() * (step_length / (lever + 0.5 * arm * arm * touching));
+            const bool on = velocity_[i].dot(dx) + spin_[i].dot(dw) * arm * arm > 0;
+            v = dx + (on ? memory : 0.0) * velocity_[i];
+            w = dw + (on ? memory : 0.0) * spin_[i];
+            const double limit = 0.1 * packing_.size[i], turn_limit = 0.2;
+            if (v.norm() > limit) v *= limit / v.norm();
+            if (w.norm() > turn_limit) w *= turn_limit / w.norm();
+          } else {
+            v = 0.5 * velocity_[i], w = 0.5 * spin_[i];
+            if (v.norm() < 1e-4 * packing_.size[i]) v.setZero();
+            if (w.norm() < 1e-4) w.setZero();
+          }
+          velocity_[i] = v, spin_[i] = w;
+          if (v.isZero(0) && w.isZero(0)) continue;
+          displace(i, v, w);
+          far = std::max(far, drift_[i].norm());
+        }
+        return far;
+      },
+      [](double x, double y) { return std::max(x, y); });
+  // Positions leave the box by a little between rebuilds, so that the images of the pairs stay valid.
+  if (farthest > reach_) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (int a = 0; a < 3; ++a) {
+        double& x = packing_.position[i][a];
+        x -= std::floor(x / packing_.box[a]) * packing_.box[a];
+        if (x >= packing_.box[a]) x = 0;
+      }
+    stale_ = true;
+  }
+}
+
+Overlap Relaxation::step(const Work& work) {
+  const Overlap found = find_contacts(work);
+  move(work);
+  return found;
+}
+
+}  // namespace terrazzo::anneal

@@ -1,0 +1,84 @@
+// Moves and turns overlapping bodies apart, all at once, in a periodic box.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/anneal/contact.h"
+#include "nodes/anneal/neighbours.h"
+
+namespace terrazzo::anneal {
+
+// The bodies while they are packed. One entry a particle in every vector.
+struct Packing {
+  Vec3 box = Vec3::Zero();           // mm
+  std::vector<std::int32_t> shape;   // index into the contact shapes
+  std::vector<double> scale;         // of the mesh, as requested
+  std::vector<double> size;          // mm, as requested: the unit in which overlaps are told
+  std::vector<Vec3> position;        // [0, box)
+  std::vector<Quat> orientation;
+  double shrink = 1;                 // all bodies are this much smaller than requested
+  std::size_t count() const { return position.size(); }
+};
+
+// Penetrations as the contact code sees them, in units of the smaller body's size.
+struct Overlap {
+  double worst = 0;    // deepest; ≤ 0: free
+  double energy = 0;   // Σ depth²
+  std::size_t pairs = 0;
+};
+
+// A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball): each body
+// takes the mean of what its contacts ask for. Every contact is found once, by one thread, and each body sums its own
+// in a fixed order, so that the result has the same bits for any number of threads.
+class Relaxation {
+ public:
+  Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap);
+
+  bool fine = true;        // all elements, or the coarse subset
+  double surplus = 0.002;  // distance aimed for beyond what is asked, in sizes: makes the end finite
+  double step_length = 0.45, memory = 0.85;
+  std::vector<double> extra;  // further margin of each body, mm
+
+  // One iteration. Returns the overlap found before the move.
+  Overlap step(const Work& work);
+  // The overlap now, nothing moved; also fills strain().
+  Overlap measure(const Work& work);
+  // Largest depth at each body, in its own size, as of the last step or measure.
+  const std::vector<double>& strain() const { return strain_; }
+  // Random displacement of at most amplitude · size and turns alike, of every body in a contact (or of all).
+  void shake(double amplitude, std::uint64_t seed, std::uint64_t round, bool all, const Work& work);
+  // Call after changing packing.shrink, fine, surplus, extra or positions from outside.
+  void forget();
+  // Smallest shrink factor by which the overlaps of the last measure vanish when every body keeps its place.
+  double free_shrink() const;
+
+  double required_margin(std::size_t a, std::size_t b) const;
+
+ private:
+  const std::vector<ContactShape>& shapes_;
+  Packing& packing_;
+  double binder_gap_;
+  std::vector<Body> bodies_;
+  std::vector<Pair> pairs_;
+  Incidence incidence_;
+  std::vector<Contact> contacts_;
+  std::vector<float> slack_;       // of a pair, mm that both bodies may travel before they can touch
+  std::vector<double> stamp_;      // travel of both bodies when slack was measured
+  std::vector<double> travel_;     // of a body's surface, mm, summed
+  std::vector<Vec3> built_at_;     // positions when pairs_ was made, unwrapped moves added to drift_
+  std::vector<Vec3> drift_;        // displacement since then
+  std::vector<Vec3> velocity_, spin_;
+  std::vector<double> strain_;
+  std::vector<double> depth_ratio_;
+  double reach_ = 0;
+  bool stale_ = true;
+
+  double target_margin(std::size_t a, std::size_t b) const;
+  void rebuild(const Work& work);
+  Overlap find_contacts(const Work& work);
+  void move(const Work& work);
+  void displace(std::size_t i, const Vec3& by, const Vec3& turn);
+};
+
+}  // namespace terrazzo::anneal

@@ -1,0 +1,28 @@
+// The annealing schedule: from any first placement to a packing without overlap.
+#pragma once
+
+#include "nodes/anneal/relaxation.h"
+
+namespace terrazzo::anneal {
+
+struct AnnealOptions {
+  double binder_gap = 0;       // smallest distance between surfaces, mm
+  std::uint64_t seed = 1;
+  int iterations = 4000;       // of all bodies, at most
+  double start_shrink = 0.6;   // size at which growth begins
+  std::vector<double> extra;   // further margin of single bodies, mm; empty: none
+};
+
+struct AnnealResult {
+  bool free = false;      // no overlap at packing.shrink
+  int iterations = 0;
+  Overlap overlap;        // what is left
+};
+
+// Bodies grow from `start_shrink` to their size while overlaps are relaxed; where they jam they are shaken at a falling
+// temperature and grown again. Ends with packing.shrink = 1 and free, or, the iterations used up, with the densest free
+// state found (shrink < 1).
+AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
+                  const Work& work);
+
+}  // namespace terrazzo::anneal
