@@ -62,6 +62,7 @@ double bar_spacing(const Plot& plot) {
 
 void collect(const Plot& plot, std::vector<double>& xs, std::vector<double>& ys, bool& bars) {
   const double half = bar_spacing(plot) / 2;
+  if (!plot.x_words.empty()) xs = {-0.5, static_cast<double>(plot.x_words.size()) - 0.5};
   for (const auto& s : plot.series) {
     const bool is_bars = s.kind == PlotSeries::Kind::Bars;
     bars = bars || is_bars;
@@ -221,6 +222,10 @@ Image draw(const Plot& plot) {
   f.left = std::min((plot.y_label.empty() ? 14 : 34) + std::ceil(widest) + 7, image.width / 2.0);
   f.x = make_axis(xs, plot.log_x, false, has_bars,
                   std::clamp(static_cast<int>((f.right - f.left) / 80), 2, 10));
+  if (!plot.x_words.empty()) {
+    f.x.ticks.clear(), f.x.minor.clear(), f.x.words = plot.x_words;
+    for (std::size_t i = 0; i < plot.x_words.size(); ++i) f.x.ticks.push_back(static_cast<double>(i));
+  }
   // The last word must not stick out.
   if (!f.x.words.empty())
     f.right = std::min(f.right, image.width - 8 - text_extent(f.x.words.back(), small) / 2 +
@@ -233,7 +238,7 @@ Image draw(const Plot& plot) {
     if (s.kind == PlotSeries::Kind::Bars) draw_series(image, plot, f, s, bar++, bars);
   for (const auto& s : plot.series)
     if (s.kind != PlotSeries::Kind::Bars) draw_series(image, plot, f, s, 0, bars);
-  if (xs.empty()) {
+  if (ys.empty()) {
     const std::string words = "no data";
     write(image, (f.left + f.right - text_extent(words, normal)) / 2, (f.top + f.bottom) / 2 - normal / 2,
           words, normal, from_srgb(140, 140, 146));

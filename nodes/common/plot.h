@@ -20,6 +20,7 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   bool log_x = false, log_y = false;
+  std::vector<std::string> x_words;  // at x = 0, 1, 2… in the place of numbers
   std::vector<PlotSeries> series;
   int width = 720, height = 480;  // pixels
 };

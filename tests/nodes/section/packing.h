@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "nodes/common/mesh.h"
 #include "nodes/common/shape_measures.h"
 #include "nodes/data/particles.h"
 #include "runtime/random.h"
@@ -11,7 +12,8 @@ namespace terrazzo::test {
 
 inline Mesh box_mesh(double a, double b, double c, const Vec3& corner) {
   Mesh m;
-  for (int i = 0; i < 8; ++i) m.vertices.push_back(corner + Vec3(i & 1 ? a : 0, i & 2 ? b : 0, i & 4 ? c : 0));
+  for (int i = 0; i < 8; ++i)
+    m.vertices.push_back(corner + Vec3(i & 1 ? a : 0, i & 2 ? b : 0, i & 4 ? c : 0));
   m.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                  {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   return m;
@@ -27,18 +29,21 @@ inline Shape square_ring() {
   for (double z : {-half, half})
     for (double r : {outer, inner})
       for (int k = 0; k < 4; ++k) m.vertices.emplace_back(k == 0 || k == 3 ? r : -r, k < 2 ? r : -r, z);
-  auto quad = [&](int a, int b, int c, int d) { m.triangles.push_back({a, b, c}), m.triangles.push_back({a, c, d}); };
+  auto quad = [&](int a, int b, int c, int d) {
+    m.triangles.push_back({a, b, c}), m.triangles.push_back({a, c, d});
+  };
   for (int k = 0; k < 4; ++k) {
     const int n = (k + 1) % 4;
-    quad(k, n, 8 + n, 8 + k);                // outer wall
-    quad(4 + n, 4 + k, 12 + k, 12 + n);      // inner wall
-    quad(8 + k, 8 + n, 12 + n, 12 + k);      // top
-    quad(n, k, 4 + k, 4 + n);                // bottom
+    quad(k, n, 8 + n, 8 + k);            // outer wall
+    quad(4 + n, 4 + k, 12 + k, 12 + n);  // inner wall
+    quad(8 + k, 8 + n, 12 + n, 12 + k);  // top
+    quad(n, k, 4 + k, 4 + n);            // bottom
   }
   return measure_shape("ring", m);
 }
 
-inline Particles random_particles(std::uint64_t seed, int n, double box, double lo, double hi, int shapes = 1) {
+inline Particles random_particles(std::uint64_t seed, int n, double box, double lo, double hi,
+                                  int shapes = 1) {
   Particles p;
   p.box = Vec3::Constant(box);
   p.resize(n);
@@ -56,7 +61,8 @@ inline Particles random_particles(std::uint64_t seed, int n, double box, double 
 }
 
 // The same, with bounding spheres apart, by random sequential addition.
-inline Particles apart_particles(std::uint64_t seed, int n, double box, double lo, double hi, const Shape& shape) {
+inline Particles apart_particles(std::uint64_t seed, int n, double box, double lo, double hi,
+                                 const Shape& shape) {
   Particles p = random_particles(seed, n, box, lo, hi);
   double radius = 0;
   for (const Vec3& v : shape.mesh.vertices) radius = std::max(radius, v.norm());
