@@ -1,0 +1,157 @@
+#include "nodes/colorize/colorize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "nodes/colorize/kmeans.h"
+#include "nodes/common/color.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+enum Stream : std::uint64_t { kProfile = 0xc0, kClass = 0xc1 };
+
+// A draw among items with weights, by one uniform number.
+class Draw {
+ public:
+  void add(std::size_t item, double weight) {
+    if (weight <= 0) return;
+    items_.push_back(item);
+    sums_.push_back((sums_.empty() ? 0.0 : sums_.back()) + weight);
+  }
+  bool empty() const { return items_.empty(); }
+  std::size_t pick(double u) const {
+    const auto at = std::upper_bound(sums_.begin(), sums_.end(), u * sums_.back());
+    return items_[std::min<std::size_t>(at - sums_.begin(), items_.size() - 1)];
+  }
+
+ private:
+  std::vector<std::size_t> items_;
+  std::vector<double> sums_;
+};
+
+struct Source {
+  std::vector<Vec3f> color;
+  std::vector<double> weight, size;  // size: √(4A/π), mm
+  std::vector<int> cls;
+  std::size_t count() const { return color.size(); }
+};
+
+Source usable(const Profiles& profiles, ColorReport& report) {
+  if (profiles.profiles.empty())
+    throw Error("no-profiles", "there are no profiles to take colours from", "check the segmentation");
+  if (!profiles.binder_color.allFinite()) throw Error("bad-profile", "the binder's colour is not a number");
+  report.weightless = std::none_of(profiles.profiles.begin(), profiles.profiles.end(),
+                                   [](const Profile& p) { return p.weight > 0; });
+  report.colorless = std::all_of(profiles.profiles.begin(), profiles.profiles.end(),
+                                 [](const Profile& p) { return p.color.isZero(0); });
+  Source s;
+  for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
+    const Profile& p = profiles.profiles[i];
+    if (!p.color.allFinite() || !std::isfinite(p.weight) || p.weight < 0 || !std::isfinite(p.area) ||
+        p.area <= 0)
+      throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid colour, weight or area",
+                  "check the photograph for NaN and the segmentation for empty profiles");
+    const double w = report.weightless ? 1 : p.weight;
+    if (w == 0) continue;
+    s.color.push_back(p.color), s.weight.push_back(w), s.cls.push_back(p.cls);
+    s.size.push_back(std::sqrt(4 * p.area / std::numbers::pi));
+  }
+  report.profiles_used = s.count();
+  return s;
+}
+
+// Profiles by how well they fit a size; where a particle is smaller than all of them, the smallest tenth.
+Draw draw_by_size(const Source& s, const std::vector<std::size_t>& by_size, double size) {
+  Draw draw;
+  for (std::size_t i = 0; i < s.count(); ++i) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size));
+  if (draw.empty()) {
+    // Nothing between the particle's size and 0.95 of it, or only larger: the nearest below, else the
+    // smallest.
+    const auto above = std::upper_bound(by_size.begin(), by_size.end(), size,
+                                        [&](double v, std::size_t i) { return v < s.size[i]; });
+    const std::size_t n = std::max<std::size_t>(1, s.count() / 10);
+    const std::size_t end = std::max<std::size_t>(above - by_size.begin(), n);
+    for (std::size_t i = end - n; i < end; ++i) draw.add(by_size[i], s.weight[by_size[i]]);
+  }
+  return draw;
+}
+
+}  // namespace
+
+double profile_likelihood(double profile, double size) {
+  // P(diameter ≤ p) = 1 − √(1 − (p/s)²) over the depths of a plane that meets a sphere.
+  const auto below = [&](double p) {
+    const double t = std::clamp(p / size, 0.0, 1.0);
+    return 1 - std::sqrt(1 - t * t);
+  };
+  return below(profile + 0.05 * size) - below(profile - 0.05 * size);
+}
+
+ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorChoice& choice,
+                     const Work& work) {
+  ColorReport report;
+  Source source = usable(profiles, report);
+  particles.binder_color = profiles.binder_color;
+  const std::size_t n = particles.count();
+  for (std::size_t i = 0; i < n; ++i)
+    if (!(particles.size[i] > 0) || !std::isfinite(particles.size[i]))
+      throw Error("bad-particle", "particle " + std::to_string(i) + " has no size");
+  std::vector<std::size_t> by_size(source.count());
+  for (std::size_t i = 0; i < by_size.size(); ++i) by_size[i] = i;
+  std::stable_sort(by_size.begin(), by_size.end(),
+                   [&](auto a, auto b) { return source.size[a] < source.size[b]; });
+
+  const auto pick_all = [&](auto&& pick) {
+    work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        particles.color[i] = source.color[pick(i, Random(choice.seed, kProfile, i).uniform())];
+    });
+  };
+  if (choice.mode == ColorMode::Random) {
+    Draw draw;
+    for (std::size_t i = 0; i < source.count(); ++i) draw.add(i, source.weight[i]);
+    pick_all([&](std::size_t, double u) { return draw.pick(u); });
+    return report;
+  }
+  if (choice.mode == ColorMode::BySize) {
+    pick_all(
+        [&](std::size_t i, double u) { return draw_by_size(source, by_size, particles.size[i]).pick(u); });
+    return report;
+  }
+
+  const bool classed = std::any_of(particles.cls.begin(), particles.cls.end(), [](int c) { return c != 0; });
+  if (!classed) {
+    if (profiles.classes <= 1) {
+      std::vector<Vec3> lab;
+      for (const auto& c : source.color) lab.push_back(linear_to_oklab(c).cast<double>());
+      ColorClusters found = choice.clusters > 0
+                                ? kmeans(lab, source.weight, choice.clusters, choice.seed, work)
+                                : kmeans_auto(lab, source.weight, 8, choice.seed, 0.5, work);
+      report.clusters = found.k, report.silhouette = found.silhouette;
+      source.cls = std::move(found.of);
+    }
+    work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
+                                          .pick(Random(choice.seed, kClass, i).uniform())];
+    });
+  }
+  std::vector<Draw> draws;
+  for (std::size_t i = 0; i < source.count(); ++i) {
+    if (source.cls[i] < 0)
+      throw Error("bad-profile", "a profile has the class " + std::to_string(source.cls[i]));
+    if (draws.size() <= static_cast<std::size_t>(source.cls[i])) draws.resize(source.cls[i] + 1);
+    draws[source.cls[i]].add(i, source.weight[i]);
+  }
+  for (const int c : particles.cls)
+    if (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty())
+      throw Error("no-class", "no whole profile has the class " + std::to_string(c) + " of a particle",
+                  "colour by mode random or by_size, or take particles and profiles of one segmentation");
+  pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
+  return report;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,64 @@
+#include "graph/node_type.h"
+#include "nodes/colorize/colorize.h"
+#include "nodes/common/color.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+// How far the particles' mean colour is from the profiles', in Oklab, each profile counting by its weight.
+double mean_difference(const Particles& particles, const Profiles& profiles) {
+  Vec3 seen = Vec3::Zero(), given = Vec3::Zero();
+  double weights = 0;
+  for (const auto& p : profiles.profiles) seen += p.weight * p.color.cast<double>(), weights += p.weight;
+  for (const auto& c : particles.color) given += c.cast<double>();
+  if (weights <= 0 || particles.count() == 0) return 0;
+  const auto lab = [](const Vec3& v) { return linear_to_oklab(v.cast<float>()); };
+  return (lab(seen / weights) - lab(given / static_cast<double>(particles.count()))).norm();
+}
+
+void compute(Context& c) {
+  Particles particles = c.input<Particles>("particles");
+  const Profiles& profiles = c.input<Profiles>("profiles");
+  const std::string mode = c.text("mode");
+  ColorChoice choice;
+  choice.mode = mode == "random"    ? ColorMode::Random
+                : mode == "by_size" ? ColorMode::BySize
+                                    : ColorMode::Classes;
+  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  choice.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
+  const ColorReport report = colorize(particles, profiles, choice, c.work());
+  if (report.weightless) c.warn("every profile touches the border: all count alike");
+  if (report.colorless) c.warn("all profiles are black: they carry no colours");
+  c.metric("profiles_used", static_cast<double>(report.profiles_used));
+  c.metric("mean_color_difference", mean_difference(particles, profiles));
+  if (report.clusters > 0) c.metric("clusters", report.clusters), c.metric("silhouette", report.silhouette);
+  c.output("particles", std::move(particles));
+}
+
+}  // namespace
+
+NodeType colorize_node() {
+  return NodeType("Colorize", 1)
+      .doc_("Gives every particle the mean colour of a profile of the photograph, and the binder its own.")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
+      .input("particles", "Particles", "whose colours are set")
+      .input("profiles", "Profiles", "with mean colours, weights and the binder's colour")
+      .output("particles", "Particles", "the same with colours; mode classes may set their classes")
+      .parameter(
+          Parameter::choice("mode", "random", {"random", "by_size", "classes"})
+              .doc_(
+                  "random: any profile, right where colour does not depend on size. by_size: profiles that a "
+                  "section of a particle of this size shows. classes: profiles of the particle's class; "
+                  "particles without classes get them by size, from the profiles' or by k-means"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+              .range(1, 64)
+              .doc_(
+                  "Colours that k-means tells apart where neither particles nor profiles have classes; auto: "
+                  "1 to 8, by silhouette"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the draws"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,166 @@
+#include "nodes/colorize/colorize.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "graph/diagnostic.h"
+#include "nodes/colorize/kmeans.h"
+#include "nodes/common/color.h"
+#include "runtime/random.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+Profile profile(double size, Vec3f color, double weight = 1, int cls = 0) {
+  Profile p;
+  p.area = std::numbers::pi * size * size / 4, p.color = color, p.weight = weight, p.cls = cls;
+  return p;
+}
+
+Particles particles(std::size_t n, double size = 1, int cls = 0) {
+  Particles p;
+  p.box = Vec3::Constant(10);
+  p.resize(n);
+  for (std::size_t i = 0; i < n; ++i) p.size[i] = size, p.cls[i] = cls;
+  return p;
+}
+
+std::string code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.diagnostic().code;
+  }
+  return "";
+}
+
+TEST(Colorize, RandomDrawsByWeightAndNeverABorderProfile) {
+  Profiles seen;
+  seen.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
+  seen.profiles = {profile(1, {1, 0, 0}, 1), profile(5, {0, 1, 0}, 3), profile(2, {0, 0, 1}, 0)};
+  Particles p = particles(20000);
+  colorize(p, seen, {ColorMode::Random, 7});
+  std::map<int, double> count;
+  for (const auto& c : p.color) ++count[c.x() == 1 ? 0 : c.y() == 1 ? 1 : 2];
+  EXPECT_NEAR(count[0] / 20000, 0.25, 0.015);
+  EXPECT_NEAR(count[1] / 20000, 0.75, 0.015);
+  EXPECT_EQ(count[2], 0);
+  EXPECT_EQ(p.binder_color, seen.binder_color);
+}
+
+TEST(Colorize, SectionsOfASphereHaveTheirClosedFormLikelihood) {
+  double total = 0, mean = 0;  // bins of 0.1 of the diameter tile [0, 1]
+  for (int i = 0; i < 10; ++i) {
+    const double p = profile_likelihood(0.1 * i + 0.05, 1);
+    total += p, mean += p * (0.1 * i + 0.05);
+  }
+  EXPECT_NEAR(total, 1, 1e-12);
+  EXPECT_NEAR(mean, std::numbers::pi / 4, 0.02);  // E[diameter] = πD/4
+  EXPECT_EQ(profile_likelihood(1.06, 1), 0);
+}
+
+TEST(Colorize, BySizeNeverTakesAProfileThatCannotCome) {
+  Profiles seen;  // red up to 1 mm, blue above
+  for (int i = 1; i <= 100; ++i)
+    seen.profiles.push_back(profile(0.02 * i, i <= 50 ? Vec3f(1, 0, 0) : Vec3f(0, 0, 1)));
+  Particles small = particles(2000, 0.9), large = particles(2000, 2), tiny = particles(50, 1e-3);
+  for (Particles* p : {&small, &large, &tiny}) colorize(*p, seen, {ColorMode::BySize, 3});
+  for (const auto& c : small.color) ASSERT_EQ(c, Vec3f(1, 0, 0));
+  for (const auto& c : tiny.color) ASSERT_EQ(c, Vec3f(1, 0, 0));
+  double blue = 0;
+  for (const auto& c : large.color) blue += c.z() / 2000;
+  EXPECT_NEAR(blue, std::sqrt(0.75), 0.04);  // P(profile > half the diameter)
+}
+
+TEST(Colorize, ClassesTakeTheirOwnProfiles) {
+  Profiles seen;
+  seen.classes = 2;
+  seen.profiles = {profile(1, {1, 0, 0}, 1, 0), profile(1, {0, 1, 0}, 1, 1), profile(1, {0, 0.5, 0}, 1, 1)};
+  Particles p = particles(500);
+  for (std::size_t i = 0; i < p.count(); ++i) p.cls[i] = static_cast<int>(i % 2);
+  colorize(p, seen, {ColorMode::Classes, 1});
+  for (std::size_t i = 0; i < p.count(); ++i) ASSERT_EQ(p.color[i].x() == 1, p.cls[i] == 0);
+  p.cls[3] = 2;
+  EXPECT_EQ(code_of([&] { colorize(p, seen, {ColorMode::Classes, 1}); }), "no-class");
+}
+
+TEST(Colorize, ClassesAreFoundWhereThereAreNone) {
+  const Vec3f centers[3] = {{0.6f, 0.1f, 0.1f}, {0.1f, 0.5f, 0.1f}, {0.1f, 0.1f, 0.6f}};
+  Profiles seen;
+  for (int i = 0; i < 300; ++i) {
+    Random r(5, 0, i);
+    Vec3f c = centers[i % 3];
+    for (int k = 0; k < 3; ++k) c[k] += static_cast<float>(0.02 * r.normal());
+    seen.profiles.push_back(profile(0.5 + i % 3, c.cwiseMax(0.f)));  // each colour has a size of its own
+  }
+  Particles p = particles(300, 2.6);
+  const ColorReport report = colorize(p, seen, {ColorMode::Classes, 9});
+  EXPECT_EQ(report.clusters, 3);
+  EXPECT_GT(report.silhouette, 0.7);
+  std::map<int, int> of_class;
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    int nearest = 0;
+    for (int k = 1; k < 3; ++k)
+      if ((p.color[i] - centers[k]).norm() < (p.color[i] - centers[nearest]).norm()) nearest = k;
+    const auto [at, fresh] = of_class.emplace(p.cls[i], nearest);
+    ASSERT_EQ(at->second, nearest);
+  }
+  EXPECT_GE(of_class.size(), 1u);
+  EXPECT_EQ(colorize(p = particles(10), seen, {ColorMode::Classes, 9, 5}).clusters, 5);
+}
+
+TEST(Colorize, AShapelessCloudIsOneCluster) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 400; ++i) {
+    Random r(11, 0, i);
+    points.emplace_back(r.normal(), r.normal(), r.normal());
+  }
+  EXPECT_EQ(kmeans_auto(points, std::vector<double>(400, 1), 8, 1).k, 1);
+  const ColorClusters few = kmeans({Vec3::Zero(), Vec3::Zero(), Vec3::Ones()}, {1, 1, 1}, 3, 1);
+  EXPECT_EQ(few.k, 2);  // distinct points
+}
+
+TEST(Colorize, EqualForAnyNumberOfThreads) {
+  Profiles seen;
+  for (int i = 0; i < 200; ++i) {
+    Random r(2, 0, i);
+    const auto u = [&] { return static_cast<float>(r.uniform()); };
+    seen.profiles.push_back(profile(r.uniform(0.1, 2), Vec3f(u(), u(), u())));
+  }
+  Particles p = particles(3000);
+  for (std::size_t i = 0; i < p.count(); ++i) p.size[i] = Random(3, 0, i).uniform(0.2, 2);
+  for (const char* mode : {"random", "by_size", "classes"}) {
+    const auto run = [&](int threads) {
+      return test::run_node("Colorize", {{"particles", Value::of(p)}, {"profiles", Value::of(seen)}},
+                            {{"mode", mode}}, {}, threads);
+    };
+    const auto one = run(1), two = run(2);
+    EXPECT_EQ(one.output<Particles>("particles").color, two.output<Particles>("particles").color) << mode;
+    EXPECT_EQ(one.output<Particles>("particles").cls, two.output<Particles>("particles").cls) << mode;
+    EXPECT_EQ(one.metrics.at("profiles_used"), 200);
+  }
+}
+
+TEST(Colorize, BadInputIsSaid) {
+  Particles p = particles(3);
+  Profiles none, nan, empty;
+  EXPECT_EQ(code_of([&] { colorize(p, none, {}); }), "no-profiles");
+  nan.profiles = {profile(1, {NAN, 0, 0})};
+  EXPECT_EQ(code_of([&] { colorize(p, nan, {}); }), "bad-profile");
+  empty.profiles = {profile(0, {1, 0, 0})};
+  EXPECT_EQ(code_of([&] { colorize(p, empty, {}); }), "bad-profile");
+  Profiles border;
+  border.profiles = {profile(1, {1, 0, 0}, 0)};
+  EXPECT_TRUE(colorize(p, border, {}).weightless);
+  p.size[1] = 0;
+  EXPECT_EQ(code_of([&] { colorize(p, border, {}); }), "bad-particle");
+  Particles nobody = particles(0);
+  EXPECT_EQ(colorize(nobody, border, {}).profiles_used, 1u);
+}
+
+}  // namespace
+}  // namespace terrazzo
