@@ -1,0 +1,98 @@
+#include "nodes/segment/coverage.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace terrazzo {
+namespace {
+
+constexpr float least_side =
+    0.002f;  // a share of ½ would put the outline onto a pixel's centre, on either side
+
+// Pixels within `reach` of the other side, by the chessboard distance.
+std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width, int height, int reach) {
+  std::vector<std::uint8_t> out(mask.size(), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const bool right = x + 1 < width && mask[i] != mask[i + 1],
+                 below = y + 1 < height && mask[i] != mask[i + width];
+      if (!right && !below) continue;
+      for (int v = std::max(0, y - reach + 1); v <= std::min(height - 1, y + reach); ++v)
+        for (int u = std::max(0, x - reach + 1); u <= std::min(width - 1, x + reach); ++u)
+          out[static_cast<std::size_t>(v) * width + u] = 1;
+    }
+  return out;
+}
+
+// Mean colour of the pixels of one side around each place, rim pixels left out where they can be.
+struct SideMean {
+  LabImage color, weight;
+  Vec3f at(std::size_t i) const { return color.pixels[i] / weight.pixels[i][0]; }
+  bool known(std::size_t i) const { return weight.pixels[i][0] > 1e-4f; }
+};
+
+SideMean side_mean(const LabImage& image, const std::vector<std::uint8_t>& mask, bool inside,
+                   const std::vector<std::uint8_t>& rim, const Work& work) {
+  SideMean m{image, image};
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    const float w = (mask[i] != 0) != inside ? 0.0f : rim[i] ? 0.02f : 1.0f;
+    m.color.pixels[i] = w * image.pixels[i];
+    m.weight.pixels[i] = Vec3f::Constant(w);
+  }
+  m.color = blur(m.color, 2.5f, work);
+  m.weight = blur(m.weight, 2.5f, work);
+  return m;
+}
+
+float sided(float share, bool inside) {
+  return inside ? std::clamp(share, 0.5f + least_side, 1.0f) : std::clamp(share, 0.0f, 0.5f - least_side);
+}
+
+}  // namespace
+
+std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,
+                                   const Work& work) {
+  LabImage mask{width, height, {}};
+  for (const auto l : labels) mask.pixels.push_back(Vec3f::Constant(l != 0 ? 1.0f : 0.0f));
+  const LabImage soft = blur(mask, 0.7f, work);
+  std::vector<float> share(labels.size());
+  for (std::size_t i = 0; i < share.size(); ++i) share[i] = sided(soft.pixels[i][0], labels[i] != 0);
+  return share;
+}
+
+std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& particles, const Work& work) {
+  const auto rim = band(particles, m.width, m.height, 1);
+  const SideMean in = side_mean(m.image, particles, true, rim, work);
+  const SideMean out = side_mean(m.image, particles, false, rim, work);
+  const float least = std::max(6 * m.noise, 0.01f);
+  const auto near = band(particles, m.width, m.height, 2);
+  std::vector<float> share(particles.size());
+  std::vector<std::uint8_t> read(particles.size(), 0);
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    share[i] = particles[i] ? 1.0f : 0.0f;
+    if (!near[i] || !in.known(i) || !out.known(i)) continue;
+    const Vec3f b = out.at(i), f = in.at(i) - b;
+    if (f.norm() < least) continue;
+    share[i] = std::clamp((m.image.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
+    read[i] = 1;
+  }
+  // Only pixels that touch the outline may change sides, twice: noise further in makes no holes.
+  for (int round = 0; round < 2; ++round) {
+    const auto edge = band(particles, m.width, m.height, 1);
+    for (std::size_t i = 0; i < share.size(); ++i)
+      if (edge[i] && read[i]) particles[i] = share[i] >= 0.5f;
+  }
+  std::vector<std::int32_t> labels(particles.begin(), particles.end());
+  const auto smooth = smooth_coverage(labels, m.width, m.height, work);
+  const auto edge = band(particles, m.width, m.height, 1);
+  for (std::size_t i = 0; i < share.size(); ++i) {
+    if (!edge[i])
+      share[i] = particles[i] ? 1.0f : 0.0f;
+    else
+      share[i] = sided(read[i] ? share[i] : smooth[i], particles[i] != 0);
+  }
+  return share;
+}
+
+}  // namespace terrazzo

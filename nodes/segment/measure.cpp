@@ -1,0 +1,87 @@
+#include "nodes/segment/measure.h"
+
+#include <algorithm>
+
+#include "nodes/segment/outline.h"
+#include "nodes/segment/split.h"
+
+namespace terrazzo {
+namespace {
+
+struct Sums {
+  Eigen::Vector3d core = Eigen::Vector3d::Zero(), all = Eigen::Vector3d::Zero();
+  std::int64_t core_pixels = 0, pixels = 0;
+  int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
+};
+
+}  // namespace
+
+Profiles measure_profiles(const Image& image, const Labels& labels, const std::vector<float>& coverage,
+                          const Work& work) {
+  const int W = labels.width, H = labels.height;
+  const double s = labels.pixel_size;
+  const std::size_t section_size = static_cast<std::size_t>(W) * H;
+  Profiles out;
+  out.sections = labels.sections;
+  out.window = s * Vec2(W, H);
+  out.observed_area = s * s * static_cast<double>(section_size) * labels.sections;
+  Eigen::Vector3d binder = Eigen::Vector3d::Zero();
+  std::int64_t binder_pixels = 0;
+  for (int section = 0; section < labels.sections; ++section) {
+    const std::size_t first = section_size * section;
+    // Ids are numbered through all sections; within one they count from its own first.
+    std::int32_t low = 0x7fffffff, high = 0;
+    for (std::size_t i = first; i < first + section_size; ++i)
+      if (labels.ids[i] > 0) low = std::min(low, labels.ids[i]), high = std::max(high, labels.ids[i]);
+    const int count = high == 0 ? 0 : high - low + 1;
+    std::vector<std::int32_t> local(section_size, 0);
+    for (std::size_t i = 0; i < section_size; ++i)
+      if (labels.ids[first + i] > 0) local[i] = labels.ids[first + i] - low + 1;
+    const std::vector<float> share(coverage.begin() + static_cast<std::ptrdiff_t>(first),
+                                   coverage.begin() + static_cast<std::ptrdiff_t>(first + section_size));
+    const auto depth2 = squared_distance(local, W, H, false, work);
+    std::vector<Sums> sums(count);
+    for (int y = 0; y < H; ++y)
+      for (int x = 0; x < W; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * W + x;
+        const Eigen::Vector3d c = image.pixels[first + i].cast<double>();
+        if (local[i] == 0) {
+          binder += c;
+          ++binder_pixels;
+          continue;
+        }
+        Sums& p = sums[local[i] - 1];
+        p.all += c, ++p.pixels;
+        if (depth2[i] > 2) p.core += c, ++p.core_pixels;
+        p.left = std::min(p.left, x), p.right = std::max(p.right, x);
+        p.top = std::min(p.top, y), p.bottom = std::max(p.bottom, y);
+      }
+    work.check();
+    auto lines = outlines(local, share, W, H, count, work);
+    for (int k = 0; k < count; ++k) {
+      const Sums& sum = sums[k];
+      if (sum.pixels == 0) continue;
+      Profile p;
+      p.section = section;
+      p.cls = labels.classes[low + k - 1];
+      p.area = lines[k].area * s * s;
+      p.centroid = lines[k].centroid * s;
+      p.touches_border = sum.left == 0 || sum.top == 0 || sum.right == W - 1 || sum.bottom == H - 1;
+      const double w = sum.right - sum.left + 1, h = sum.bottom - sum.top + 1;
+      p.weight = p.touches_border ? 0 : static_cast<double>(W) * H / ((W - w - 1) * (H - h - 1));
+      p.color = (sum.core_pixels > 0 ? Eigen::Vector3d(sum.core / static_cast<double>(sum.core_pixels))
+                                     : Eigen::Vector3d(sum.all / static_cast<double>(sum.pixels)))
+                    .cast<float>();
+      p.contour = std::move(lines[k].points);
+      for (auto& q : p.contour) q *= s;
+      out.classes = std::max(out.classes, p.cls + 1);
+      out.profiles.push_back(std::move(p));
+    }
+  }
+  const double all = static_cast<double>(section_size) * labels.sections;
+  if (binder_pixels > 0) out.binder_color = (binder / static_cast<double>(binder_pixels)).cast<float>();
+  out.area_fraction = all > 0 ? 1 - static_cast<double>(binder_pixels) / all : 0;
+  return out;
+}
+
+}  // namespace terrazzo

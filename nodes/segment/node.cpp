@@ -1,0 +1,111 @@
+#include "graph/node_type.h"
+#include "nodes/data/table.h"
+#include "nodes/segment/segment.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr double automatic_min_area = 12;  // pixels: about the least that still has a shape
+
+Hint hint_of(const Context& c) {
+  Hint hint;
+  const std::string word = c.keyword("binder");
+  if (word == "darkest")
+    hint.kind = Hint::Kind::Darkest;
+  else if (word == "lightest")
+    hint.kind = Hint::Kind::Lightest;
+  else if (word.empty()) {
+    const auto rgb = c.numbers("binder");
+    hint.kind = Hint::Kind::Color;
+    hint.color = patch_color_of_linear(Vec3(rgb[0], rgb[1], rgb[2]).cast<float>());
+  }
+  return hint;
+}
+
+Table binder_table(const Profiles& profiles) {
+  Table t;
+  t.columns = {"r", "g", "b", "area_fraction", "count"};
+  const Vec3f& c = profiles.binder_color;
+  t.rows.push_back({static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2]),
+                    1 - profiles.area_fraction, static_cast<double>(profiles.profiles.size())});
+  return t;
+}
+
+void compute(Context& c) {
+  SegmentOptions options;
+  options.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
+  options.binder = hint_of(c);
+  options.split.strength = c.number("split");
+  options.split.min_area = c.keyword("min_area").empty() ? c.number("min_area") : automatic_min_area;
+  options.color_classes =
+      c.keyword("color_classes").empty() ? static_cast<int>(c.integer("color_classes")) : 0;
+  options.seed = static_cast<std::uint64_t>(c.integer("seed"));
+
+  const Image& image = c.input<Image>("image");
+  const Labels* given = c.optional<Labels>("labels");
+  Segmentation s =
+      given ? measure_labels(image, *given, options, c.work()) : segment(image, options, c.work());
+
+  std::size_t at_border = 0;
+  for (const auto& p : s.profiles.profiles) at_border += p.touches_border;
+  c.metric("profiles", static_cast<double>(s.profiles.profiles.size()));
+  c.metric("at_border", static_cast<double>(at_border));
+  c.metric("area_fraction", s.profiles.area_fraction);
+  if (!given) {
+    c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
+    c.metric("silhouette", s.ground.clusters.silhouette);
+    c.metric("specks_dropped", static_cast<double>(s.specks));
+    c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
+    c.metric("holes_filled", static_cast<double>(s.holes));
+  }
+  if (at_border == s.profiles.profiles.size())
+    c.warn(
+        "every profile touches the border of the picture: none has a weight, so nothing can be unfolded from "
+        "them");
+  c.output("binder", binder_table(s.profiles));
+  c.output("labels", std::move(s.labels));
+  c.output("profiles", std::move(s.profiles));
+}
+
+}  // namespace
+
+NodeType segment_node() {
+  return NodeType("Segment", 1)
+      .doc_(
+          "Finds the particles of a section in its photograph: patches of even colour, which of them are "
+          "binder, where "
+          "particles touch; measures each profile.")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 5; the means are our own, see the README")
+      .input("image", "Image", "photograph, or a stack of them")
+      .optional_input("labels", {"Labels"}, "measured instead of segmenting")
+      .output("labels", "Labels", "the particle of each pixel, 0 in the binder")
+      .output("profiles", "Profiles", "one a particle, with its outline")
+      .output("binder", "Table", "one row: r, g, b (scene-linear), area_fraction, count (of profiles)")
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+                     .range(2, 12)
+                     .doc_("Colour clusters; auto: the most that stay well apart"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
+              .keyword("darkest")
+              .keyword("lightest")
+              .doc_(
+                  "The binder's colour, or which cluster it is; auto: what leaves the most convex particles"))
+      .parameter(Parameter::number("split", 0.5)
+                     .range(0, 1)
+                     .doc_("How readily touching particles are parted: 0 never, 1 at every neck"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "min_area", "auto")
+                     .unit_("pixels")
+                     .range(0, 1e9)
+                     .doc_("Smaller particles are dropped and counted; auto: 12"))
+      .parameter(
+          Parameter::integer("color_classes", 1)
+              .keyword("auto")
+              .range(1, 32)
+              .doc_("Classes of profiles by their mean colour (k-means), the most frequent first; auto: by "
+                    "silhouette, 2 to 8"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991.0).doc_("Of the starts of k-means"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

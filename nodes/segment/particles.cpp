@@ -1,0 +1,151 @@
+#include "nodes/segment/particles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "nodes/common/components.h"
+#include "nodes/segment/coverage.h"
+#include "nodes/segment/pieces.h"
+#include "nodes/segment/split.h"
+
+namespace terrazzo {
+namespace {
+
+using Mask = std::vector<std::uint8_t>;
+
+std::vector<std::int32_t> raster_of(const Mask& mask, bool of) {
+  std::vector<std::int32_t> r(mask.size());
+  for (std::size_t i = 0; i < r.size(); ++i) r[i] = (mask[i] != 0) == of;
+  return r;
+}
+
+// Calls on_pair(a, b) for the two values of every pixel edge.
+template <class Pair>
+void each_edge(const std::vector<std::int32_t>& raster, int width, int height, Pair&& on_pair) {
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (x + 1 < width) on_pair(raster[i], raster[i + 1]);
+      if (y + 1 < height) on_pair(raster[i], raster[i + width]);
+    }
+}
+
+// Holes smaller than min_area or a hundredth of what surrounds them.
+void fill_pinholes(Mask& mask, int width, int height, double min_area) {
+  const Components solid = connected_components(raster_of(mask, true), width, height, false);
+  const Components gaps = connected_components(raster_of(mask, false), width, height, true);
+  std::vector<std::int32_t> around(gaps.count(), 0);  // −1 where more than one part, or the border
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (gaps.ids[i] == 0) continue;
+      auto& a = around[gaps.ids[i] - 1];
+      if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) a = -1;
+      auto see = [&](std::size_t j) {
+        if (solid.ids[j] != 0 && a != solid.ids[j]) a = a == 0 ? solid.ids[j] : -1;
+      };
+      if (a != -1) see(i - 1);
+      if (a != -1) see(i + 1);
+      if (a != -1) see(i - width);
+      if (a != -1) see(i + width);
+    }
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (gaps.ids[i] == 0) continue;
+    const std::int32_t a = around[gaps.ids[i] - 1];
+    const auto size = static_cast<double>(gaps.sizes[gaps.ids[i] - 1]);
+    if (a > 0 && size < std::max(min_area, 0.01 * static_cast<double>(solid.sizes[a - 1]))) mask[i] = 1;
+  }
+}
+
+void drop_specks(Mask& mask, int width, int height, double min_area, Particles2D& out) {
+  const Components parts = connected_components(raster_of(mask, true), width, height, false);
+  for (const auto size : parts.sizes)
+    if (static_cast<double>(size) < min_area) ++out.specks, out.speck_pixels += size;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    if (parts.ids[i] != 0 && static_cast<double>(parts.sizes[parts.ids[i] - 1]) < min_area) mask[i] = 0;
+}
+
+// Pieces smaller than min_area join the piece that they touch most.
+void join_crumbs(std::vector<std::int32_t>& labels, int width, int height, double min_area) {
+  for (int round = 0; round < 3; ++round) {
+    const auto pieces = measure_pieces(labels, width, height);
+    std::vector<std::map<std::int32_t, int>> contacts(pieces.size());
+    bool any = false;
+    each_edge(labels, width, height, [&](std::int32_t a, std::int32_t b) {
+      if (a == b || a == 0 || b == 0) return;
+      if (pieces[a - 1].area < min_area) ++contacts[a - 1][b];
+      if (pieces[b - 1].area < min_area) ++contacts[b - 1][a];
+    });
+    std::vector<std::int32_t> target(pieces.size());
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      target[k] = static_cast<std::int32_t>(k + 1);
+      int most = 0;
+      for (const auto& [other, length] : contacts[k])
+        if (length > most && pieces[other - 1].area >= pieces[k].area)
+          most = length, target[k] = other, any = true;
+    }
+    for (auto& l : labels)
+      if (l != 0) l = target[l - 1];
+    if (!any) break;
+  }
+}
+
+void renumber(std::vector<std::int32_t>& labels) {
+  std::map<std::int32_t, std::int32_t> number;
+  for (auto& l : labels)
+    if (l != 0) l = number.emplace(l, static_cast<std::int32_t>(number.size()) + 1).first->second;
+}
+
+// Holes that one particle alone encloses belong to it, up to half its size.
+std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height) {
+  std::vector<std::int32_t> free(labels.size());
+  for (std::size_t i = 0; i < free.size(); ++i) free[i] = labels[i] == 0;
+  const Components gaps = connected_components(free, width, height, true);
+  std::vector<std::int32_t> owner(gaps.count(), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      if (gaps.ids[i] == 0) continue;
+      auto& o = owner[gaps.ids[i] - 1];
+      if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) {
+        o = -1;
+        continue;
+      }
+      for (const std::size_t j : {i - 1, i + 1, i - width, i + width})
+        if (labels[j] != 0 && o != labels[j]) o = o == 0 ? labels[j] : -1;
+    }
+  const auto pieces = measure_pieces(labels, width, height);
+  std::int64_t filled = 0;
+  for (int g = 0; g < gaps.count(); ++g) {
+    if (owner[g] > 0 && static_cast<double>(gaps.sizes[g]) > 0.5 * pieces[owner[g] - 1].area) owner[g] = -1;
+    filled += owner[g] > 0;
+  }
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (gaps.ids[i] != 0 && owner[gaps.ids[i] - 1] > 0) labels[i] = owner[gaps.ids[i] - 1];
+  return filled;
+}
+
+}  // namespace
+
+Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOptions& options,
+                           const Work& work) {
+  Particles2D out;
+  std::vector<std::uint8_t> of_patch;
+  for (const auto& c : m.colors) of_patch.push_back(!ground.binder(c));
+  Mask mask(m.patches.size());
+  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = of_patch[m.patches[i] - 1];
+  fill_pinholes(mask, m.width, m.height, options.min_area);
+  work.check();
+  out.coverage = refine_outline(m, mask, work);
+  fill_pinholes(mask, m.width, m.height, options.min_area);
+  drop_specks(mask, m.width, m.height, options.min_area, out);
+  out.labels = split_at_necks(raster_of(mask, true), m.width, m.height, options.strength, work);
+  work.check();
+  join_crumbs(out.labels, m.width, m.height, options.min_area);
+  renumber(out.labels);
+  out.holes = fill_holes(out.labels, m.width, m.height);
+  return out;
+}
+
+}  // namespace terrazzo

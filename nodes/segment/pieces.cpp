@@ -1,0 +1,61 @@
+#include "nodes/segment/pieces.h"
+
+#include <algorithm>
+
+namespace terrazzo {
+
+double hull_area(std::vector<Vec2>& points) {
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
+  auto cross = [](const Vec2& o, const Vec2& a, const Vec2& b) {
+    return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
+  };
+  std::vector<Vec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t start = hull.size();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec2& p = points[side == 0 ? i : points.size() - 1 - i];
+      while (hull.size() >= start + 2 && cross(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+      hull.push_back(p);
+    }
+    if (!hull.empty()) hull.pop_back();
+  }
+  double twice = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2 &p = hull[i], &q = hull[(i + 1) % hull.size()];
+    twice += p.x() * q.y() - p.y() * q.x();
+  }
+  return twice / 2;
+}
+
+std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int width, int height) {
+  const std::int32_t n = raster.empty() ? 0 : std::max(0, *std::max_element(raster.begin(), raster.end()));
+  std::vector<Piece> pieces(n);
+  std::vector<std::vector<Vec2>> ends(n);  // corners of the first and last pixel of each row's run
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::int32_t id = raster[i];
+      if (id == 0) continue;
+      Piece& p = pieces[id - 1];
+      if (p.area == 0) p.left = x, p.right = x, p.top = y;
+      p.area += 1;
+      p.left = std::min(p.left, x), p.right = std::max(p.right, x), p.bottom = y;
+      auto side = [&](bool inside, std::size_t j) {
+        if (!inside)
+          p.at_border += 1;
+        else if (raster[j] == 0)
+          p.outline += 1;
+        else if (raster[j] != id)
+          p.contact += 1;
+      };
+      side(x > 0, i - 1), side(x + 1 < width, i + 1), side(y > 0, i - width), side(y + 1 < height, i + width);
+      if (x == 0 || raster[i - 1] != id) ends[id - 1].emplace_back(x, y), ends[id - 1].emplace_back(x, y + 1);
+      if (x + 1 == width || raster[i + 1] != id)
+        ends[id - 1].emplace_back(x + 1, y), ends[id - 1].emplace_back(x + 1, y + 1);
+    }
+  for (std::int32_t k = 0; k < n; ++k) pieces[k].hull_area = hull_area(ends[k]);
+  return pieces;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,60 @@
+#include "nodes/segment/regions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/color.h"
+#include "nodes/segment/region_graph.h"
+#include "nodes/segment/watershed.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr float chroma = 2;
+
+std::vector<float> gradient_of(const LabImage& image) {
+  std::vector<float> g(image.pixels.size());
+  for (int y = 0; y < image.height; ++y) {
+    const int up = std::max(y - 1, 0), down = std::min(y + 1, image.height - 1);
+    for (int x = 0; x < image.width; ++x) {
+      const int left = std::max(x - 1, 0), right = std::min(x + 1, image.width - 1);
+      const Vec3f dx = image.pixels[image.index(right, y)] - image.pixels[image.index(left, y)];
+      const Vec3f dy = image.pixels[image.index(x, down)] - image.pixels[image.index(x, up)];
+      g[image.index(x, y)] = 0.5f * std::sqrt(dx.squaredNorm() + dy.squaredNorm());
+    }
+  }
+  return g;
+}
+
+}  // namespace
+
+Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], chroma * oklab[1], chroma * oklab[2]}; }
+Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
+
+Mosaic make_mosaic(const Image& source, int section, const Work& work) {
+  Mosaic m;
+  m.width = source.width, m.height = source.height;
+  m.image = lab_section(source, section, work);
+  m.noise = noise_of(m.image);
+  for (auto& p : m.image.pixels) p = patch_color(p);
+  m.smooth = diffuse(m.image, std::max(3 * m.noise, 0.01f), 20, work.part(0, 0.5));
+
+  const std::vector<float> gradient = gradient_of(m.smooth);
+  const auto basins = watershed(gradient, m.width, m.height, work);
+  std::vector<float> weights(gradient.size());
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const float q = gradient[i] / 0.03f;
+    weights[i] = 1 / (1 + q * q);
+  }
+  RegionGraph graph(m.smooth, basins, weights);
+  m.contrast = graph.median_contrast();
+  graph.merge(9.0 * m.contrast * m.contrast, work);
+  m.patches = graph.labels();
+  for (const auto& r : graph.regions()) {
+    m.colors.push_back(r.color());
+    m.areas.push_back(static_cast<float>(r.area));
+  }
+  return m;
+}
+
+}  // namespace terrazzo

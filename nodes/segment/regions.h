@@ -1,0 +1,32 @@
+// A picture as a mosaic of even patches: what colour clusters and particles are made of.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/segment/lab_image.h"
+
+namespace terrazzo {
+
+// Oklab with its chroma axes doubled: differences of hue count against differences of light about as the eye
+// has them over patches that lie far apart (Oklab itself is scaled to just noticeable ones).
+Vec3f patch_color(const Vec3f& oklab);
+Vec3f patch_color_of_linear(const Vec3f& linear);
+
+struct Mosaic {
+  int width = 0, height = 0;
+  LabImage image;      // patch colours of the pixels, not denoised
+  LabImage smooth;     // denoised
+  float noise = 0;     // of lightness
+  float contrast = 0;  // usual colour difference between neighbouring patches before they merged
+  std::vector<std::int32_t> patches;  // of each pixel, from 1
+  std::vector<Vec3f> colors;          // of patch k at k − 1
+  std::vector<float> areas;           // pixels
+  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+};
+
+// Diffusion, watershed of the gradient, then Mumford–Shah merging up to three times the usual contrast of
+// neighbours, which is noise and texture: most borders of a watershed lie within one material.
+Mosaic make_mosaic(const Image&, int section, const Work&);
+
+}  // namespace terrazzo

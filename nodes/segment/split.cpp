@@ -1,0 +1,146 @@
+#include "nodes/segment/split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace terrazzo {
+namespace {
+
+// Lower envelope of parabolas along one line: f[q] + (p − q)².
+void transform_line(const float* f, float* out, int n, std::vector<int>& v, std::vector<float>& z) {
+  v.resize(n), z.resize(n + 1);
+  int k = 0;
+  v[0] = 0, z[0] = -std::numeric_limits<float>::infinity(), z[1] = std::numeric_limits<float>::infinity();
+  for (int q = 1; q < n; ++q) {
+    auto meet = [&](int p) {
+      return ((f[q] + static_cast<float>(q) * q) - (f[p] + static_cast<float>(p) * p)) / (2.0f * (q - p));
+    };
+    float s = meet(v[k]);
+    while (k > 0 && s <= z[k]) s = meet(v[--k]);
+    if (s <= z[k]) s = z[k];
+    v[++k] = q, z[k] = s, z[k + 1] = std::numeric_limits<float>::infinity();
+  }
+  k = 0;
+  for (int q = 0; q < n; ++q) {
+    while (z[k + 1] < q) ++k;
+    const float d = static_cast<float>(q - v[k]);
+    out[q] = f[v[k]] + d * d;
+  }
+}
+
+}  // namespace
+
+std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int width, int height,
+                                    bool border_is_outside, const Work& work) {
+  // Down the columns: distance to the nearest change of value, counted; then along the rows, within runs of
+  // one value.
+  const float far = 1e12f;
+  std::vector<float> down(raster.size(), far), out(raster.size(), 0);
+  work.parallel(width, 64, [&](std::size_t b, std::size_t e) {
+    for (int x = static_cast<int>(b); x < static_cast<int>(e); ++x) {
+      float d = border_is_outside ? 0 : 1e6f;
+      for (int y = 0; y < height; ++y) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        d = y > 0 && raster[i] != raster[i - width] ? 1 : d + 1;
+        down[i] = d * d;
+      }
+      d = border_is_outside ? 0 : 1e6f;
+      for (int y = height - 1; y >= 0; --y) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        d = y + 1 < height && raster[i] != raster[i + width] ? 1 : d + 1;
+        down[i] = std::min(down[i], d * d);
+      }
+    }
+  });
+  work.parallel(height, 64, [&](std::size_t b, std::size_t e) {
+    std::vector<float> f, g, z;
+    std::vector<int> v;
+    for (std::size_t y = b; y < e; ++y)
+      for (int x = 0; x < width;) {
+        const std::size_t row = y * width;
+        int end = x + 1;
+        while (end < width && raster[row + end] == raster[row + x]) ++end;
+        if (raster[row + x] != 0) {
+          // A run with a wall of distance zero at either end, or none at the border.
+          const bool left = x > 0 || border_is_outside, right = end < width || border_is_outside;
+          f.assign(1, left ? 0.0f : far);
+          for (int i = x; i < end; ++i) f.push_back(down[row + i]);
+          f.push_back(right ? 0.0f : far);
+          g.resize(f.size());
+          transform_line(f.data(), g.data(), static_cast<int>(f.size()), v, z);
+          std::copy(g.begin() + 1, g.end() - 1, out.begin() + static_cast<std::ptrdiff_t>(row) + x);
+        }
+        x = end;
+      }
+  });
+  return out;
+}
+
+std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster, int width, int height,
+                                         double strength, const Work& work) {
+  const auto distance2 = squared_distance(raster, width, height, false, work);
+  std::vector<std::int32_t> order;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(raster.size()); ++i)
+    if (raster[i] != 0) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+    return distance2[a] != distance2[b] ? distance2[a] > distance2[b] : a < b;
+  });
+  work.check();
+
+  // Basins grow from their summits down; where two meet, the meeting pixel is their neck.
+  const double widest = std::sqrt(std::clamp(strength, 0.0, 1.0));
+  std::vector<std::int32_t> parent;
+  std::vector<float> summit;
+  auto root = [&](std::int32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  std::vector<std::int32_t> basin(raster.size(), -1);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k % 65536 == 0) work.check();
+    const std::int32_t i = order[k];
+    const int x = i % width, y = i / width;
+    const float here = std::sqrt(distance2[i]);
+    std::int32_t highest = -1;
+    std::int32_t met[4];
+    int count = 0;
+    auto visit = [&](std::int32_t j) {
+      if (basin[j] < 0 || raster[j] != raster[i]) return;
+      if (highest < 0 || distance2[j] > distance2[highest]) highest = j;
+      met[count++] = root(basin[j]);
+    };
+    if (x > 0) visit(i - 1);
+    if (x + 1 < width) visit(i + 1);
+    if (y > 0) visit(i - width);
+    if (y + 1 < height) visit(i + width);
+    if (highest < 0) {
+      basin[i] = static_cast<std::int32_t>(parent.size());
+      parent.push_back(basin[i]);
+      summit.push_back(here);
+      continue;
+    }
+    basin[i] = basin[highest];
+    for (int n = 0; n < count; ++n) {
+      std::int32_t a = root(basin[i]), b = root(met[n]);
+      if (a == b) continue;
+      const float lower = std::min(summit[a], summit[b]);
+      if (lower - here < 1 || here >= widest * lower) {
+        if (summit[a] < summit[b] || (summit[a] == summit[b] && a > b)) std::swap(a, b);
+        parent[b] = a;
+      }
+    }
+  }
+  std::vector<std::int32_t> number(parent.size(), 0), out(raster.size(), 0);
+  std::int32_t pieces = 0;
+  for (std::size_t i = 0; i < raster.size(); ++i) {
+    if (raster[i] == 0) continue;
+    auto& n = number[root(basin[i])];
+    if (n == 0) n = ++pieces;
+    out[i] = n;
+  }
+  return out;
+}
+
+}  // namespace terrazzo
