@@ -58,6 +58,11 @@ class Linker {
     for (const auto& [name, ref] : root.doc.outputs)
       if (const auto w = resolve(root, ref)) graph_.outputs.push_back({name, *w});
     sort();
+    // In the order that a reader of the file meets them.
+    std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
+      return a.place.file == b.place.file &&
+             std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
+    });
     return std::move(graph_);
   }
 
@@ -153,6 +158,7 @@ class Linker {
   }
 
   void set_parameter(GraphNode& node, const std::string& name, const Given& given) {
+    attempted_.insert({node.path, name});
     const Parameter* p = node.type->find_parameter(name);
     if (!p) {
       std::vector<std::string> names;
@@ -393,16 +399,11 @@ class Linker {
                fmt::format("{} needs the input '{}' ({})", node.type->name, port.name, port.type_text()),
                node.place, {}, node.path);
       for (const auto& p : node.type->parameters)
-        if (!p.value && !node.parameters.count(p.name) && !has_error_on(node.path, p.name))
+        if (!p.value && !node.parameters.count(p.name) && !attempted_.count({node.path, p.name}))
           fail("missing-parameter",
                fmt::format("{} needs the parameter '{}' ({})", node.type->name, p.name, p.doc), node.place,
                {}, node.path);
     }
-  }
-
-  bool has_error_on(const std::string& node, const std::string& parameter) const {
-    return std::any_of(found_.begin(), found_.end(),
-                       [&](const Diagnostic& d) { return d.node == node && d.parameter == parameter; });
   }
 
   // Sources before consumers, otherwise in the order written.
@@ -453,6 +454,7 @@ class Linker {
   std::map<std::string, int> index_;  // of graph_.nodes by path
   std::set<std::string> unknown_;     // paths whose type or file is unknown, already reported
   std::set<std::pair<int, std::string>> broken_inputs_;
+  std::set<std::pair<std::string, std::string>> attempted_;  // parameters written, rightly or not
 };
 
 }  // namespace

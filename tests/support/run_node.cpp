@@ -12,7 +12,8 @@ namespace terrazzo::test {
 namespace fs = std::filesystem;
 
 NodeRun run_node(const std::string& type_name, const std::multimap<std::string, Value>& inputs,
-                 const std::map<std::string, std::string>& parameters, const fs::path& output_folder, int threads) {
+                 const std::map<std::string, std::string>& parameters, const fs::path& output_folder,
+                 int threads) {
   static const Registry registry = [] {
     Registry r;
     register_nodes(r);
@@ -23,11 +24,13 @@ NodeRun run_node(const std::string& type_name, const std::multimap<std::string, 
   if (!request.type) throw Error("unknown-type", "there is no node type " + type_name);
   for (const auto& [port, value] : inputs) {
     const Port* p = request.type->find_input(port);
-    if (!p || !p->accepts(value.type().name)) throw Error("unknown-port", type_name + " takes no " + value.type().name + " at '" + port + "'");
+    if (!p || !p->accepts(value.type().name))
+      throw Error("unknown-port", type_name + " takes no " + value.type().name + " at '" + port + "'");
     request.inputs[port].push_back(value);
   }
   for (const auto& p : request.type->inputs)
-    if (!p.optional && !request.inputs.count(p.name)) throw Error("missing-input", type_name + " needs " + p.name);
+    if (!p.optional && !request.inputs.count(p.name))
+      throw Error("missing-input", type_name + " needs " + p.name);
   std::map<std::string, ParameterValue> written;
   for (const auto& [name, text] : parameters) {
     const Parameter* p = request.type->find_parameter(name);
@@ -37,7 +40,8 @@ NodeRun run_node(const std::string& type_name, const std::multimap<std::string, 
     if (!value) throw Error("bad-value", why).parameter(name);
     if (p->kind == ParameterKind::InputPath) {
       request.files[name] = expand_glob(fs::absolute(std::get<std::string>(*value)));
-      if (request.files[name].empty()) throw Error("no-file", "no file " + std::get<std::string>(*value)).parameter(name);
+      if (request.files[name].empty())
+        throw Error("no-file", "no file " + std::get<std::string>(*value)).parameter(name);
     }
     written[name] = *value;
   }

@@ -20,8 +20,9 @@ struct NodeRun {
   }
 };
 
-// A wire list for an input that takes many is given as several entries. Parameters are YAML: "3", "auto", "[1, 2]".
-// Throws what the node throws (Error), and Error for an unknown port or a parameter outside its declaration.
+// A wire list for an input that takes many is given as several entries. Parameters are YAML: "3", "auto",
+// "[1, 2]". Throws what the node throws (Error), and Error for an unknown port or a parameter outside its
+// declaration.
 NodeRun run_node(const std::string& type, const std::multimap<std::string, Value>& inputs,
                  const std::map<std::string, std::string>& parameters = {},
                  const std::filesystem::path& output_folder = {}, int threads = 0);

@@ -1,0 +1,23 @@
+// A registry of small node types over one-number tables: enough to test graphs and the evaluator.
+#pragma once
+
+#include "graph/graph.h"
+#include "runtime/evaluate.h"
+
+namespace terrazzo::test {
+
+// Constant(value), Add(a, b), Clamp(in, low, high), Sum(in: list), FileSize(path), Fail(in), Endless(),
+// Write(in, path)
+const Registry& arithmetic();
+const ValueTypes& value_types();
+
+// Loads text as a graph and expects no mistakes.
+Graph graph_of(const std::string& text, const Overrides& = {});
+double number_of(const Value&);
+
+// How many nodes of a run have this status.
+int count(const RunResult&, Status);
+// Paths of the nodes with this status, sorted.
+std::vector<std::string> paths(const Graph&, const RunResult&, Status);
+
+}  // namespace terrazzo::test
