@@ -117,8 +117,8 @@ void ProfileSweep::add_slab(std::int32_t bottom, std::int32_t top) {
 // Joins the edges of each triangle that pass through the slab; what hangs together is one loop.
 void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
   const auto passes = [&](std::int32_t a, std::int32_t b) {
-    const auto [low, high] = std::minmax(order_.rank(a), order_.rank(b));
-    return low < top && high > bottom;
+    const std::int32_t ra = order_.rank(a), rb = order_.rank(b);
+    return std::min(ra, rb) < top && std::max(ra, rb) > bottom;
   };
   for (std::int32_t t : active_)
     for (std::int32_t e : sides_[t]) parent_[e] = e, loop_of_edge_[e] = -1;
