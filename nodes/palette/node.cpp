@@ -1,0 +1,58 @@
+#include <cmath>
+
+#include "graph/node_type.h"
+#include "nodes/data/profiles.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+Vec3f parse(const std::string& text) {
+  std::string why;
+  const auto v = read_parameter(Parameter::color("color", 0, 0, 0), {false, {text}}, why);
+  if (!v) throw Error("bad-color", why).parameter("colors");
+  const auto& rgb = std::get<std::vector<double>>(*v);
+  return Vec3f(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
+}
+
+void compute(Context& c) {
+  const auto colors = c.texts("colors");
+  auto shares = c.numbers("shares");
+  if (shares.size() == 1) shares.assign(colors.size(), 1.0);
+  if (shares.size() != colors.size())
+    throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colours but " +
+                                  std::to_string(shares.size()) + " shares")
+        .parameter("shares");
+  Profiles out;
+  const auto binder = c.numbers("binder");
+  out.binder_color =
+      Vec3f(static_cast<float>(binder[0]), static_cast<float>(binder[1]), static_cast<float>(binder[2]));
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    Profile p;
+    p.area = 1;
+    p.weight = shares[i];
+    p.color = parse(colors[i]);
+    out.profiles.push_back(p);
+  }
+  c.output("profiles", std::move(out));
+}
+
+}  // namespace
+
+NodeType palette_node() {
+  return NodeType("Palette", 1)
+      .doc_("Colours written in the graph, in the place of those that a photograph's profiles show")
+      .output("profiles", "Profiles",
+              "one profile of 1 mm² a colour, weighted by its share; no outlines, no densities")
+      .parameter(Parameter::texts("colors", {"#b0785a", "#3c3c40", "#d8d2c4"})
+                     .count(1, 256)
+                     .doc_("The particles' colours, \"#rrggbb\" in sRGB"))
+      .parameter(Parameter::numbers("shares", {1})
+                     .above(0)
+                     .count(1, 256)
+                     .doc_("How often each colour is drawn; one number: all alike"))
+      .parameter(Parameter::color("binder", 0.75, 0.72, 0.66).doc_("The binder's colour"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
