@@ -1,0 +1,114 @@
+// Every graph that the project ships is free of mistakes, and the default one does what the README says.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/support/program.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::run_program;
+using Names = std::set<std::string>;
+
+TEST(Graphs, AllAreFreeOfMistakes) {
+  int graphs = 0;
+  for (const auto& e : fs::recursive_directory_iterator(test::source_folder() / "graphs"))
+    if (e.path().extension() == ".yaml") {
+      const auto run = run_program({"check", e.path().string()});
+      EXPECT_EQ(run.exit_code, 0) << run.err;
+      ++graphs;
+    }
+  EXPECT_GE(graphs, 4);
+}
+
+// The default graph at a size that a test can afford.
+class DefaultGraph : public ::testing::Test {
+ protected:
+  json run(std::vector<std::string> more, const fs::path& cache, int threads = 0) {
+    std::vector<std::string> arguments = {"run",
+                                          (test::source_folder() / "graphs/materials/terrazzo.yaml").string(),
+                                          "--cache",
+                                          cache.string(),
+                                          "--out",
+                                          (folder / "out").string(),
+                                          "--report",
+                                          (folder / "report.json").string(),
+                                          "--quiet",
+                                          "--threads",
+                                          std::to_string(threads),
+                                          "--param",
+                                          "size=22",
+                                          "--param",
+                                          "resolution=40",
+                                          "--set",
+                                          "residual.size=32",
+                                          "--set",
+                                          "block.samples=2",
+                                          "--set",
+                                          "block.width=96",
+                                          "--set",
+                                          "block.height=96"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto r = run_program(arguments);
+    EXPECT_EQ(r.exit_code, 0) << r.err;
+    return json::parse(std::ifstream(folder / "report.json"));
+  }
+  static Names with_status(const json& report, const std::string& status) {
+    Names out;
+    for (const auto& n : report.at("nodes"))
+      if (n.at("status") == status) out.insert(n.at("name").get<std::string>());
+    return out;
+  }
+  static std::map<std::string, json> contents(const json& report) {
+    std::map<std::string, json> out;
+    for (const auto& n : report.at("nodes"))
+      for (const auto& [port, o] : n.at("outputs").items())
+        out[n.at("name").get<std::string>() + "." + port] = o.at("content");
+    return out;
+  }
+  static double metric(const json& report, const std::string& node, const std::string& name) {
+    for (const auto& n : report.at("nodes"))
+      if (n.at("name") == node) return n.at("metrics").at(name);
+    ADD_FAILURE() << "no node " << node;
+    return 0;
+  }
+  fs::path folder = test::temporary_folder();
+};
+
+TEST_F(DefaultGraph, ComputesOnceAndThenExactlyWhatAnEditTouches) {
+  const fs::path cache = folder / "cache";
+  const json first = run({}, cache);
+  EXPECT_EQ(with_status(first, "computed").size(), first.at("nodes").size());
+  for (const auto* file :
+       {"terrazzo.glb", "terrazzo.vdb", "preview.png", "contact_sheet.png", "comparison.csv"})
+    EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
+  const double ratio = metric(first, "compare", "area_fraction_ratio");
+  EXPECT_NEAR(ratio, 1, 0.1);
+  EXPECT_LE(metric(first, "pack", "max_penetration"), 1e-4);
+
+  const json again = run({}, cache);
+  EXPECT_EQ(with_status(again, "computed"), Names{});
+
+  const json colored = run({"--set", "colorize.seed=2"}, cache);
+  EXPECT_EQ(with_status(colored, "computed"),
+            (Names{"colorize", "voxels", "sections", "compare", "face", "block", "sheet", "instances",
+                   "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));
+  // Back to what was: all known, only the files are written anew.
+  const json back = run({}, cache);
+  EXPECT_EQ(with_status(back, "computed"),
+            (Names{"instances", "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));
+  EXPECT_EQ(contents(back), contents(first));
+}
+
+TEST_F(DefaultGraph, HasEqualContentOnAnyNumberOfThreads) {
+  const json one = run({}, folder / "one", 1), three = run({}, folder / "three", 3);
+  EXPECT_EQ(contents(one), contents(three));
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,54 @@
+#include "tests/support/program.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "runtime/files.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo::test {
+namespace fs = std::filesystem;
+
+ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& options) {
+  const fs::path base = temporary_folder();
+  const fs::path out = base / "stdout", err = base / "stderr";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (!options.folder.empty() && ::chdir(options.folder.c_str()) != 0) ::_exit(99);
+    const int o = ::open(out.c_str(), O_WRONLY | O_CREAT, 0600),
+              e = ::open(err.c_str(), O_WRONLY | O_CREAT, 0600);
+    ::dup2(o, 1);
+    ::dup2(e, 2);
+    if (options.largest_file >= 0) {
+      const struct rlimit limit = {static_cast<rlim_t>(options.largest_file),
+                                   static_cast<rlim_t>(options.largest_file)};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG, as it does with ENOSPC
+    }
+    std::vector<char*> argv{const_cast<char*>(TERRAZZO_PROGRAM)};
+    for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    argv.push_back(nullptr);
+    ::execv(TERRAZZO_PROGRAM, argv.data());
+    ::_exit(98);
+  }
+  if (options.interrupt_after >= 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after));
+    ::kill(child, SIGINT);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ProgramRun run;
+  run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.out = read_file(out).value_or(""), run.err = read_file(err).value_or("");
+  return run;
+}
+
+fs::path source_folder() { return TERRAZZO_SOURCE; }
+
+}  // namespace terrazzo::test
