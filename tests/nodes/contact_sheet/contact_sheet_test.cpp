@@ -40,7 +40,7 @@ TEST(ContactSheet, CaptionsTakeARowBelow) {
   const auto with =
       run_node("ContactSheet", {{"images", image}},
                {{"captions",
-                 "[a very long caption that does not fit below so small a picture, however one sets it]"}});
+                 "[a very long caption that does not fit below so small a picture however one sets it]"}});
   const Image &a = without.output<Image>("image"), &b = with.output<Image>("image");
   EXPECT_EQ(a.width, b.width);
   ASSERT_GT(b.height, a.height + 15);

@@ -56,10 +56,10 @@ TEST_P(SectionIdentities, HoldForRandomPlanes) {
   const Sums sums = sums_of(s);
   const double volume = particles.box.prod();
   ASSERT_GT(s.profiles.profiles.size(), 3000u);
-  // About 9,000 profiles, clustered by 300 planes through one packing: 1 to 2 % of noise.
-  EXPECT_NEAR(sums.N_A / (truth.H_sum / volume), 1, 0.04);
-  EXPECT_NEAR(sums.area / sums.weight / (truth.V_sum / truth.H_sum), 1, 0.05);
-  EXPECT_NEAR(sums.perimeter / sums.weight / (M_PI / 4 * truth.S_sum / truth.H_sum), 1, 0.04);
+  // About 13,000 profiles of 300 planes; over seeds the ratios spread by .012, .007, .004 and .011.
+  EXPECT_NEAR(sums.N_A / (truth.H_sum / volume), 1, 0.05);
+  EXPECT_NEAR(sums.area / sums.weight / (truth.V_sum / truth.H_sum), 1, 0.03);
+  EXPECT_NEAR(sums.perimeter / sums.weight / (M_PI / 4 * truth.S_sum / truth.H_sum), 1, 0.02);
   // Overlaps count once in the fraction; with them added back it is the volume fraction.
   EXPECT_NEAR((sums.A_A + s.overlap) / truth.V_V, 1, 0.05);
   EXPECT_GT(s.overlap, 0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "nodes/common/mesh_section.h"
 #include "tests/nodes/section/packing.h"
 #include "tests/support/run_node.h"
 
