@@ -1,0 +1,125 @@
+#include "nodes/voxelize/detail.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace terrazzo {
+namespace {
+
+double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
+
+int wrap(int i, int n) {
+  const int r = i % n;
+  return r < 0 ? r + n : r;
+}
+
+// One period as a plain array, x fastest.
+std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
+  std::vector<Vec3f> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
+  work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
+    auto accessor = grid.getConstAccessor();
+    for (std::size_t k = begin; k < end; ++k)
+      for (int j = 0; j < size.y(); ++j)
+        for (int i = 0; i < size.x(); ++i) {
+          const auto& v = accessor.getValue({i, j, static_cast<int>(k)});
+          out[(k * size.y() + j) * size.x() + i] = {v[0], v[1], v[2]};
+        }
+  });
+  return out;
+}
+
+}  // namespace
+
+std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
+  const double ratio = static_cast<double>(in) * periods / out;  // input samples an output sample
+  const double width = std::max(1.0, ratio);
+  std::vector<Taps> all(out);
+  for (int i = 0; i < out; ++i) {
+    double u = (i + 0.5) * ratio - 0.5;
+    if (std::abs(u - std::round(u)) < 1e-9) u = std::round(u);
+    const int first = static_cast<int>(std::floor(u - 3 * width)) + 1;
+    const int last = static_cast<int>(std::ceil(u + 3 * width)) - 1;
+    double sum = 0;
+    std::vector<double> w;
+    for (int s = first; s <= last; ++s) {
+      const double x = (s - u) / width;
+      const bool zero = width == 1 && s != u && x == std::round(x);
+      w.push_back(zero ? 0 : sinc(x) * sinc(x / 3));
+      sum += w.back();
+    }
+    all[i].first = first;
+    for (const double v : w) all[i].weight.push_back(static_cast<float>(v / sum));
+  }
+  return all;
+}
+
+Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work) : lattice_(lattice) {
+  const auto grid = residual.find<openvdb::Vec3SGrid>("residual");
+  if (!grid)
+    throw Error("no-residual", "the volume at 'residual' has no Vec3SGrid named residual",
+                "connect ResidualSynth.volume");
+  const Vec3i in = residual.resolution;
+  if (in.minCoeff() < 1)
+    throw Error("bad-residual", "the residual has no period", "only periodic volumes can be added as detail");
+  const double voxel = grid->transform().voxelSize()[0];
+  if (!(voxel > 0) || !std::isfinite(voxel))
+    throw Error("bad-residual", "the residual's voxels have no size");
+  for (int a = 0; a < 3; ++a) {
+    const double edge = lattice.size[a] * lattice.voxel, period = in[a] * voxel;
+    periods_[a] = static_cast<int>(std::clamp(std::round(edge / period), 1.0, 1e6));
+    // Between m and m + 1 periods the one whose scale is nearer to 1, as a ratio.
+    const double exact = edge / period;
+    if (exact > 1 && periods_[a] > exact && periods_[a] / exact > exact / (periods_[a] - 1)) --periods_[a];
+    scale_[a] = edge / (periods_[a] * period);
+  }
+  std::vector<Vec3f> source = dense(*grid, in, work);
+  if (std::any_of(source.begin(), source.end(), [](const Vec3f& v) { return !v.allFinite(); }))
+    throw Error("bad-residual", "the residual holds NaN or infinity");
+
+  const auto x = taps(lattice.size.x(), in.x(), periods_.x()),
+             y = taps(lattice.size.y(), in.y(), periods_.y());
+  z_ = taps(lattice.size.z(), in.z(), periods_.z());
+  planes_ = in.z();
+  const int nx = lattice.size.x(), ny = lattice.size.y();
+  field_.resize(static_cast<std::size_t>(nx) * ny * planes_);
+  work.parallel(planes_, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec3f> rows(static_cast<std::size_t>(nx) * in.y());
+    for (std::size_t k = begin; k < end; ++k) {
+      for (int j = 0; j < in.y(); ++j) {
+        const Vec3f* row = &source[(k * in.y() + j) * in.x()];
+        for (int i = 0; i < nx; ++i) {
+          Vec3f sum = Vec3f::Zero();
+          for (std::size_t t = 0; t < x[i].weight.size(); ++t)
+            sum += x[i].weight[t] * row[wrap(x[i].first + static_cast<int>(t), in.x())];
+          rows[static_cast<std::size_t>(j) * nx + i] = sum;
+        }
+      }
+      for (int j = 0; j < ny; ++j) {
+        Vec3f* out = &field_[(k * ny + j) * nx];
+        std::fill(out, out + nx, Vec3f::Zero());
+        for (std::size_t t = 0; t < y[j].weight.size(); ++t) {
+          const float w = y[j].weight[t];
+          if (w == 0) continue;
+          const Vec3f* row =
+              &rows[static_cast<std::size_t>(wrap(y[j].first + static_cast<int>(t), in.y())) * nx];
+          for (int i = 0; i < nx; ++i) out[i] += w * row[i];
+        }
+      }
+    }
+  });
+}
+
+void Detail::add_plane(int k, Vec3f* colors) const {
+  const std::size_t plane = static_cast<std::size_t>(lattice_.size.x()) * lattice_.size.y();
+  for (std::size_t t = 0; t < z_[k].weight.size(); ++t) {
+    const float w = z_[k].weight[t];
+    if (w == 0) continue;
+    const Vec3f* from = &field_[plane * wrap(z_[k].first + static_cast<int>(t), planes_)];
+    for (std::size_t i = 0; i < plane; ++i) colors[i] += w * from[i];
+  }
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,42 @@
+// A tileable residual, resampled so that it tiles the particles' box.
+#pragma once
+
+#include <vector>
+
+#include "nodes/data/volume.h"
+#include "nodes/voxelize/lattice.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+class Detail {
+ public:
+  Detail() = default;  // none: zero everywhere
+  // Takes the grid `residual` (Vec3SGrid, linear colour offsets, one period in `resolution`). Each edge of
+  // the box holds a whole number of periods, at the scale closest to the residual's own. Lanczos kernels (a =
+  // 3, widened where voxels grow), periodic; where voxels fall on voxels values are copied. Throws Error
+  // "no-residual", "bad-residual".
+  Detail(const Volume& residual, const Lattice& lattice, const Work& work);
+
+  bool empty() const { return field_.empty(); }
+  Vec3i periods() const { return periods_; }
+  Vec3 scale() const { return scale_; }  // residual voxel as placed / as made, per axis
+  // Adds plane k of the lattice, x fastest, to `colors`.
+  void add_plane(int k, Vec3f* colors) const;
+
+ private:
+  struct Taps {  // of one output sample: first input sample and weights
+    int first;
+    std::vector<float> weight;
+  };
+  static std::vector<Taps> taps(int out, int in, int periods);
+
+  Vec3i periods_ = Vec3i::Zero();
+  Vec3 scale_ = Vec3::Ones();
+  Lattice lattice_;
+  int planes_ = 0;            // of field_
+  std::vector<Vec3f> field_;  // resampled in x and y
+  std::vector<Taps> z_;
+};
+
+}  // namespace terrazzo

@@ -1,0 +1,71 @@
+#include "nodes/voxelize/mesh_sdf.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/voxelize/closest.h"
+
+namespace terrazzo {
+
+MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
+  Eigen::AlignedBox3d bounds;
+  for (const auto& v : mesh.vertices) bounds.extend(v);
+  spacing_ = bounds.sizes().maxCoeff() / cells;
+  far_ = static_cast<float>(band * spacing_);
+  const int margin = static_cast<int>(std::ceil(band)) + 1;
+  origin_ = bounds.min() - Vec3::Constant(margin * spacing_);
+  box_.size = ((bounds.sizes() / spacing_).array().ceil().cast<int>() + 2 * margin + 1).matrix();
+
+  std::vector<Vec3> vertices;
+  vertices.reserve(mesh.vertices.size());
+  for (const auto& v : mesh.vertices) vertices.push_back((v - origin_) / spacing_);
+  Scan scan;
+  scan_mesh(vertices, mesh.triangles, box_, 1, scan);
+
+  // Blocks of nodes far from the surface are told by one query of their centre.
+  nodes_.resize(box_.count());
+  const ClosestTriangle closest(mesh);
+  constexpr int edge = 4;
+  const Vec3i blocks = (box_.size.array() + edge - 1) / edge;
+  const double reach = 0.5 * std::sqrt(3.0) * (edge - 1) * spacing_;
+  work.parallel(static_cast<std::size_t>(blocks.prod()), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      const Vec3i lo = edge * Vec3i(b % blocks.x(), b / blocks.x() % blocks.y(), b / blocks.x() / blocks.y());
+      const Vec3i hi = (lo.array() + edge).min(box_.size.array());
+      const Vec3 center = origin_ + spacing_ * (lo.cast<double>() + Vec3::Constant(0.5 * (edge - 1)));
+      const double limit = far_ + reach;
+      const double to_center = std::sqrt(closest.distance2(center, limit * limit));
+      for (int k = lo.z(); k < hi.z(); ++k)
+        for (int j = lo.y(); j < hi.y(); ++j)
+          for (int i = lo.x(); i < hi.x(); ++i) {
+            double d = far_;
+            if (to_center < limit) {
+              const Vec3 p = origin_ + spacing_ * Vec3(i, j, k);
+              const double bound = std::min<double>(far_, to_center + (p - center).norm() * (1 + 1e-12));
+              d = std::sqrt(closest.distance2(p, bound * bound));
+            }
+            const std::size_t at = box_.index(i, j, k);
+            nodes_[at] = static_cast<float>(scan.inside[at] ? -d : d);
+          }
+    }
+  });
+}
+
+float MeshSdf::at(const Vec3& p) const {
+  const Vec3 q = (p - origin_) / spacing_;
+  float t[3];
+  std::size_t i[3];
+  for (int a = 0; a < 3; ++a) {
+    if (!(q[a] >= 0) || q[a] >= box_.size[a] - 1) return far_;
+    i[a] = static_cast<std::size_t>(q[a]);
+    t[a] = static_cast<float>(q[a] - static_cast<double>(i[a]));
+  }
+  const std::size_t sx = box_.size.x(), sxy = sx * box_.size.y();
+  const float* n = nodes_.data() + i[2] * sxy + i[1] * sx + i[0];
+  const auto mix = [](float a, float b, float w) { return a + w * (b - a); };
+  const float y0 = mix(mix(n[0], n[1], t[0]), mix(n[sx], n[sx + 1], t[0]), t[1]);
+  const float* m = n + sxy;
+  return mix(y0, mix(mix(m[0], m[1], t[0]), mix(m[sx], m[sx + 1], t[0]), t[1]), t[2]);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,31 @@
+// The signed distance to a mesh near its surface, sampled once on a lattice and shared by all instances of
+// like size.
+#pragma once
+
+#include <vector>
+
+#include "nodes/data/shapes.h"
+#include "nodes/voxelize/scan.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+class MeshSdf {
+ public:
+  // `cells` lattice cells along the mesh's longest extent; distances up to `band` cells are exact at the
+  // nodes (closest point on the triangles, sign by winding number) and linear between them; beyond they are
+  // ±band.
+  MeshSdf(const Mesh& mesh, int cells, double band, const Work& work);
+
+  // Signed distance, negative inside, in the mesh's unit.
+  float at(const Vec3& p) const;
+
+ private:
+  CellBox box_;
+  Vec3 origin_;  // of node (0, 0, 0)
+  double spacing_;
+  float far_;  // band in the mesh's unit
+  std::vector<float> nodes_;
+};
+
+}  // namespace terrazzo

@@ -1,0 +1,45 @@
+// Dense planes of the lattice that particles are stamped into, before they become sparse grids.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/particles.h"
+#include "nodes/data/shapes.h"
+#include "nodes/voxelize/lattice.h"
+#include "nodes/voxelize/mesh_sdf.h"
+#include "nodes/voxelize/scan.h"
+
+namespace terrazzo {
+
+// Half the width of the level set's narrow band, voxels: OpenVDB's own.
+constexpr double kBand = 3;
+
+struct Slab {
+  int z0 = 0, z1 = 0;  // planes [z0, z1)
+  Vec3i lattice = Vec3i::Zero();
+  std::vector<float> coverage;   // sum over particles, may exceed 1
+  std::vector<Vec3f> color;      // sum of coverage · colour
+  std::vector<float> distance;   // voxels, within ±kBand
+  std::vector<std::int32_t> id;  // −1 outside
+  Slab(const Vec3i& lattice, int z0, int z1);
+  std::size_t index(int i, int j, int k) const {  // k counts from z0
+    return (static_cast<std::size_t>(k) * lattice.y() + j) * lattice.x() + i;
+  }
+};
+
+// What one particle, or the part of it that one period of the slab shows, adds.
+struct Stamp {
+  std::int32_t particle = 0;
+  CellBox box;  // lattice cells, not yet wrapped
+  Scan scan;
+  std::vector<float> distance;
+};
+
+// Fills scan and distance of the stamp. `sdf` in the unit of the shape's mesh.
+void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf& sdf, double voxel);
+
+// Adds stamps in their order, whatever the number of threads.
+void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);
+
+}  // namespace terrazzo

@@ -1,0 +1,231 @@
+#include "nodes/voxelize/voxelize.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "nodes/common/mesh.h"
+#include "nodes/voxelize/detail.h"
+#include "nodes/voxelize/slab.h"
+#include "nodes/voxelize/sparse.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr std::size_t kSlabVoxels = std::size_t{1} << 23;  // about 200 MB of dense planes
+constexpr std::size_t kBatchCells = std::size_t{1} << 21;  // stamps held at once
+
+void check(const Particles& particles, const Shapes& shapes) {
+  const auto bad = [](std::size_t i, const std::string& what) {
+    throw Error("bad-particles", "particle " + std::to_string(i) + " " + what);
+  };
+  const std::size_t n = particles.count();
+  if (particles.shape.size() != n || particles.orientation.size() != n || particles.scale.size() != n ||
+      particles.color.size() != n)
+    throw Error("bad-particles", "the particles' columns have unequal lengths");
+  for (std::size_t i = 0; i < n; ++i) {
+    if (particles.shape[i] < 0 || particles.shape[i] >= static_cast<std::int32_t>(shapes.shapes.size()))
+      bad(i, fmt::format("has the shape {} of {}", particles.shape[i], shapes.shapes.size()));
+    if (!particles.position[i].allFinite()) bad(i, "has no position");
+    if (!(std::abs(particles.orientation[i].norm() - 1) < 1e-6)) bad(i, "has no unit orientation");
+    if (!(particles.scale[i] > 0) || !std::isfinite(particles.scale[i])) bad(i, "has no positive scale");
+    if (!particles.color[i].allFinite()) bad(i, "has no colour");
+  }
+  if (!particles.binder_color.allFinite()) throw Error("bad-particles", "the binder has no colour");
+  for (const auto& s : shapes.shapes) {
+    const auto faults = mesh_faults(s.mesh);
+    if (!faults.empty())
+      throw Error("open-mesh", "shape '" + s.name + "': " + faults.front(),
+                  "repair the mesh (LoadMesh.repair)");
+  }
+}
+
+// Distance lattices by shape and size: spacing half a voxel for small particles, up to one voxel for large
+// ones.
+class Sdfs {
+ public:
+  Sdfs(const Particles& particles, const Shapes& shapes, double voxel, const Work& work) {
+    std::vector<double> extent;
+    for (const auto& s : shapes.shapes) {
+      Eigen::AlignedBox3d box;
+      for (const auto& v : s.mesh.vertices) box.extend(v);
+      extent.push_back(box.sizes().maxCoeff());
+    }
+    for (std::size_t p = 0; p < particles.count(); ++p) {
+      const double voxels = extent[particles.shape[p]] * particles.scale[p] / voxel;
+      const double wanted = voxels <= 32 ? 2 * voxels : voxels;
+      int cells = 4;
+      while (cells < wanted && cells < 256) cells *= 2;
+      key_.emplace_back(particles.shape[p], cells);
+      double& band = band_[key_.back()];
+      // One cell more than the level set's band, for interpolation; a particle below a voxel needs no more.
+      band = std::max(band, std::min((kBand + 0.1) * cells / voxels + 1.8, 8.0 * kBand));
+    }
+    double done = 0;
+    for (const auto& [key, band] : band_) {
+      const double next = done + 1.0 / static_cast<double>(band_.size());
+      sdfs_.emplace(key, MeshSdf(shapes.shapes[key.first].mesh, key.second, band, work.part(done, next)));
+      done = next;
+    }
+  }
+  const MeshSdf& of(std::size_t particle) const { return sdfs_.at(key_[particle]); }
+
+ private:
+  using Key = std::pair<std::int32_t, int>;
+  std::vector<Key> key_;
+  std::map<Key, double> band_;
+  std::map<Key, MeshSdf> sdfs_;
+};
+
+// The lattice cells that a particle's level set can reach.
+CellBox reach(const Particles& particles, const Shape& shape, std::size_t p, double voxel) {
+  const Mat3 turn = particles.orientation[p].toRotationMatrix() * (particles.scale[p] / voxel);
+  Eigen::AlignedBox3d box;
+  for (const auto& v : shape.mesh.vertices) box.extend(turn * v);
+  const Vec3 center = particles.position[p] / voxel - Vec3::Constant(0.5);
+  CellBox out;
+  out.lo = (center + box.min()).array().floor().cast<int>() - static_cast<int>(kBand);
+  out.size = (center + box.max()).array().ceil().cast<int>() + static_cast<int>(kBand) + 1 - out.lo.array();
+  return out;
+}
+
+// Stamps for the planes of the slab; a particle that meets them in two periods gives two.
+std::vector<Stamp> stamps_of(const std::vector<CellBox>& boxes, int z0, int z1, int nz) {
+  std::vector<Stamp> all;
+  for (std::size_t p = 0; p < boxes.size(); ++p) {
+    const int lo = boxes[p].lo.z(), hi = lo + boxes[p].size.z();
+    for (int period = static_cast<int>(std::floor(double(lo - z1) / nz)); z0 + period * nz < hi; ++period) {
+      const int a = std::max(lo, z0 + period * nz), b = std::min(hi, z1 + period * nz);
+      if (a >= b) continue;
+      Stamp s;
+      s.particle = static_cast<std::int32_t>(p), s.box = boxes[p];
+      s.box.lo.z() = a, s.box.size.z() = b - a;
+      all.push_back(std::move(s));
+    }
+  }
+  return all;
+}
+
+void fill_slab(Slab& slab, std::vector<Stamp> stamps, const Particles& particles, const Shapes& shapes,
+               const Sdfs& sdfs, double voxel, const Work& work) {
+  for (std::size_t begin = 0; begin < stamps.size();) {
+    std::size_t end = begin, cells = 0;
+    while (end < stamps.size() && (end == begin || cells + stamps[end].box.count() <= kBatchCells))
+      cells += stamps[end++].box.count();
+    std::vector<Stamp> batch(std::make_move_iterator(stamps.begin() + begin),
+                             std::make_move_iterator(stamps.begin() + end));
+    const Work part = work.part(double(begin) / stamps.size(), double(end) / stamps.size());
+    part.part(0, 0.8).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
+      for (std::size_t i = b; i < e; ++i) {
+        const std::size_t p = batch[i].particle;
+        make_stamp(batch[i], particles, shapes.shapes[particles.shape[p]], sdfs.of(p), voxel);
+      }
+    });
+    add_stamps(slab, batch, particles, part.part(0.8, 1));
+    begin = end;
+  }
+}
+
+}  // namespace
+
+Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* residual,
+                const Lattice& lattice, VoxelReport& report, const Work& work) {
+  check(particles, shapes);
+  initialize_openvdb();
+  const double voxel = lattice.voxel;
+  const Vec3i n = lattice.size;
+  const Detail detail = residual ? Detail(*residual, lattice, work.part(0, 0.1)) : Detail();
+  const Sdfs sdfs(particles, shapes, voxel, work.part(0.1, 0.3));
+  report.detail_periods = detail.periods(), report.detail_scale = detail.scale();
+
+  using Vec3s = openvdb::Vec3s;
+  const auto grid_color = [](const Vec3f& c) { return Vec3s(c.x(), c.y(), c.z()); };
+  const float band = static_cast<float>(kBand * voxel);
+  auto density = openvdb::FloatGrid::create(0.0f);
+  auto surface = openvdb::FloatGrid::create(band);
+  auto color = openvdb::Vec3SGrid::create(grid_color(particles.binder_color));
+  auto id = openvdb::Int32Grid::create(-1);
+  density->setName("density"), density->setGridClass(openvdb::GRID_FOG_VOLUME);
+  surface->setName("surface"), surface->setGridClass(openvdb::GRID_LEVEL_SET);
+  color->setName("Cd"), id->setName("id");
+  for (openvdb::GridBase* g :
+       {static_cast<openvdb::GridBase*>(density.get()), static_cast<openvdb::GridBase*>(surface.get()),
+        static_cast<openvdb::GridBase*>(color.get()), static_cast<openvdb::GridBase*>(id.get())})
+    g->setTransform(voxel_transform(voxel));
+
+  std::vector<CellBox> boxes;
+  for (std::size_t p = 0; p < particles.count(); ++p)
+    boxes.push_back(reach(particles, shapes.shapes[particles.shape[p]], p, voxel));
+
+  const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+  const int thickness = std::max<int>(8, static_cast<int>(kSlabVoxels / plane) / 8 * 8);
+  std::vector<std::uint8_t> seen(particles.count(), 0);
+  double covered = 0, overlap = 0;
+  const openvdb::Coord size(n.x(), n.y(), n.z());
+  for (int z0 = 0; z0 < n.z(); z0 += thickness) {
+    const int z1 = std::min(n.z(), z0 + thickness);
+    const Work slab_work = work.part(0.3 + 0.7 * z0 / n.z(), 0.3 + 0.7 * z1 / n.z());
+    Slab slab(n, z0, z1);
+    fill_slab(slab, stamps_of(boxes, z0, z1, n.z()), particles, shapes, sdfs, voxel, slab_work.part(0, 0.8));
+
+    const auto sums = slab_work.part(0.8, 0.85).reduce<std::pair<double, double>>(
+        z1 - z0, 1, {0, 0},
+        [&](std::size_t begin, std::size_t end) {
+          std::pair<double, double> sum{0, 0};
+          for (std::size_t k = begin; k < end; ++k) {
+            for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
+              const float c = slab.coverage[i];
+              sum.first += std::min(c, 1.0f), sum.second += std::max(c - 1.0f, 0.0f);
+              slab.color[i] =
+                  c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
+            }
+            if (!detail.empty()) {
+              detail.add_plane(z0 + static_cast<int>(k), &slab.color[k * plane]);
+              // Light is not negative, however dark the grain.
+              for (std::size_t i = k * plane; i < (k + 1) * plane; ++i)
+                slab.color[i] = slab.color[i].cwiseMax(0.0f);
+            }
+          }
+          return sum;
+        },
+        [](auto a, auto b) { return std::pair(a.first + b.first, a.second + b.second); });
+    covered += sums.first, overlap += sums.second;
+    for (const std::int32_t p : slab.id)
+      if (p >= 0) seen[p] = 1;
+
+    const Work grids = slab_work.part(0.85, 1);
+    const auto at = [&](int i, int j, int k) { return slab.index(i, j, k - z0); };
+    add_voxels(
+        *density, size, z0, z1,
+        [&](int i, int j, int k) { return std::min(slab.coverage[at(i, j, k)], 1.0f); },
+        [](float v) { return v > 0; }, grids);
+    add_voxels(
+        *surface, size, z0, z1,
+        [&](int i, int j, int k) { return slab.distance[at(i, j, k)] * static_cast<float>(voxel); },
+        [&](float v) { return std::abs(v) < band; }, grids);
+    const Vec3s binder = grid_color(particles.binder_color);
+    const bool dense = !detail.empty();
+    add_voxels(
+        *color, size, z0, z1, [&](int i, int j, int k) { return grid_color(slab.color[at(i, j, k)]); },
+        [&](const Vec3s& v) { return dense || v != binder; }, grids);
+    add_voxels(
+        *id, size, z0, z1, [&](int i, int j, int k) { return slab.id[at(i, j, k)]; },
+        [](std::int32_t v) { return v >= 0; }, grids);
+  }
+  const double voxels = static_cast<double>(plane) * n.z();
+  report.volume_fraction = covered / voxels, report.overlap_fraction = overlap / voxels;
+  double volume = 0;
+  for (std::size_t p = 0; p < particles.count(); ++p)
+    volume += mesh_volume(shapes.shapes[particles.shape[p]].mesh) * std::pow(particles.scale[p], 3);
+  report.exact_volume_fraction = volume / particles.box.prod();
+  report.without_voxel = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 0));
+
+  Volume out;
+  out.resolution = n;
+  out.grids = {density, surface, color, id};
+  return out;
+}
+
+}  // namespace terrazzo
