@@ -1,6 +1,7 @@
 #include "nodes/common/drawing.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "nodes/common/color.h"
@@ -93,9 +94,35 @@ void Coverage::paint(Image& image, const Vec3f& linear_color, double opacity) {
   x0_ = y0_ = x1_ = y1_ = 0;
 }
 
+namespace {
+
+struct Placed {
+  char32_t code;
+  double size, drop;  // of the font's; units below the baseline
+};
+
+// Symbols such as N_A, alone between other words, get their index below the line; parameter_names stay as
+// they are.
+std::vector<Placed> placed(const std::string& text) {
+  const auto code = code_points(text);
+  auto letter = [&](std::size_t i) {
+    return i < code.size() && code[i] < 128 && (std::isalnum(static_cast<int>(code[i])) || code[i] == U'_');
+  };
+  std::vector<Placed> out;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    const bool symbol = letter(i) && code[i] != U'_' && !(i > 0 && letter(i - 1)) && i + 2 < code.size() &&
+                        code[i + 1] == U'_' && letter(i + 2) && !letter(i + 3);
+    out.push_back({code[i], 1, 0});
+    if (symbol) out.push_back({code[i += 2], 0.7, 2.2});
+  }
+  return out;
+}
+
+}  // namespace
+
 double text_extent(const std::string& text, double height) {
   double width = 0;
-  for (char32_t c : code_points(text)) width += glyph(c).advance;
+  for (const Placed& p : placed(text)) width += glyph(p.code).advance * p.size;
   return width * height / (font_ascent + font_descent);
 }
 
@@ -115,17 +142,19 @@ double add_text(Coverage& mask, double x, double y, const std::string& text, dou
   };
   const double baseline = std::round(font_ascent * unit);
   double at = pen / 2;
-  for (char32_t c : code_points(text)) {
-    const Glyph& g = glyph(c);
+  for (const Placed& letter : placed(text)) {
+    const Glyph& g = glyph(letter.code);
     for (const auto& s : g.strokes) {
       std::vector<Vec2> points;
       for (const Vec2& p : s) {
-        const double along = at + p.x() * unit, down = baseline - up(p.y());
+        const double along = at + p.x() * letter.size * unit;
+        const double down =
+            baseline - (letter.drop > 0 ? low + (p.y() * letter.size - letter.drop) * unit : up(p.y()));
         points.push_back(turn == Turn::None ? Vec2(x + along, y + down) : Vec2(x + down, y - along));
       }
       mask.stroke(points, pen);
     }
-    at += g.advance * unit;
+    at += g.advance * letter.size * unit;
   }
   return text_extent(text, height);
 }

@@ -60,6 +60,23 @@ double bar_spacing(const Plot& plot) {
   return std::isfinite(spacing) ? spacing : 1;
 }
 
+// Whether two series have a bar at one x, so that they must stand side by side.
+bool bars_share_places(const Plot& plot) {
+  std::vector<double> taken;
+  for (const auto& s : plot.series) {
+    if (s.kind != PlotSeries::Kind::Bars) continue;
+    const std::size_t others = taken.size();
+    for (std::size_t i = 0; i < points_of(s); ++i) {
+      if (!std::isfinite(s.y[i])) continue;
+      if (std::find(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(others), s.x[i]) !=
+          taken.begin() + static_cast<std::ptrdiff_t>(others))
+        return true;
+      taken.push_back(s.x[i]);
+    }
+  }
+  return false;
+}
+
 void collect(const Plot& plot, std::vector<double>& xs, std::vector<double>& ys, bool& bars) {
   const double half = bar_spacing(plot) / 2;
   if (!plot.x_words.empty()) xs = {-0.5, static_cast<double>(plot.x_words.size()) - 0.5};
@@ -234,8 +251,10 @@ Image draw(const Plot& plot) {
   draw_axes(image, plot, f);
   int bars = 0, bar = 0;
   for (const auto& s : plot.series) bars += s.kind == PlotSeries::Kind::Bars;
+  const bool grouped = bars_share_places(plot);
   for (const auto& s : plot.series)
-    if (s.kind == PlotSeries::Kind::Bars) draw_series(image, plot, f, s, bar++, bars);
+    if (s.kind == PlotSeries::Kind::Bars)
+      draw_series(image, plot, f, s, grouped ? bar++ : 0, grouped ? bars : 1);
   for (const auto& s : plot.series)
     if (s.kind != PlotSeries::Kind::Bars) draw_series(image, plot, f, s, 0, bars);
   if (ys.empty()) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/drawing.h"
 #include "nodes/common/plot.h"
 #include "nodes/compare/comparison.h"
 
@@ -60,7 +60,9 @@ Plot pair_of(const ComparedNumber& n, const std::string& title, const std::strin
 
 Image swatches_of(const Comparison& c, const std::string& name_a, const std::string& name_b) {
   Image image(300, height, 1, 1, Vec3f::Ones());
-  draw_text(image, 16, 12, "Mean colours", 19, ink);
+  Coverage title(image.width, image.height);
+  add_text(title, 16, 12, "Mean colours", 19, Turn::None, 1.25);  // as the figures beside it
+  title.paint(image, ink);
   draw_text(image, 24, 48, name_a, 15, ink);
   draw_text(image, 150, 48, name_b, 15, ink);
   const int rows = static_cast<int>(c.colors.size()), step = std::min(200, (height - 90) / std::max(rows, 1));

@@ -83,7 +83,7 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
       for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) sheet.at(x0 + x, y0 + y) = image.at(x, y);
       if (i < static_cast<int>(choice.captions.size()))
-        draw_text(sheet, x0, top + height[r] + below, shortened(choice.captions[i], words, width[c]), words,
+        draw_text(sheet, x0, y0 + image.height + below, shortened(choice.captions[i], words, width[c]), words,
                   ink);
       left += width[c] + gap;
     }

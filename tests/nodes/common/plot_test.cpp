@@ -78,6 +78,25 @@ TEST(Plot, LinesPassThroughTheirPointsAndBreakAtNaN) {
   EXPECT_NEAR(columns, (last - first) / 2.0, 10);  // two of four spans
 }
 
+TEST(Plot, SeriesThatShareNoPlaceStandOnTheirTicks) {
+  Plot plot = bars({3, NAN});
+  plot.series.push_back(bars({NAN, 3}).series[0]);
+  plot.series[1].color = 1;
+  const Image image = draw(plot);
+  int left = image.width, right = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (is(image.at(x, y), 0, 114, 178)) left = std::min(left, x), right = std::max(right, x);
+  const Image alone = draw(bars({3, NAN}));
+  int left_alone = image.width, right_alone = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (is(alone.at(x, y), 0, 114, 178))
+        left_alone = std::min(left_alone, x), right_alone = std::max(right_alone, x);
+  EXPECT_NEAR(right - left, 59, 1);  // the widest that bars get
+  EXPECT_NEAR(right_alone - left_alone, right - left, 1);
+}
+
 TEST(Plot, WhiskersShowIntervals) {
   Plot plot = bars({2, 2});
   const Image without = draw(plot);
@@ -149,6 +168,14 @@ TEST(Text, WidthIsThatOfTheWordsDrawn) {
     EXPECT_LT(last, 10 + width);
     EXPECT_GT(last, 10 + width - 6);
   }
+}
+
+TEST(Text, SymbolsHaveTheirIndexBelowTheLine) {
+  EXPECT_LT(text_width("N_A", 20), text_width("N_", 20) + text_width("A", 20) / 2);
+  EXPECT_NEAR(
+      text_width("area_fraction N_A_l1", 20),
+      text_width("area", 20) + text_width("_fraction", 20) + text_width(" N", 20) + text_width("_A_l1", 20),
+      4);
 }
 
 TEST(Text, EveryPromisedLetterHasItsOwnForm) {
