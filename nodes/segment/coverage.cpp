@@ -63,8 +63,8 @@ std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int 
 
 std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& particles, const Work& work) {
   const auto rim = band(particles, m.width, m.height, 1);
-  const SideMean in = side_mean(m.image, particles, true, rim, work);
-  const SideMean out = side_mean(m.image, particles, false, rim, work);
+  const SideMean in = side_mean(m.smooth, particles, true, rim, work);
+  const SideMean out = side_mean(m.smooth, particles, false, rim, work);
   const float least = std::max(6 * m.noise, 0.01f);
   const auto near = band(particles, m.width, m.height, 2);
   std::vector<float> share(particles.size());
@@ -74,11 +74,11 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
     if (!near[i] || !in.known(i) || !out.known(i)) continue;
     const Vec3f b = out.at(i), f = in.at(i) - b;
     if (f.norm() < least) continue;
-    share[i] = std::clamp((m.image.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
+    share[i] = std::clamp((m.smooth.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
     read[i] = 1;
   }
   // Only pixels that touch the outline may change sides, twice: noise further in makes no holes.
-  for (int round = 0; round < 2; ++round) {
+  for (int round = 0; round < 4; ++round) {
     const auto edge = band(particles, m.width, m.height, 1);
     for (std::size_t i = 0; i < share.size(); ++i)
       if (edge[i] && read[i]) particles[i] = share[i] >= 0.5f;

@@ -5,6 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/segment/pieces.h"
+#include "nodes/segment/shading.h"
 #include "nodes/segment/split.h"
 #include "runtime/random.h"
 
@@ -70,12 +71,34 @@ Clusters find_clusters(const std::vector<Mosaic>& sections, int k, std::uint64_t
   return all[0];
 }
 
+float least_distance(const Clusters& clusters) {
+  float least = std::numeric_limits<float>::max();
+  for (std::size_t a = 0; a < clusters.centers.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      least = std::min(least, (clusters.centers[a] - clusters.centers[b]).norm());
+  return least;
+}
+
 }  // namespace
 
-Ground find_ground(const std::vector<Mosaic>& sections, int k, const Hint& hint, double split,
-                   std::uint64_t seed, const Work& work) {
+Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, double split, std::uint64_t seed,
+                   const Work& work) {
   Ground ground;
   ground.clusters = find_clusters(sections, k, seed, work);
+  // Uneven light: found from the clusters, taken away, and the clusters found again, as long as it is more
+  // than a little against the distance of the nearest two.
+  for (int round = 0; round < 3; ++round) {
+    const float apart = least_distance(ground.clusters);
+    bool changed = false;
+    for (auto& m : sections) {
+      const LabImage shading = shading_of(m, ground.clusters, work);
+      if (strength_of(shading) < 0.05f * apart) continue;
+      take_shading_away(m, shading, work);
+      changed = true;
+    }
+    if (!changed) break;
+    ground.clusters = find_clusters(sections, k, seed, work);
+  }
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)
     throw Error("one-colour",

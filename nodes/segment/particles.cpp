@@ -6,7 +6,9 @@
 
 #include "nodes/common/components.h"
 #include "nodes/segment/coverage.h"
+#include "nodes/segment/min_cut.h"
 #include "nodes/segment/pieces.h"
+#include "nodes/segment/region_tree.h"
 #include "nodes/segment/split.h"
 
 namespace terrazzo {
@@ -126,13 +128,51 @@ std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height
   return filled;
 }
 
+// Which patches are particles: the nearest cluster says so, but patches with no edge between them stay
+// together. Evidence of colour grows with a patch's outline and not with its area, since what misleads it
+// (light, stain) is the same all over the patch.
+std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Work& work) {
+  const std::size_t n = m.colors.size();
+  std::vector<double> binder(n, 0), particle(n, 0);
+  for (std::size_t k = 0; k < n; ++k) {
+    float to_binder = 1e9f, to_particle = 1e9f;
+    for (std::size_t c = 0; c < ground.is_binder.size(); ++c) {
+      float& d = ground.is_binder[c] ? to_binder : to_particle;
+      d = std::min(d, (m.colors[k] - ground.clusters.centers[c]).norm());
+    }
+    const double evidence = 4 * std::sqrt(m.areas[k]) / std::max(1e-9f, to_binder + to_particle);
+    binder[k] = evidence * to_binder, particle[k] = evidence * to_particle;
+  }
+  const std::vector<float> gradient = gradient_of(m.smooth);
+  auto sorted = gradient;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = 2 * *middle + 1e-6;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::pair<double, double>>
+      borders;  // length, sum of gradients
+  for (int y = 0; y < m.height; ++y)
+    for (int x = 0; x < m.width; ++x) {
+      const std::size_t i = m.index(x, y);
+      auto see = [&](std::size_t j) {
+        if (m.patches[i] == m.patches[j]) return;
+        auto& b = borders[std::minmax(m.patches[i], m.patches[j])];
+        b.first += 1, b.second += std::max(gradient[i], gradient[j]);
+      };
+      if (x + 1 < m.width) see(i + 1);
+      if (y + 1 < m.height) see(i + m.width);
+    }
+  std::vector<CutEdge> edges;
+  for (const auto& [pair, b] : borders)
+    edges.push_back({pair.first - 1, pair.second - 1, b.first * std::exp(-b.second / b.first / usual)});
+  return min_cut(binder, particle, edges, work);
+}
+
 }  // namespace
 
 Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOptions& options,
                            const Work& work) {
   Particles2D out;
-  std::vector<std::uint8_t> of_patch;
-  for (const auto& c : m.colors) of_patch.push_back(!ground.binder(c));
+  const std::vector<bool> of_patch = label_patches(m, ground, work);
   Mask mask(m.patches.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = of_patch[m.patches[i] - 1];
   fill_pinholes(mask, m.width, m.height, options.min_area);
@@ -145,6 +185,25 @@ Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOpt
   join_crumbs(out.labels, m.width, m.height, options.min_area);
   renumber(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
+  return out;
+}
+
+Particles2D find_particles_by_regions(const Mosaic& m, double likeness, const SplitOptions& options,
+                                      const Work& work) {
+  Particles2D out;
+  const RegionTree tree = build_region_tree(m, work);
+  const double all = static_cast<double>(m.patches.size());
+  out.labels = choose_particles(tree, likeness, std::max(options.min_area, 25.0), 0.4 * all);
+  // A region may be in parts that touch at corners only, or have holes.
+  const Components parts = connected_components(out.labels, m.width, m.height, false);
+  for (const auto size : parts.sizes)
+    if (static_cast<double>(size) < options.min_area) ++out.specks, out.speck_pixels += size;
+  out.labels = parts.ids;
+  for (auto& l : out.labels)
+    if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < options.min_area) l = 0;
+  renumber(out.labels);
+  out.holes = fill_holes(out.labels, m.width, m.height);
+  out.coverage = smooth_coverage(out.labels, m.width, m.height, work);
   return out;
 }
 

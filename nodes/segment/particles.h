@@ -26,4 +26,8 @@ struct Particles2D {
 // borders of two distinct colours, then holes filled that lie within one particle.
 Particles2D find_particles(const Mosaic&, const Ground&, const SplitOptions&, const Work&);
 
+// The regions of a photograph that look like particles by edge and shape (region_tree.h), for pictures whose
+// colours do not part particles from binder.
+Particles2D find_particles_by_regions(const Mosaic&, double likeness, const SplitOptions&, const Work&);
+
 }  // namespace terrazzo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/color.h"
 #include "nodes/segment/region_graph.h"
@@ -11,6 +12,16 @@ namespace terrazzo {
 namespace {
 
 constexpr float chroma = 2;
+
+float spread_of(const LabImage& image) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double squares = 0;
+  for (const auto& p : image.pixels) sum += p.cast<double>(), squares += p.cast<double>().squaredNorm();
+  const double n = static_cast<double>(image.pixels.size());
+  return static_cast<float>(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
+}
+
+}  // namespace
 
 std::vector<float> gradient_of(const LabImage& image) {
   std::vector<float> g(image.pixels.size());
@@ -26,19 +37,11 @@ std::vector<float> gradient_of(const LabImage& image) {
   return g;
 }
 
-}  // namespace
-
 Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], chroma * oklab[1], chroma * oklab[2]}; }
 Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
 
-Mosaic make_mosaic(const Image& source, int section, const Work& work) {
-  Mosaic m;
-  m.width = source.width, m.height = source.height;
-  m.image = lab_section(source, section, work);
-  m.noise = noise_of(m.image);
-  for (auto& p : m.image.pixels) p = patch_color(p);
-  m.smooth = diffuse(m.image, std::max(3 * m.noise, 0.01f), 20, work.part(0, 0.5));
-
+void make_patches(Mosaic& m, const Work& work) {
+  m.colors.clear(), m.areas.clear();
   const std::vector<float> gradient = gradient_of(m.smooth);
   const auto basins = watershed(gradient, m.width, m.height, work);
   std::vector<float> weights(gradient.size());
@@ -54,6 +57,26 @@ Mosaic make_mosaic(const Image& source, int section, const Work& work) {
     m.colors.push_back(r.color());
     m.areas.push_back(static_cast<float>(r.area));
   }
+}
+
+Mosaic make_mosaic(const Image& source, int section, const Work& work) {
+  Mosaic m;
+  m.width = source.width, m.height = source.height;
+  m.image = lab_section(source, section, work);
+  m.noise = noise_of(m.image);
+  for (auto& p : m.image.pixels) p = patch_color(p);
+  m.spread = spread_of(m.image);
+  // Where noise or fine texture is nearly as strong as what there is to see, it must go before edges can be
+  // told.
+  const float blurring = m.spread > 0 ? std::clamp(3 * m.noise / m.spread, 0.0f, 2.0f) : 0.0f;
+  if (blurring < 0.7f) {
+    m.smooth = diffuse(m.image, std::max(3 * m.noise, 0.01f), 20, work.part(0, 0.5));
+  } else {
+    const float left = m.noise / (2 * std::sqrt(std::numbers::pi_v<float>) * blurring);
+    m.smooth = diffuse(blur(m.image, blurring, work), std::max(3 * left, 0.002f), 20, work.part(0, 0.5));
+  }
+
+  make_patches(m, work);
   return m;
 }
 

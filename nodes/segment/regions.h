@@ -13,11 +13,15 @@ namespace terrazzo {
 Vec3f patch_color(const Vec3f& oklab);
 Vec3f patch_color_of_linear(const Vec3f& linear);
 
+// Norm of the central differences, per pixel.
+std::vector<float> gradient_of(const LabImage&);
+
 struct Mosaic {
   int width = 0, height = 0;
   LabImage image;      // patch colours of the pixels, not denoised
   LabImage smooth;     // denoised
   float noise = 0;     // of lightness
+  float spread = 0;    // standard deviation of the patch colours of the pixels
   float contrast = 0;  // usual colour difference between neighbouring patches before they merged
   std::vector<std::int32_t> patches;  // of each pixel, from 1
   std::vector<Vec3f> colors;          // of patch k at k − 1
@@ -28,5 +32,8 @@ struct Mosaic {
 // Diffusion, watershed of the gradient, then Mumford–Shah merging up to three times the usual contrast of
 // neighbours, which is noise and texture: most borders of a watershed lie within one material.
 Mosaic make_mosaic(const Image&, int section, const Work&);
+
+// The patches of m.smooth, their colours and areas, and the usual contrast.
+void make_patches(Mosaic& m, const Work&);
 
 }  // namespace terrazzo

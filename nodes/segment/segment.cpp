@@ -59,11 +59,16 @@ Segmentation segment(const Image& image, const SegmentOptions& options, const Wo
         make_mosaic(image, i, work.part(0.6 * i / image.sections, 0.6 * (i + 1) / image.sections)));
   s.ground = find_ground(mosaics, options.clusters, options.binder, options.split.strength, options.seed,
                          work.part(0.6, 0.7));
+  s.method = options.method;
+  if (s.method == Method::Auto)
+    s.method = mosaics[0].spread < 5.5f * mosaics[0].contrast ? Method::Regions : Method::Clusters;
   s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = image.sections;
   s.labels.pixel_size = image.pixel_size;
   std::vector<float> coverage;
   for (const auto& m : mosaics) {
-    Particles2D found = find_particles(m, s.ground, options.split, work);
+    Particles2D found = s.method == Method::Regions
+                            ? find_particles_by_regions(m, options.likeness, options.split, work)
+                            : find_particles(m, s.ground, options.split, work);
     const std::int32_t before = s.labels.count();
     std::int32_t count = 0;
     for (const auto l : found.labels) {

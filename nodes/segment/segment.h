@@ -9,7 +9,11 @@
 
 namespace terrazzo {
 
+enum class Method { Auto, Clusters, Regions };
+
 struct SegmentOptions {
+  Method method = Method::Auto;
+  double likeness = 0.3;
   int clusters = 0;  // 0: found
   Hint binder;
   SplitOptions split;
@@ -20,7 +24,8 @@ struct SegmentOptions {
 struct Segmentation {
   Labels labels;
   Profiles profiles;
-  Ground ground;  // empty where labels were given
+  Ground ground;                     // empty where labels were given
+  Method method = Method::Clusters;  // the one used
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
 };
 
