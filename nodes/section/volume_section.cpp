@@ -20,27 +20,54 @@ class Sampler {
       : grid_(grid), accessor_(grid.getConstAccessor()), n_(volume.resolution) {}
 
   T trilinear(const Vec3& world) const {
-    const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
     int base[3];
     double t[3];
-    for (int k = 0; k < 3; ++k) base[k] = static_cast<int>(std::floor(at[k])), t[k] = at[k] - base[k];
+    locate(world, base, t);
     T sum = openvdb::zeroVal<T>();
-    for (int c = 0; c < 8; ++c) {
-      const int d[3] = {c & 1, c >> 1 & 1, c >> 2};
-      double weight = 1;
-      for (int k = 0; k < 3; ++k) weight *= d[k] ? t[k] : 1 - t[k];
-      if (weight > 0)
-        sum = sum + T(read(base[0] + d[0], base[1] + d[1], base[2] + d[2]) * static_cast<float>(weight));
-    }
+    for (int c = 0; c < 8; ++c)
+      if (const double w = weight(c, t); w > 0)
+        sum = sum +
+              T(read(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2)) * static_cast<float>(w));
     return sum;
   }
-  T nearest(const Vec3& world) const {
-    const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
-    return read(static_cast<int>(std::floor(at[0] + 0.5)), static_cast<int>(std::floor(at[1] + 0.5)),
-                static_cast<int>(std::floor(at[2] + 0.5)));
+
+  // The value that the eight voxels around hold most of, by their trilinear weights: its regions have smooth
+  // edges where the nearest voxel's would fray into steps and specks on oblique planes. Ties go to the
+  // smaller.
+  T majority(const Vec3& world) const {
+    int base[3];
+    double t[3];
+    locate(world, base, t);
+    T value[8];
+    double votes[8] = {};
+    int n = 0;
+    for (int c = 0; c < 8; ++c) {
+      const T v = read(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2));
+      const int at = static_cast<int>(std::find(value, value + n, v) - value);
+      if (at == n) value[n++] = v;
+      votes[at] += weight(c, t);
+    }
+    const T nearest = read(base[0] + (t[0] >= 0.5), base[1] + (t[1] >= 0.5), base[2] + (t[2] >= 0.5));
+    auto best = static_cast<int>(std::find(value, value + n, nearest) - value);
+    for (int k = 0; k < n; ++k)
+      if (votes[k] > votes[best] + 1e-9) best = k;
+    return value[best];
   }
 
  private:
+  void locate(const Vec3& world, int* base, double* t) const {
+    const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
+    for (int k = 0; k < 3; ++k) {
+      // Planes through voxel centres read them alone, whatever the rounding of their position.
+      const double whole = std::round(at[k]), v = std::abs(at[k] - whole) < 1e-6 ? whole : at[k];
+      base[k] = static_cast<int>(std::floor(v)), t[k] = v - base[k];
+    }
+  }
+  static double weight(int corner, const double* t) {
+    double w = 1;
+    for (int k = 0; k < 3; ++k) w *= corner >> k & 1 ? t[k] : 1 - t[k];
+    return w;
+  }
   T read(int x, int y, int z) const {
     int v[3] = {x, y, z};
     for (int k = 0; k < 3; ++k)
@@ -122,7 +149,7 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   if (id)
     sweep(*id, volume, layout, box.corner, work.part(0.5, 0.9),
           [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
-            pixels.value(x, row, section) = std::max(-1, sampler.nearest(p));
+            pixels.value(x, row, section) = std::max(-1, sampler.majority(p));
           });
   else if (density)
     sweep(*density, volume, layout, box.corner, work.part(0.5, 0.9),

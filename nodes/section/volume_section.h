@@ -17,9 +17,9 @@ struct VolumeBox {
 VolumeBox volume_box(const Volume&);
 
 // Trilinear samples at pixel centres of `Cd`, or of `density` as grey. Labels: connected regions of equal
-// `id` ≥ 0 (4 neighbours), or of density ≥ ½ where there is no id. Profiles are those regions, area counted
-// in pixels, without contours. The layout is relative to the box's corner. Throws Error "no-color" where
-// there is neither Cd nor density.
+// `id` ≥ 0 (that which the voxels around hold most of; 4 neighbours), or of density ≥ ½ where there is no id.
+// Profiles are those regions, area counted in pixels, without contours. The layout is relative to the box's
+// corner. Throws Error "no-color" where there is neither Cd nor density.
 struct VolumeSection : Section {
   std::string color_grid, label_grid;  // what was used; label_grid is empty where there was none
 };

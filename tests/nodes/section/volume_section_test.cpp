@@ -79,6 +79,33 @@ TEST(SectionOfVolume, ABlockAcrossTheEdgeIsOneProfile) {
   EXPECT_EQ(v.grids.size(), 3u);
 }
 
+// A ball of voxels, cut obliquely and on the boundary of two layers: neither frays it nor shrinks it.
+TEST(SectionOfVolume, ABallStaysWholeWhereverItIsCut) {
+  Volume v = block_volume({0, 0, 0});
+  auto id = openvdb::Int32Grid::create(-1);
+  id->setName("id");
+  id->setTransform(voxel_transform(voxel));
+  for (int i = 0; i < n * n * n; ++i) {
+    const openvdb::Coord c(i % n, i / n % n, i / n / n);
+    if ((c.asVec3d() - openvdb::Vec3d(8)).length() < 6) id->tree().setValue(c, 3);
+  }
+  v.grids[2] = id;
+  const VolumeSection flat = cut(v, "z", 8 * voxel, voxel);  // between layers 7 and 8
+  ASSERT_EQ(flat.profiles.profiles.size(), 1u);
+  double layer = 0;
+  for (int i = 0; i < n * n; ++i) layer += (i % n - 8) * (i % n - 8) + (i / n - 8) * (i / n - 8) < 36;
+  EXPECT_NEAR(flat.profiles.profiles[0].area, layer * voxel * voxel, 1e-12);
+  SectionChoice choice;
+  choice.axis = "random", choice.planes = 40;
+  const VolumeBox box = volume_box(v);
+  const VolumeSection s = cut_volume(v, choose_planes(choice, box.size, box.periodic, voxel / 4));
+  // Windows of 4 × 4 mm seldom show parts of more than four of the ball's images, each in one piece.
+  EXPECT_LT(s.profiles.profiles.size(), 40 * 3u);
+  int specks = 0;  // but for planes that graze
+  for (const Profile& p : s.profiles.profiles) specks += p.area < voxel * voxel;
+  EXPECT_LE(specks, 6);
+}
+
 TEST(SectionOfVolume, WithoutPeriodTheBorderCuts) {
   const Volume v = block_volume({0, 4, 0}, true, false);
   const VolumeSection s = cut(v, "z", 0.5 * voxel, voxel);
