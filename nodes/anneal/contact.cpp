@@ -6,6 +6,8 @@
 namespace terrazzo::anneal {
 namespace {
 
+constexpr float kAlongCentres = 0.15f;  // share of the push
+
 // Sums over the elements of one body inside the field of the other, in the field's frame and unit.
 struct Probe {
   Vec3f push = Vec3f::Zero(), turn_field = Vec3f::Zero(), turn_own = Vec3f::Zero();
@@ -25,11 +27,12 @@ struct Frame {  // own frame of the elements to that of the field
   }
 };
 
-void add(Probe& probe, const Frame& frame, const Vec3f& p, const Vec3f& n, float depth) {
+// `depth`: how far p is inside the margin; `push`: how far it must move along n to leave it.
+void add(Probe& probe, const Frame& frame, const Vec3f& p, const Vec3f& n, float depth, float push) {
   const Vec3f arm = p - frame.t;
   const Vec3f cf = p.cross(n), co = arm.cross(n);
   probe.weight += depth;
-  const float w = depth * depth;
+  const float w = depth * push;
   probe.push += w * n;
   probe.turn_field += w * cf;
   probe.turn_own += w * co;
@@ -90,19 +93,25 @@ void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field,
     probe.gap = std::min(probe.gap, std::max(std::min(bound, best.value), threshold));
     return;
   }
-  float depth = threshold - best.value;
-  const float norm = best.n.norm();
-  if (norm > 1e-6f) best.n /= norm;
-  if (norm < 1) depth /= std::max(norm, 0.5f);
-  add(probe, frame, best.p, best.n, depth);
+  const float depth = threshold - best.value;
+  float norm = best.n.norm();
+  if (norm < 0.3f) {  // the segment runs through and through: no face is the one to leave by
+    best.n = frame.t;
+    norm = best.n.norm();
+    if (!(norm > 1e-6f)) best.n = Vec3f(1, 0, 0), norm = 1;
+    best.n /= norm;
+    norm = 1;
+  } else {
+    best.n /= norm;
+  }
+  add(probe, frame, best.p, best.n, depth, depth / std::clamp(norm, 0.5f, 1.f));
 }
 
 void probe_element(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e, float threshold) {
   if (e.half_length > 0) return probe_segment(probe, frame, field, e, threshold);
   float c[3], g[3];
   frame.point(e.center, c);
-  const float radius = e.radius * frame.scale;
-  const float v = field.value(c, g) - radius;
+  const float v = field.value(c, g);
   if (v >= threshold) {
     probe.gap = std::min(probe.gap, v);
     return;
@@ -110,8 +119,20 @@ void probe_element(Probe& probe, const Frame& frame, const DistanceField& field,
   Vec3f n(g[0], g[1], g[2]);
   const float norm = n.norm();
   if (norm > 1e-6f) n /= norm;
-  const Vec3f p = Vec3f(c[0], c[1], c[2]) - radius * n;
-  add(probe, frame, p, n, threshold - v);
+  add(probe, frame, Vec3f(c[0], c[1], c[2]), n, threshold - v, threshold - v);
+}
+
+// Only a ball whose centre is inside counts: outside, the field may be less than the distance.
+void probe_ball(Probe& probe, const Frame& frame, const DistanceField& field, const Ball& ball) {
+  float c[3], g[3];
+  frame.point(ball.center, c);
+  const float v = field.value(c, g);
+  if (v >= 0) return;
+  Vec3f n(g[0], g[1], g[2]);
+  const float norm = n.norm();
+  if (norm > 1e-6f) n /= norm;
+  const float depth = ball.radius * frame.scale - v;
+  add(probe, frame, Vec3f(c[0], c[1], c[2]), n, depth, depth);
 }
 
 Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold) {
@@ -144,7 +165,10 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) frame.m[3 * r + c] = m(r, c);
   frame.t = other.rotation.transpose() * (-offset) * inverse;
-  return probe_tree(fine ? own.shape->fine : own.shape->coarse, frame, other.shape->field, margin * inverse);
+  Probe probe = probe_tree(fine ? own.shape->fine : own.shape->coarse, frame, other.shape->field, margin * inverse);
+  if (probe.weight > 0)
+    for (const Ball& ball : own.shape->core) probe_ball(probe, frame, other.shape->field, ball);
+  return probe;
 }
 
 // Adds a probe to the contact; `sign` is +1 where the elements are a's.
@@ -182,31 +206,28 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
     contact.push = distance > 1e-12f ? Vec3f(offset * (gap / distance)) : Vec3f(gap, 0, 0);
     return contact;
   }
-  // A ball is its centre with a radius: probing it with points of the other adds nothing.
-  Probe of_a, of_b;
-  if (!ball_b) of_a = probe_body(a, b, offset, margin, fine);
-  const float gap_a = ball_b ? 0 : of_a.gap * b.scale - margin;
+  const Probe of_a = probe_body(a, b, offset, margin, fine);
+  const float gap_a = of_a.gap * b.scale - margin;
   if (of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
     contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
     return contact;
   }
-  if (!ball_a) of_b = probe_body(b, a, -offset, margin, fine);
+  const Probe of_b = probe_body(b, a, -offset, margin, fine);
   const int found = (of_a.weight > 0) + (of_b.weight > 0);
   if (found == 0) {
-    const float gap_b = ball_a ? 0 : of_b.gap * a.scale - margin;
-    contact.gap = ball_a ? gap_a : ball_b ? gap_b : std::min(gap_a, gap_b);
-    contact.gap = std::max(contact.gap, 0.f);
+    contact.gap = std::max(std::min(gap_a, of_b.gap * a.scale - margin), 0.f);
     return contact;
   }
   const float share = 1.f / static_cast<float>(found);
   if (of_a.weight > 0) accumulate(contact, of_a, b, true, share);
   if (of_b.weight > 0) accumulate(contact, of_b, a, false, share);
-  // Bodies deep in each other have surfaces that push all ways: part them along their centres.
+  // Surfaces of bodies deep in each other push all ways, and crossed edges may push to and fro: some of the push, and all
+  // of it where they are deep, parts them along their centres.
   const float deep = 0.35f * std::min(a.scale * static_cast<float>(a.shape->gyration),
                                       b.scale * static_cast<float>(b.shape->gyration));
   const float distance = offset.norm();
-  if (contact.depth > deep && distance > 1e-12f) {
-    const float mix = std::min(1.f, contact.depth / deep - 1);
+  if (distance > 1e-12f) {
+    const float mix = std::clamp(contact.depth / deep - 1, kAlongCentres, 1.f);
     contact.push = (1 - mix) * contact.push - mix * contact.depth / distance * offset;
     contact.turn_a *= 1 - mix, contact.turn_b *= 1 - mix;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "nodes/anneal/aabb_tree.h"
+
 namespace terrazzo::anneal {
 namespace {
 
@@ -125,7 +127,7 @@ void split(ElementTree& tree, int first, int count) {
   float radius = 0;
   for (int k = first; k < first + count; ++k) {
     const Element& e = tree.elements[k];
-    radius = std::max(radius, (Eigen::Map<const Vec3f>(e.center) - center).norm() + e.half_length + e.radius);
+    radius = std::max(radius, (Eigen::Map<const Vec3f>(e.center) - center).norm() + e.half_length);
   }
   ElementTree::Node node{{center[0], center[1], center[2]}, radius * 1.00001f, 0, first, count <= kLeaf ? count : 0};
   if (count > kLeaf) {
@@ -146,6 +148,34 @@ ElementTree make_tree(std::vector<Element> elements) {
   tree.elements = std::move(elements);
   if (!tree.elements.empty()) split(tree, 0, static_cast<int>(tree.elements.size()));
   return tree;
+}
+
+// The largest ball inside, and further ones at least 0.8 radii away from those before.
+std::vector<Ball> inner_balls(const Mesh& mesh, const DistanceField& field) {
+  constexpr int kSteps = 20, kBalls = 6;
+  Aabb box;
+  for (const auto& v : mesh.vertices) box.add(v);
+  std::vector<Ball> samples;
+  for (int k = 0; k < kSteps; ++k)
+    for (int j = 0; j < kSteps; ++j)
+      for (int i = 0; i < kSteps; ++i) {
+        const Vec3 u((i + 0.5) / kSteps, (j + 0.5) / kSteps, (k + 0.5) / kSteps);
+        const Vec3 p = box.low + u.cwiseProduct(box.high - box.low);
+        Ball ball{{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])}, 0};
+        ball.radius = -field.value(ball.center);
+        if (ball.radius > 0) samples.push_back(ball);
+      }
+  std::stable_sort(samples.begin(), samples.end(), [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+  std::vector<Ball> balls;
+  for (const Ball& e : samples) {
+    bool far = e.radius > 0.3f * samples[0].radius;
+    for (const Ball& b : balls)
+      far = far && (Eigen::Map<const Vec3f>(e.center) - Eigen::Map<const Vec3f>(b.center)).norm() > 0.8f * b.radius;
+    if (far) balls.push_back(e);
+    if (balls.size() == kBalls) break;
+  }
+  for (auto& b : balls) b.radius *= 0.95f;  // clear of the surface, where the elements count
+  return balls;
 }
 
 // 95 % of surface samples lie within this of the field's zero.
@@ -174,14 +204,7 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   const double r = s.bounding_radius;
   s.gyration = 0.6 * r;
   s.field = DistanceField::of(mesh, kCells, work);
-  if (s.field.kind() == DistanceField::Kind::Sphere) {
-    Element ball = point_element(Vec3::Zero());
-    ball.radius = s.field.radius();
-    s.bounding_radius = ball.radius;
-    s.coarse = s.fine = make_tree({ball});
-    s.error = 1e-6 * r;
-    return s;
-  }
+  s.core = inner_balls(mesh, s.field);
   std::vector<Element> segments;
   if (s.field.kind() == DistanceField::Kind::Planes) {  // vertices are ends of edges, flat faces touch only those
     for (const auto& [a, b] : convex_edges(mesh, 1e-3))
@@ -207,7 +230,9 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   }
   s.coarse = make_tree(std::move(coarse));
   s.fine = make_tree(std::move(fine));
-  s.error = field_error(mesh, s.field) + 0.5 * choice.missed + 1e-6 * r;
+  s.error = 1e-6 * r;
+  // The sphere around its mesh needs no allowance.
+  if (s.field.kind() == DistanceField::Kind::Grid) s.error += field_error(mesh, s.field) + 0.5 * choice.missed;
   return s;
 }
 

@@ -9,12 +9,16 @@
 
 namespace terrazzo::anneal {
 
-// A ball (radius > 0), a point, or a segment center ± half.
+// A point, or a segment center ± half.
 struct Element {
   float center[3];
   float half[3] = {0, 0, 0};
   float half_length = 0;
-  float radius = 0;
+};
+
+struct Ball {
+  float center[3];
+  float radius;
 };
 
 // Spheres around elements, depth first: a pruned node continues at `next`.
@@ -32,6 +36,9 @@ struct ElementTree {
 struct ContactShape {
   DistanceField field;
   ElementTree coarse, fine;     // a subset for far-from-done states, and all
+  // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface: only what
+  // lies inside tells how deep they are.
+  std::vector<Ball> core;
   double bounding_radius = 0;   // about the origin
   double gyration = 0;          // lever arm that weighs rotations against translations
   double error = 0;             // typical distance by which field and elements may miss a contact

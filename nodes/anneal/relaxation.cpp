@@ -23,10 +23,9 @@ double Relaxation::target_margin(std::size_t a, std::size_t b) const {
   return required_margin(a, b) + surplus * std::min(packing_.size[a], packing_.size[b]);
 }
 
-void Relaxation::forget() { stale_ = true; }
-
 void Relaxation::rebuild(const Work& work) {
   const std::size_t n = packing_.count();
+  for (std::size_t i = 0; i < n; ++i) wrap(i);
   std::vector<double> radius(n);
   double mean = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -55,6 +54,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
     x.worst = std::max(x.worst, y.worst);
     x.energy += y.energy;
     x.pairs += y.pairs;
+    x.touching += y.touching;
     return x;
   };
   Overlap none;
@@ -77,6 +77,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
             const double unit = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
             const double depth = (contacts_[k].depth - (margin - required_margin(p.a, p.b))) / unit;
             sum.worst = std::max(sum.worst, depth);
+            ++sum.touching;
             if (depth > 0) sum.energy += depth * depth, ++sum.pairs;
           }
         }
@@ -147,13 +148,16 @@ void Relaxation::move(const Work& work) {
       [](double x, double y) { return std::max(x, y); });
   // Positions leave the box by a little between rebuilds, so that the images of the pairs stay valid.
   if (farthest > reach_) {
-    for (std::size_t i = 0; i < n; ++i)
-      for (int a = 0; a < 3; ++a) {
-        double& x = packing_.position[i][a];
-        x -= std::floor(x / packing_.box[a]) * packing_.box[a];
-        if (x >= packing_.box[a]) x = 0;
-      }
+    for (std::size_t i = 0; i < n; ++i) wrap(i);
     stale_ = true;
+  }
+}
+
+void Relaxation::wrap(std::size_t i) {
+  for (int a = 0; a < 3; ++a) {
+    double& x = packing_.position[i][a];
+    x -= std::floor(x / packing_.box[a]) * packing_.box[a];
+    if (!(x >= 0 && x < packing_.box[a])) x = 0;
   }
 }
 
@@ -161,6 +165,43 @@ Overlap Relaxation::step(const Work& work) {
   const Overlap found = find_contacts(work);
   move(work);
   return found;
+}
+
+Overlap Relaxation::measure(const Work& work) {
+  const Overlap found = find_contacts(work);
+  for (std::size_t i = 0; i < packing_.count(); ++i) {
+    float deepest = 0;
+    for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e)
+      deepest = std::max(deepest, contacts_[incidence_.entry[e] >> 1].depth);
+    strain_[i] = deepest / packing_.size[i];
+  }
+  return found;
+}
+
+void Relaxation::shake(double amplitude, std::uint64_t seed, std::uint64_t round, const Work& work) {
+  rest();
+  work.parallel(packing_.count(), 1024, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Random random(seed, mix64(0x7368616b65 + round), i);
+      const auto direction = [&] {
+        return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+      };
+      packing_.position[i] += amplitude * packing_.size[i] * direction();
+      const Vec3 turn = 2 * amplitude * direction();
+      if (turn.norm() > 0)
+        packing_.orientation[i] =
+            (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * packing_.orientation[i]).normalized();
+      wrap(i);
+    }
+  });
+}
+
+void Relaxation::rest() {
+  for (std::size_t i = 0; i < packing_.count(); ++i) {
+    velocity_[i].setZero(), spin_[i].setZero();
+    wrap(i);
+  }
+  stale_ = true;
 }
 
 }  // namespace terrazzo::anneal

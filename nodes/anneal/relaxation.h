@@ -25,7 +25,8 @@ struct Packing {
 struct Overlap {
   double worst = 0;    // deepest; ≤ 0: free
   double energy = 0;   // Σ depth²
-  std::size_t pairs = 0;
+  std::size_t pairs = 0;     // that overlap
+  std::size_t touching = 0;  // that are nearer than what is aimed for
 };
 
 // A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball): each body
@@ -44,14 +45,14 @@ class Relaxation {
   Overlap step(const Work& work);
   // The overlap now, nothing moved; also fills strain().
   Overlap measure(const Work& work);
-  // Largest depth at each body, in its own size, as of the last step or measure.
+  // Deepest contact of each body, in its own size, as of the last step or measure.
   const std::vector<double>& strain() const { return strain_; }
-  // Random displacement of at most amplitude · size and turns alike, of every body in a contact (or of all).
-  void shake(double amplitude, std::uint64_t seed, std::uint64_t round, bool all, const Work& work);
-  // Call after changing packing.shrink, fine, surplus, extra or positions from outside.
-  void forget();
-  // Smallest shrink factor by which the overlaps of the last measure vanish when every body keeps its place.
-  double free_shrink() const;
+  // Moves every body at random by up to amplitude · size, and turns it by up to 2 · amplitude radians.
+  void shake(double amplitude, std::uint64_t seed, std::uint64_t round, const Work& work);
+  // Call after changing packing.shrink, fine, surplus or extra from outside.
+  void forget() { stale_ = true; }
+  // Call after changing positions or orientations from outside.
+  void rest();
 
   double required_margin(std::size_t a, std::size_t b) const;
 
@@ -66,11 +67,9 @@ class Relaxation {
   std::vector<float> slack_;       // of a pair, mm that both bodies may travel before they can touch
   std::vector<double> stamp_;      // travel of both bodies when slack was measured
   std::vector<double> travel_;     // of a body's surface, mm, summed
-  std::vector<Vec3> built_at_;     // positions when pairs_ was made, unwrapped moves added to drift_
-  std::vector<Vec3> drift_;        // displacement since then
+  std::vector<Vec3> drift_;        // displacement since pairs_ was made
   std::vector<Vec3> velocity_, spin_;
   std::vector<double> strain_;
-  std::vector<double> depth_ratio_;
   double reach_ = 0;
   bool stale_ = true;
 
@@ -78,6 +77,7 @@ class Relaxation {
   void rebuild(const Work& work);
   Overlap find_contacts(const Work& work);
   void move(const Work& work);
+  void wrap(std::size_t i);
   void displace(std::size_t i, const Vec3& by, const Vec3& turn);
 };
 

@@ -26,13 +26,16 @@ class Schedule {
   Relaxation relax_;
   int used_ = 0;
   Overlap last_;
+  Packing best_;  // places and size of the densest free state
 
   int left() const { return options_.iterations - used_; }
   void tell();
   Outcome relax(double tolerance, int most, double least_progress);
   void set(double shrink, bool fine, double surplus);
-  bool grow();
-  void compact();
+  void grow();
+  bool compact();
+  void save();
+  void restore();
 };
 
 void Schedule::tell() {
@@ -67,8 +70,8 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   return Outcome::Stalled;
 }
 
-// Coarse growth, overlaps of some percent allowed on the way.
-bool Schedule::grow() {
+// Growth with overlaps of some percent allowed on the way. Ends at full size, or where the bodies jam.
+void Schedule::grow() {
   double rate = 0.06;
   set(std::min(1.0, options_.start_shrink), false, 0.005);
   relax(0.03, 60, 0.05);
@@ -78,17 +81,64 @@ bool Schedule::grow() {
     relax(0.03, 40, 0.05);
     if (used_ - before < 10) rate = std::min(0.1, rate * 1.5);
     if (used_ - before >= 40) rate = std::max(0.01, rate * 0.6);
+    if (last_.worst > 0.15) return;
   }
-  return relax(0.005, 200, 0.2) == Outcome::Free;
+  relax(0.005, 200, 0.2);
+}
+
+void Schedule::save() {
+  best_.shrink = packing_.shrink;
+  best_.position = packing_.position;
+  best_.orientation = packing_.orientation;
+}
+
+void Schedule::restore() {
+  packing_.shrink = best_.shrink;
+  packing_.position = best_.position;
+  packing_.orientation = best_.orientation;
+  relax_.rest();
+}
+
+// From a jammed state: shrink until free, then shake and grow by small steps. A step that fails is taken back and halved.
+bool Schedule::compact() {
+  double down = std::max(0.003, 0.5 * last_.worst);
+  for (;;) {
+    used_ = std::min(used_, options_.iterations - 200);  // a free state comes first, whatever it costs
+    set(packing_.shrink * (1 - down), true, 0.002 * packing_.shrink);
+    if (relax(0, 150, 0.3) == Outcome::Free) break;
+    if (packing_.shrink < 0.05) return false;
+    down = std::min(0.2, 1.3 * down);
+  }
+  save();
+  double up = 0.01, temperature = 0.01;
+  for (std::uint64_t round = 0; best_.shrink < 1 && left() > 0; ++round) {
+    relax_.shake(temperature, options_.seed, round, quiet_);
+    const double gap = 1 - best_.shrink;
+    const double step = std::min(up, gap);
+    set(std::min(1.0, best_.shrink + step), true, std::clamp(0.2 * step, 1e-4, 0.002));
+    if (relax(0, 300, 0.15) == Outcome::Free) {
+      save();
+      up *= 1.4;
+    } else {
+      restore();
+      up *= 0.5;
+      temperature = std::max(0.5 * temperature, 0.5 * up);
+      if (up < 2e-4) break;
+    }
+  }
+  restore();
+  return true;
 }
 
 AnnealResult Schedule::run() {
   AnnealResult result;
   if (packing_.count() == 0) return result.free = true, result;
   grow();
-  set(1, true, 0.002);
-  Outcome o = relax(0, 600, 0.1);
-  result.free = o == Outcome::Free;
+  if (packing_.shrink == 1) {
+    set(1, true, 0.002);
+    result.free = relax(0, 600, 0.1) == Outcome::Free;
+  }
+  if (!result.free) result.free = compact();
   result.iterations = used_;
   result.overlap = last_;
   return result;
@@ -99,6 +149,22 @@ AnnealResult Schedule::run() {
 AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
                   const Work& work) {
   return Schedule(shapes, packing, options, work).run();
+}
+
+std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
+                              const Work& work) {
+  Relaxation relaxation(shapes, packing, options.binder_gap);
+  if (!options.extra.empty()) relaxation.extra = options.extra;
+  relaxation.surplus = 0;
+  relaxation.measure(work);
+  return relaxation.strain();
+}
+
+double coordination_number(const std::vector<ContactShape>& shapes, Packing& packing, double within, const Work& work) {
+  if (packing.count() == 0) return 0;
+  Relaxation relaxation(shapes, packing, 0);
+  relaxation.surplus = within;
+  return 2.0 * static_cast<double>(relaxation.measure(work).touching) / static_cast<double>(packing.count());
 }
 
 }  // namespace terrazzo::anneal

@@ -25,4 +25,11 @@ struct AnnealResult {
 AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
                   const Work& work);
 
+// Deepest contact of each body where all have the size packing.shrink, in its own size; 0 where it is free.
+std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
+                              const Work& work);
+
+// Mean number of neighbours nearer than `within` of the smaller one's size.
+double coordination_number(const std::vector<ContactShape>& shapes, Packing& packing, double within, const Work& work);
+
 }  // namespace terrazzo::anneal

@@ -1,0 +1,195 @@
+#include "nodes/anneal/audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "nodes/anneal/aabb_tree.h"
+#include "nodes/anneal/mesh_distance.h"
+#include "nodes/anneal/triangle_overlap.h"
+
+namespace terrazzo::anneal {
+namespace {
+
+struct Solid {
+  const Mesh* mesh;
+  AabbTree tree;
+  MeshDistance distance;
+  double radius = 0;
+  explicit Solid(const Mesh& m) : mesh(&m), tree(m, 2), distance(m) {
+    for (const auto& v : m.vertices) radius = std::max(radius, v.norm());
+  }
+};
+
+// b's frame seen from a's, both unscaled: p ↦ linear p + offset.
+struct Map {
+  Mat3 linear;
+  Vec3 offset;
+  Vec3 operator()(const Vec3& p) const { return linear * p + offset; }
+};
+
+bool boxes_meet(const Aabb& a, const Aabb& b, const Map& b_to_a, const Mat3& magnitude) {
+  const Vec3 half = magnitude * (0.5 * (b.high - b.low));
+  const Vec3 center = b_to_a(b.center());
+  return ((center - half).array() <= a.high.array()).all() && ((center + half).array() >= a.low.array()).all();
+}
+
+Corners corners(const Mesh& mesh, int t) {
+  const auto& tri = mesh.triangles[t];
+  return {mesh.vertices[tri[0]], mesh.vertices[tri[1]], mesh.vertices[tri[2]]};
+}
+
+// Deepest crossing of triangles in a's unit.
+double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
+  const Mat3 magnitude = b_to_a.linear.cwiseAbs();
+  double deepest = 0;
+  std::vector<std::pair<int, int>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const auto [i, j] = stack.back();
+    stack.pop_back();
+    const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
+    if (!boxes_meet(m.box, n.box, b_to_a, magnitude)) continue;
+    if (m.right == 0 && n.right == 0) {
+      for (int y = n.first; y < n.first + n.count; ++y) {
+        Corners cb = corners(*b.mesh, b.tree.triangles[y]);
+        for (auto& p : cb) p = b_to_a(p);
+        for (int x = m.first; x < m.first + m.count; ++x) {
+          deepest =
+              std::max(deepest, triangle_penetration(corners(*a.mesh, a.tree.triangles[x]), cb));
+        }
+      }
+      continue;
+    }
+    const double scale = magnitude.col(0).norm();
+    const bool split_a = n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
+                                                               (n.box.high - n.box.low).squaredNorm() * scale * scale);
+    if (split_a) stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
+    else stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+  }
+  return deepest;
+}
+
+// How deep the deepest of `own`'s vertices lies inside `other`, in other's unit.
+double deepest_vertex(const Solid& own, const Solid& other, const Map& own_to_other) {
+  double deepest = 0;
+  const Aabb& box = other.tree.nodes[0].box;
+  for (const auto& v : own.mesh->vertices) {
+    const Vec3 p = own_to_other(v);
+    if (box.squared_distance(p) > 0) continue;
+    deepest = std::max(deepest, -other.distance.signed_distance(p));
+  }
+  return deepest;
+}
+
+double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
+                     const Mat3& rotation_b, const Vec3& offset) {
+  const Map b_to_a{rotation_a.transpose() * rotation_b * (scale_b / scale_a), rotation_a.transpose() * offset / scale_a};
+  const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),
+                   rotation_b.transpose() * -offset / scale_b};
+  const double crossed = crossing(a, b, b_to_a) * scale_a;
+  if (crossed > 0)
+    return std::max({crossed, deepest_vertex(a, b, a_to_b) * scale_b, deepest_vertex(b, a, b_to_a) * scale_a});
+  // No surfaces cross: one may still lie wholly inside the other.
+  const auto inside = [](const Solid& outer, const Vec3& p) {
+    return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
+  };
+  if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]]))) return deepest_vertex(a, b, a_to_b) * scale_b;
+  if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]]))) return deepest_vertex(b, a, b_to_a) * scale_a;
+  return 0;
+}
+
+// A plain periodic grid: a particle is listed in every cell that its bounding cube touches.
+class Cells {
+ public:
+  Cells(const Vec3& box, const std::vector<Vec3>& position, const std::vector<double>& radius) : box_(box) {
+    double mean = 0;
+    for (double r : radius) mean += r;
+    mean /= static_cast<double>(radius.size());
+    for (int a = 0; a < 3; ++a) n_[a] = std::clamp(static_cast<int>(box[a] / (2 * mean)), 1, 128);
+    lists_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
+    for (std::size_t i = 0; i < position.size(); ++i)
+      visit(position[i], radius[i], [&](std::size_t c) { lists_[c].push_back(static_cast<std::int32_t>(i)); });
+  }
+  template <class F>
+  void visit(const Vec3& p, double r, F&& f) const {
+    std::array<int, 3> lo, hi;
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = static_cast<int>(std::floor((p[a] - r) / box_[a] * n_[a]));
+      hi[a] = std::min(static_cast<int>(std::floor((p[a] + r) / box_[a] * n_[a])), lo[a] + n_[a] - 1);
+    }
+    for (int z = lo[2]; z <= hi[2]; ++z)
+      for (int y = lo[1]; y <= hi[1]; ++y)
+        for (int x = lo[0]; x <= hi[0]; ++x)
+          f((static_cast<std::size_t>(wrap(z, 2)) * n_[1] + wrap(y, 1)) * n_[0] + wrap(x, 0));
+  }
+  const std::vector<std::int32_t>& list(std::size_t c) const { return lists_[c]; }
+
+ private:
+  int wrap(int x, int a) const { return ((x % n_[a]) + n_[a]) % n_[a]; }
+  Vec3 box_;
+  std::array<int, 3> n_;
+  std::vector<std::vector<std::int32_t>> lists_;
+};
+
+}  // namespace
+
+AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& work) {
+  AuditResult result;
+  const std::size_t n = particles.count();
+  if (n == 0) return result;
+  std::vector<std::unique_ptr<Solid>> solids(shapes.shapes.size());
+  for (std::int32_t s : particles.shape)
+    if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes.shapes[s].mesh);
+  std::vector<double> radius(n);
+  std::vector<Mat3> rotation(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    radius[i] = solids[particles.shape[i]]->radius * particles.scale[i];
+    rotation[i] = particles.orientation[i].toRotationMatrix();
+  }
+  const Cells cells(particles.box, particles.position, radius);
+
+  constexpr std::size_t kGrain = 32;
+  std::vector<std::vector<Penetration>> parts((n + kGrain - 1) / kGrain);
+  std::vector<std::size_t> tested(parts.size(), 0);
+  work.parallel(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::int32_t> near;
+    for (std::size_t s = begin; s < end; ++s) {
+      work.check();
+      const auto i = static_cast<std::int32_t>(s);
+      near.clear();
+      cells.visit(particles.position[i], radius[i], [&](std::size_t c) {
+        for (std::int32_t j : cells.list(c))
+          if (j >= i) near.push_back(j);
+      });
+      std::sort(near.begin(), near.end());
+      near.erase(std::unique(near.begin(), near.end()), near.end());
+      for (std::int32_t j : near) {
+        double depth = 0;
+        // Centres lie in the box and balls fit into it, so only the 27 nearest images can meet.
+        for (int z = -1; z <= 1; ++z)
+          for (int y = -1; y <= 1; ++y)
+            for (int x = -1; x <= 1; ++x) {
+              if (i == j && (z < 0 || (z == 0 && (y < 0 || (y == 0 && x <= 0))))) continue;
+              const Vec3 offset = particles.position[j] - particles.position[i] +
+                                  Vec3(x, y, z).cwiseProduct(particles.box);
+              if (offset.norm() >= radius[i] + radius[j]) continue;
+              ++tested[begin / kGrain];
+              depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i], rotation[i],
+                                                    *solids[particles.shape[j]], particles.scale[j], rotation[j],
+                                                    offset));
+            }
+        if (depth > 0)
+          parts[begin / kGrain].push_back(
+              {i, j, depth, depth / std::min(particles.size[i], particles.size[j])});
+      }
+    }
+  });
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    result.found.insert(result.found.end(), parts[k].begin(), parts[k].end());
+    result.pairs += tested[k];
+  }
+  for (const auto& p : result.found) result.worst = std::max(result.worst, p.relative);
+  return result;
+}
+
+}  // namespace terrazzo::anneal

@@ -1,0 +1,78 @@
+#include "graph/node_type.h"
+#include "nodes/anneal/packing.h"
+#include "nodes/anneal/statistics.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  using namespace anneal;
+  const auto& distribution = c.input<SizeDistribution>("distribution");
+  const auto& shapes = c.input<Shapes>("shapes");
+  PackOptions o;
+  if (c.keyword("size") != "auto") o.population.edges = c.numbers("size");
+  o.population.count = c.integer("count");
+  o.population.keep_volume_fraction = c.text("conserve") == "volume_fraction";
+  o.population.binder_gap = c.number("binder_gap");
+  o.population.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  o.iterations = static_cast<int>(c.integer("iterations"));
+  const std::string on_jam = c.text("on_jam");
+  o.on_jam = on_jam == "shrink" ? OnJam::Shrink : on_jam == "drop" ? OnJam::Drop : OnJam::Fail;
+
+  PackResult r = pack_particles(distribution, shapes, c.optional<Particles>("start"), o, c.work());
+  for (const auto& note : r.notes) c.warn(note);
+  c.metric("particles", static_cast<double>(r.particles.count()));
+  c.metric("packing_fraction", volume_fraction(shapes, r.particles));
+  c.metric("requested_fraction", r.requested_fraction);
+  c.metric("max_penetration", r.max_penetration);
+  c.metric("box_x", r.particles.box[0]);
+  c.metric("box_y", r.particles.box[1]);
+  c.metric("box_z", r.particles.box[2]);
+  c.metric("iterations", r.iterations);
+  c.metric("shrink", r.shrink);
+  c.metric("dropped", static_cast<double>(r.dropped));
+  c.metric("kept", static_cast<double>(r.kept));
+  c.metric("coordination_number", r.coordination);
+  c.metric("nematic_order", nematic_order(shapes, r.particles));
+  c.output("sizes", size_table(distribution, r.expected, r.size_class, r.particles.box));
+  c.output("correlation", pair_correlation(r.particles, 100, c.work().quiet()));
+  c.output("particles", std::move(r.particles));
+}
+
+}  // namespace
+
+NodeType anneal_node() {
+  return NodeType("Anneal", 1)
+      .doc_("Packs particles of given sizes and shapes into a periodic box without overlap: they grow from random places "
+            "while overlaps of their true surfaces are relaxed, jams are shaken loose, and an independent exact audit of "
+            "the triangles has the last word.")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.1")
+      .input("distribution", "SizeDistribution", "particles per mm³ by size class")
+      .input("shapes", "Shapes", "closed meshes; those of the distribution's entries")
+      .optional_input("start", {"Particles"}, "a packing to begin from: its particles stay where their class has room")
+      .output("particles", "Particles", "the packing, box [0, size)")
+      .output("sizes", "Table", "particles of each size class, requested and achieved")
+      .output("correlation", "Table", "pair correlation of the centres")
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto")
+                     .unit_("mm")
+                     .above(0)
+                     .count(1, 3)
+                     .doc_("Edge of the box, or its three edges. auto: a cube for about `count` particles, at least three "
+                           "times the largest one where that does not take ten times as many"))
+      .parameter(Parameter::integer("count", 2000).range(1, 1000000).doc_("Particles that an automatic box is made for"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Seed of places, orientations and sizes"))
+      .parameter(Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
+                     .doc_("Where the particles cannot be packed: fail, shrink all alike until they fit, or drop as few as "
+                           "it takes"))
+      .parameter(Parameter::number("binder_gap", 0).unit_("mm").range(0, 1e6).doc_("Smallest distance between particles"))
+      .parameter(Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
+                     .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "
+                           "fraction (all densities are scaled) or the densities"))
+      .parameter(Parameter::integer("iterations", 3000)
+                     .range(1, 1000000)
+                     .doc_("Steps of all particles before they count as jammed; more reach denser packings"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,192 @@
+#include "nodes/anneal/packing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "graph/diagnostic.h"
+#include "nodes/anneal/audit.h"
+#include "nodes/anneal/placement.h"
+#include "nodes/anneal/schedule.h"
+#include "nodes/anneal/statistics.h"
+
+namespace terrazzo::anneal {
+namespace {
+
+Packing packing_of(const Particles& p) {
+  Packing packing;
+  packing.box = p.box;
+  packing.shape = p.shape;
+  packing.scale = p.scale;
+  packing.size = p.size;
+  packing.position = p.position;
+  packing.orientation = p.orientation;
+  return packing;
+}
+
+// `requested` with the places and the shrink of `packing`.
+Particles placed(const Particles& requested, const Packing& packing) {
+  Particles p = requested;
+  p.position = packing.position;
+  p.orientation = packing.orientation;
+  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] *= packing.shrink, p.size[i] *= packing.shrink;
+  return p;
+}
+
+template <class T>
+void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
+  std::size_t to = 0;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (keep[i]) v[to++] = v[i];
+  v.resize(to);
+}
+
+class Packer {
+ public:
+  Packer(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start, const PackOptions& options,
+         const Work& work)
+      : shapes_(shapes), options_(options), work_(work),
+        population_(populate(distribution, shapes, start, options.population)) {}
+
+  PackResult run();
+
+ private:
+  const Shapes& shapes_;
+  const PackOptions& options_;
+  const Work& work_;
+  Population population_;
+  std::vector<ContactShape> contact_shapes_;
+  Packing packing_;
+  AnnealOptions anneal_;
+  AnnealResult state_;
+  AuditResult audit_;
+  PackResult result_;
+
+  void prepare();
+  void place();
+  void anneal_and_audit(double start_shrink, const Work& work);
+  void drop(const Work& work);
+  double fraction() const { return population_.fraction * std::pow(packing_.shrink, 3); }
+};
+
+void Packer::prepare() {
+  std::vector<bool> needed(shapes_.shapes.size(), false);
+  for (int s : population_.particles.shape) needed[s] = true;
+  contact_shapes_.resize(shapes_.shapes.size());
+  const Work work = work_.part(0, 0.05);
+  for (std::size_t s = 0; s < needed.size(); ++s) {
+    work.progress(static_cast<double>(s) / static_cast<double>(needed.size()), "distance field of " + shapes_.shapes[s].name);
+    if (needed[s]) contact_shapes_[s] = make_contact_shape(shapes_.shapes[s].mesh, work.quiet());
+  }
+}
+
+void Packer::place() {
+  packing_ = packing_of(population_.particles);
+  std::vector<double> radius(packing_.count());
+  for (std::size_t i = 0; i < radius.size(); ++i)
+    radius[i] = std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
+  place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
+}
+
+// Anneals until the audit finds nothing: what it finds widens the margin of the particles concerned.
+void Packer::anneal_and_audit(double start_shrink, const Work& work) {
+  anneal_.start_shrink = start_shrink;
+  anneal_.extra.assign(packing_.count(), 0.0);
+  const int all = options_.iterations;
+  int left = all;
+  for (int round = 0; round < 12; ++round) {
+    anneal_.iterations = std::max(left, 50);
+    state_ = pack(contact_shapes_, packing_, anneal_, work);
+    result_.iterations += state_.iterations;
+    left -= state_.iterations;
+    audit_ = audit(shapes_, placed(population_.particles, packing_), work_.quiet());
+    if (audit_.worst == 0 || !state_.free) break;
+    for (const auto& p : audit_.found) {
+      const double more = 0.6 * p.depth + 1e-4 * std::min(packing_.size[p.a], packing_.size[p.b]);
+      anneal_.extra[p.a] += more, anneal_.extra[p.b] += more;
+    }
+    anneal_.start_shrink = packing_.shrink;
+  }
+}
+
+// Takes away the most strained particles, few at a time, until the rest is free.
+void Packer::drop(const Work& work) {
+  while (packing_.count() > 0 && (packing_.shrink < 1 || audit_.worst > kTolerance)) {
+    packing_.shrink = 1;
+    std::vector<double> strain = strain_of(contact_shapes_, packing_, anneal_, work_.quiet());
+    for (const auto& p : audit_.found) strain[p.a] += p.relative, strain[p.b] += p.relative;
+    std::vector<std::size_t> order(strain.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return strain[a] > strain[b]; });
+    std::size_t strained = 0;
+    for (double s : strain) strained += s > 0;
+    const std::size_t most = std::max<std::size_t>(1, std::min(strained / 12, packing_.count() / 50));
+    std::vector<bool> keep(packing_.count(), true);
+    for (std::size_t k = 0; k < most; ++k) {
+      const std::size_t i = order[k];
+      keep[i] = false;
+      ++result_.dropped;
+      result_.dropped_volume += shapes_.shapes[packing_.shape[i]].volume * std::pow(packing_.scale[i], 3);
+    }
+    Particles& p = population_.particles;
+    keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
+    keep_only(p.color, keep), keep_only(population_.size_class, keep);
+    keep_only(packing_.position, keep), keep_only(packing_.orientation, keep);
+    p.position = packing_.position, p.orientation = packing_.orientation;
+    population_.fraction = volume_fraction(shapes_, p);
+    packing_ = packing_of(p);
+    anneal_and_audit(1, work);
+  }
+}
+
+PackResult Packer::run() {
+  prepare();
+  place();
+  anneal_.binder_gap = options_.population.binder_gap;
+  anneal_.seed = options_.population.seed;
+  const bool resumed = population_.kept == packing_.count();
+  anneal_and_audit(resumed ? 1.0 : 0.6, work_.part(0.05, 0.95));
+
+  const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
+  if (jammed && options_.on_jam == OnJam::Fail) {
+    throw Error("jammed",
+                fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested", packing_.count(),
+                            fraction(), population_.requested_fraction),
+                "lower the volume fraction, raise `iterations`, or set on_jam to shrink or drop");
+  }
+  if (jammed && options_.on_jam == OnJam::Drop) drop(work_.part(0.95, 1));
+  if (audit_.worst > kTolerance)
+    throw Error("overlap", fmt::format("the audit found a penetration of {:.2e} of a particle's size that could not be removed",
+                                       audit_.worst),
+                "raise `iterations` or lower the volume fraction");
+
+  result_.particles = placed(population_.particles, packing_);
+  result_.size_class = population_.size_class;
+  result_.expected = population_.expected;
+  result_.requested_fraction = population_.requested_fraction;
+  result_.max_penetration = audit_.worst;
+  result_.shrink = packing_.shrink;
+  result_.kept = population_.kept;
+  result_.notes = population_.notes;
+  result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
+  if (result_.shrink < 1)
+    result_.notes.push_back(fmt::format("jammed: all particles were shrunk to {:.4f} of their size, the volume fraction is "
+                                        "{:.3f} where {:.3f} was requested",
+                                        result_.shrink, fraction(), result_.requested_fraction));
+  if (result_.dropped > 0)
+    result_.notes.push_back(fmt::format("jammed: {} particles were left out, the volume fraction is {:.3f} where {:.3f} was "
+                                        "requested",
+                                        result_.dropped, fraction(), result_.requested_fraction));
+  return std::move(result_);
+}
+
+}  // namespace
+
+PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                          const PackOptions& options, const Work& work) {
+  return Packer(distribution, shapes, start, options, work).run();
+}
+
+}  // namespace terrazzo::anneal

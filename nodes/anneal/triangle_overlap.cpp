@@ -1,0 +1,38 @@
+#include "nodes/anneal/triangle_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace terrazzo::anneal {
+
+double triangle_penetration(const Corners& a, const Corners& b) {
+  const Vec3 ea[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]}, eb[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
+  const Vec3 na = ea[0].cross(ea[1]), nb = eb[0].cross(eb[1]);
+  double least = 1e300;
+  // Overlap of the projections, as the shift along the axis that ends it; ≤ 0: separated.
+  const auto part = [&](const Vec3& axis, double reference) {
+    const double length = axis.norm();
+    if (!(length > 1e-9 * reference)) return true;
+    double lo_a = 1e300, hi_a = -1e300, lo_b = 1e300, hi_b = -1e300;
+    for (int k = 0; k < 3; ++k) {
+      const double pa = axis.dot(a[k]), pb = axis.dot(b[k]);
+      lo_a = std::min(lo_a, pa), hi_a = std::max(hi_a, pa);
+      lo_b = std::min(lo_b, pb), hi_b = std::max(hi_b, pb);
+    }
+    const double shift = std::min(hi_a - lo_b, hi_b - lo_a) / length;
+    least = std::min(least, shift);
+    return shift > 0;
+  };
+  const double la = std::sqrt(na.norm()), lb = std::sqrt(nb.norm());
+  if (!part(na, la * la) || !part(nb, lb * lb)) return 0;
+  for (const Vec3& u : ea)
+    for (const Vec3& v : eb)
+      if (!part(u.cross(v), u.norm() * v.norm())) return 0;
+  for (const Vec3& u : ea)
+    if (!part(u.cross(na), u.norm() * la * la)) return 0;
+  for (const Vec3& v : eb)
+    if (!part(v.cross(nb), v.norm() * lb * lb)) return 0;
+  return std::max(least, 0.0);
+}
+
+}  // namespace terrazzo::anneal

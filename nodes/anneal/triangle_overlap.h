@@ -1,0 +1,16 @@
+// Do two triangles meet, and how deep.
+#pragma once
+
+#include <array>
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo::anneal {
+
+using Corners = std::array<Vec3, 3>;
+
+// The least translation that parts two triangles, mm; 0 where they do not cross. Separating axes: both normals, the nine
+// cross products of edges, and the in-plane edge normals, which matter where the triangles are coplanar (Gottschalk 1996).
+double triangle_penetration(const Corners& a, const Corners& b);
+
+}  // namespace terrazzo::anneal

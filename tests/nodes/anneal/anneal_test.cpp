@@ -1,0 +1,233 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/anneal/packing.h"
+#include "nodes/anneal/statistics.h"
+#include "runtime/codec.h"
+#include "tests/nodes/anneal/brute_force.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using test::brute::overlaps;
+using test::run_node;
+
+test::NodeRun pack(const Shapes& shapes, const SizeDistribution& d, std::map<std::string, std::string> parameters,
+                   int threads = 2, const Particles* start = nullptr) {
+  std::multimap<std::string, Value> inputs{{"shapes", Value::of<Shapes>(shapes)},
+                                           {"distribution", Value::of<SizeDistribution>(d)}};
+  if (start) inputs.emplace("start", Value::of<Particles>(*start));
+  return run_node("Anneal", inputs, parameters, {}, threads);
+}
+
+std::vector<char> bytes(const Particles& p) {
+  BufferWriter w;
+  value_type<Particles>().encode(&p, w);
+  return w.buffer;
+}
+
+std::string code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.diagnostic().code + ": " + e.diagnostic().message;
+  }
+  return "no error";
+}
+
+void expect_sound(const Shapes& shapes, const test::NodeRun& run, double fraction) {
+  const auto& p = run.output<Particles>("particles");
+  EXPECT_EQ(run.metrics.at("max_penetration"), 0);
+  EXPECT_EQ(overlaps(shapes, p), 0);
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), fraction, 0.01 * fraction);
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), anneal::volume_fraction(shapes, p), 1e-12);
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_GE(p.position[i][a], 0);
+      EXPECT_LT(p.position[i][a], p.box[a]);
+    }
+    EXPECT_NEAR(p.orientation[i].norm(), 1, 1e-9);
+    EXPECT_NEAR(p.scale[i] * shapes.shapes[p.shape[i]].size(), p.size[i], 1e-9);
+  }
+}
+
+TEST(Anneal, SpheresDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::icosphere(3)});
+  const auto run = pack(shapes, test::distribution(shapes, 1, 2, 0.5), {{"count", "150"}});
+  expect_sound(shapes, run, 0.5);
+}
+
+TEST(Anneal, CubesDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::cube()});
+  expect_sound(shapes, pack(shapes, test::distribution(shapes, 1, 1.5, 0.45), {{"count", "250"}}), 0.45);
+}
+
+TEST(Anneal, TetrahedraDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::tetrahedron()});
+  expect_sound(shapes, pack(shapes, test::distribution(shapes, 1, 1.5, 0.4), {{"count", "200"}}), 0.4);
+}
+
+TEST(Anneal, EllipsoidsDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::ellipsoid(2)});
+  expect_sound(shapes, pack(shapes, test::distribution(shapes, 1, 2, 0.55), {{"count", "150"}}), 0.55);
+}
+
+TEST(Anneal, NonConvexMixturesDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::peanut(2), test::angle()});
+  const auto run = pack(shapes, test::distribution(shapes, 1, 3, 0.4), {{"count", "150"}});
+  expect_sound(shapes, run, 0.4);
+  const auto& p = run.output<Particles>("particles");
+  const auto first = std::count(p.shape.begin(), p.shape.end(), 0);
+  EXPECT_NEAR(static_cast<double>(first) / static_cast<double>(p.count()), 0.5, 0.05);
+}
+
+TEST(Anneal, SizesAreTheRequestedOnes) {
+  const auto shapes = test::shapes_of({test::icosphere(2)});
+  const auto d = test::distribution(shapes, 1, 3, 0.35, 8);
+  const auto run = pack(shapes, d, {{"count", "400"}});
+  const auto& sizes = run.output<Table>("sizes");
+  const auto& p = run.output<Particles>("particles");
+  for (std::size_t k = 0; k < d.classes(); ++k) {
+    const double asked = d.shapes[0].N_V[k] * p.box.prod();
+    EXPECT_NEAR(sizes.number(k, "requested"), asked, 0.05 * asked);
+    const auto in_class = std::count_if(p.size.begin(), p.size.end(), [&](double s) {
+      return s >= d.class_edges[k] && s < d.class_edges[k + 1];
+    });
+    EXPECT_NEAR(static_cast<double>(in_class), asked, 1.0 + 0.05 * asked);
+  }
+  EXPECT_EQ(run.metrics.at("shrink"), 1);
+  EXPECT_EQ(run.metrics.at("dropped"), 0);
+}
+
+TEST(Anneal, SameBitsForAnyNumberOfThreads) {
+  const auto shapes = test::shapes_of({test::peanut(2), test::cube()});
+  const auto d = test::distribution(shapes, 1, 2, 0.45);
+  const std::map<std::string, std::string> parameters{{"count", "120"}, {"seed", "7"}};
+  const auto one = bytes(pack(shapes, d, parameters, 1).output<Particles>("particles"));
+  EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 2).output<Particles>("particles")));
+  EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 7).output<Particles>("particles")));
+  EXPECT_NE(one, bytes(pack(shapes, d, {{"count", "120"}, {"seed", "8"}}, 1).output<Particles>("particles")));
+}
+
+TEST(Anneal, TilesSideBySide) {
+  const auto shapes = test::shapes_of({test::ellipsoid(1)});
+  const auto run = pack(shapes, test::distribution(shapes, 1, 1.5, 0.45), {{"count", "40"}});
+  EXPECT_EQ(overlaps(shapes, run.output<Particles>("particles"), 2), 0);
+}
+
+TEST(Anneal, BoxOfThreeEdges) {
+  const auto shapes = test::shapes_of({test::cube()});
+  const auto run = pack(shapes, test::distribution(shapes, 1, 1.4, 0.3), {{"size", "[4, 8, 6]"}});
+  EXPECT_EQ(run.output<Particles>("particles").box, Vec3(4, 8, 6));
+  expect_sound(shapes, run, 0.3);
+}
+
+TEST(Anneal, BinderGapKeepsDistance) {
+  const auto shapes = test::shapes_of({test::icosphere(3)});
+  const auto run = pack(shapes, test::distribution(shapes, 1, 1.2, 0.3), {{"count", "150"}, {"binder_gap", "0.1"}});
+  const auto& p = run.output<Particles>("particles");
+  double least = 1e300;
+  for (std::size_t i = 0; i < p.count(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      Vec3 d = p.position[i] - p.position[j];
+      for (int a = 0; a < 3; ++a) d[a] -= std::round(d[a] / p.box[a]) * p.box[a];
+      least = std::min(least, d.norm() - p.scale[i] - p.scale[j]);  // the mesh has radius 1
+    }
+  EXPECT_GE(least, 0.1 - 1e-6);
+}
+
+TEST(Anneal, JamNamesTheFractionReached) {
+  const auto shapes = test::shapes_of({test::icosphere(3)});
+  const auto d = test::distribution(shapes, 1, 1.1, 0.95);
+  const std::string what = code_of([&] { pack(shapes, d, {{"count", "100"}, {"iterations", "800"}}); });
+  EXPECT_EQ(what.substr(0, 6), "jammed");
+  EXPECT_NE(what.find("0.950 was requested"), std::string::npos);
+  EXPECT_NE(what.find("volume fraction of 0.6"), std::string::npos) << what;
+}
+
+TEST(Anneal, ShrinkFreesAndReports) {
+  const auto shapes = test::shapes_of({test::icosphere(3)});
+  const auto d = test::distribution(shapes, 1, 1.1, 0.8);
+  const auto run = pack(shapes, d, {{"count", "100"}, {"on_jam", "shrink"}, {"iterations", "800"}});
+  EXPECT_EQ(overlaps(shapes, run.output<Particles>("particles")), 0);
+  EXPECT_LT(run.metrics.at("shrink"), 1);
+  EXPECT_GT(run.metrics.at("packing_fraction"), 0.58);
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), 0.8 * std::pow(run.metrics.at("shrink"), 3), 0.01);
+  EXPECT_EQ(run.warnings.size(), 1u);
+}
+
+TEST(Anneal, DropFreesAndReports) {
+  const auto shapes = test::shapes_of({test::icosphere(3)});
+  const auto d = test::distribution(shapes, 1, 1.1, 0.7);
+  const auto run = pack(shapes, d, {{"count", "100"}, {"on_jam", "drop"}, {"iterations", "600"}});
+  const auto& p = run.output<Particles>("particles");
+  EXPECT_EQ(overlaps(shapes, p), 0);
+  EXPECT_GT(run.metrics.at("dropped"), 0);
+  EXPECT_EQ(run.metrics.at("shrink"), 1);
+  EXPECT_GE(*std::min_element(p.size.begin(), p.size.end()), 1);
+  EXPECT_GT(run.metrics.at("packing_fraction"), 0.5);
+  EXPECT_EQ(run.warnings.size(), 1u);
+}
+
+TEST(Anneal, StartIsKeptAsItIs) {
+  const auto shapes = test::shapes_of({test::ellipsoid(2)});
+  const auto d = test::distribution(shapes, 1, 2, 0.4);
+  const auto first = pack(shapes, d, {{"size", "9"}});
+  const auto& p = first.output<Particles>("particles");
+  const auto again = pack(shapes, d, {{"size", "9"}, {"seed", "5"}}, 2, &p);
+  EXPECT_EQ(again.metrics.at("kept"), static_cast<double>(p.count()));
+  EXPECT_EQ(bytes(p), bytes(again.output<Particles>("particles")));
+
+  auto more = d;
+  more.shapes[0].N_V[0] *= 1.5;
+  more.volume_fraction = 0;
+  const auto added = pack(shapes, more, {{"size", "9"}}, 2, &p);
+  EXPECT_EQ(added.metrics.at("kept"), static_cast<double>(p.count()));
+  EXPECT_GT(added.output<Particles>("particles").count(), p.count());
+  EXPECT_EQ(overlaps(shapes, added.output<Particles>("particles")), 0);
+}
+
+TEST(Anneal, VolumeFractionHoldsWhereShapesDisagree) {
+  const auto shapes = test::shapes_of({test::cube()});
+  auto d = test::distribution(shapes, 1, 1.2, 0.3);
+  d.volume_fraction = 0.4;
+  const auto run = pack(shapes, d, {{"count", "200"}});
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), 0.4, 0.004);
+  EXPECT_EQ(run.warnings.size(), 1u);
+  EXPECT_NEAR(pack(shapes, d, {{"count", "200"}, {"conserve", "number_density"}}).metrics.at("packing_fraction"), 0.3,
+              0.003);
+}
+
+TEST(Anneal, BadInput) {
+  const auto shapes = test::shapes_of({test::cube()});
+  auto d = test::distribution(shapes, 1, 2, 0.3);
+  const auto code = [&](const std::map<std::string, std::string>& parameters) {
+    const std::string what = code_of([&] { pack(shapes, d, parameters); });
+    return what.substr(0, what.find(':'));
+  };
+  EXPECT_EQ(code({{"size", "1.5"}}), "box-too-small");
+  EXPECT_EQ(code({{"size", "[9, 9]"}}), "bad-size");
+  EXPECT_EQ(code({{"size", "1000"}}), "too-many-particles");
+  auto good = d;
+  for (auto& n : d.shapes[0].N_V) n = 0;
+  EXPECT_EQ(code({}), "no-particles");
+  d.shapes[0].N_V[1] = std::nan("");
+  EXPECT_EQ(code({}), "bad-distribution");
+  d = good, d.shapes[0].shape = 3;
+  EXPECT_EQ(code({}), "bad-distribution");
+  d = good, d.shapes.clear();
+  EXPECT_EQ(code({}), "no-particles");
+  d = good, d.volume_fraction = 1.2;
+  EXPECT_EQ(code({}), "impossible-density");
+  d = good;
+  for (auto& n : d.shapes[0].N_V) n *= 1e-6;
+  d.volume_fraction = 0;
+  EXPECT_EQ(code({{"size", "3"}}), "no-particles");
+}
+
+}  // namespace
+}  // namespace terrazzo

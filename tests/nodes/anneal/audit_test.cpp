@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include "nodes/anneal/audit.h"
+#include "nodes/anneal/mesh_distance.h"
+#include "nodes/anneal/neighbours.h"
+#include "nodes/anneal/triangle_overlap.h"
+#include "runtime/random.h"
+#include "tests/nodes/anneal/brute_force.h"
+
+namespace terrazzo {
+namespace {
+
+using anneal::audit;
+
+Particles two(const Vec3& box, const Vec3& a, const Vec3& b, double scale = 1) {
+  Particles p;
+  p.box = box;
+  p.resize(2);
+  p.position = {a, b};
+  p.scale = p.size = {scale, scale};
+  return p;
+}
+
+TEST(AnnealAudit, CubesAtKnownDepths) {
+  const auto shapes = test::shapes_of({test::cube()});
+  const Vec3 box(10, 10, 10);
+  EXPECT_EQ(audit(shapes, two(box, {5, 5, 5}, {6.001, 5, 5})).found.size(), 0u);
+  auto p = two(box, {5, 5, 5}, {5.99, 5.2, 5.3});
+  auto found = audit(shapes, p);
+  ASSERT_EQ(found.found.size(), 1u);
+  EXPECT_NEAR(found.found[0].depth, 0.01, 1e-9);
+  p.size = {2, 0.5};
+  EXPECT_NEAR(audit(shapes, p).worst, 0.02, 1e-9);
+}
+
+TEST(AnnealAudit, SeesAcrossEveryFaceOfTheBox) {
+  const auto shapes = test::shapes_of({test::cube()});
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 a(2, 2, 2), b(2, 2, 2);
+    a[axis] = 0.2, b[axis] = 3.3;
+    EXPECT_NEAR(audit(shapes, two(Vec3(4, 4, 4), a, b)).worst, 0.1, 1e-9);
+    b[axis] = 3.1;
+    EXPECT_EQ(audit(shapes, two(Vec3(4, 4, 4), a, b)).worst, 0);
+  }
+}
+
+TEST(AnnealAudit, CrossedEdgesWithoutAVertexInside) {
+  const auto shapes = test::shapes_of({test::cube()});
+  Particles p = two(Vec3(20, 20, 20), {10, 10, 10}, {10, 10, 10});
+  const double half = std::sqrt(0.5);
+  p.orientation[0] = Quat(Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()));
+  p.orientation[1] = Quat(Eigen::AngleAxisd(M_PI / 4, Vec3::UnitY()));
+  p.position[1][2] += 2 * half + 1e-3;  // edges along x and y, crossing at right angles
+  EXPECT_EQ(audit(shapes, p).worst, 0);
+  p.position[1][2] -= 2e-3;
+  EXPECT_NEAR(audit(shapes, p).worst, 1e-3, 1e-6);
+}
+
+TEST(AnnealAudit, OneInsideTheOther) {
+  const auto shapes = test::shapes_of({test::icosphere(2)});
+  Particles p = two(Vec3(20, 20, 20), {10, 10, 10}, {10.2, 10, 10});
+  p.scale[1] = 0.1;
+  EXPECT_GT(audit(shapes, p).worst, 0.5);
+}
+
+TEST(AnnealAudit, AgreesWithBruteForce) {
+  const auto shapes = test::shapes_of({test::peanut(1), test::angle(), test::tetrahedron()});
+  int overlapping = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Random random(3, 0, trial);
+    Particles p = two(Vec3(12, 12, 12), {6, 6, 6}, {6, 6, 6});
+    for (int k = 0; k < 2; ++k) {
+      p.shape[k] = static_cast<int>(random.below(3));
+      p.orientation[k] = Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+      p.scale[k] = random.uniform(0.5, 1.5);
+    }
+    p.position[1] += 2.2 * random.uniform() * Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    const bool found = !audit(shapes, p).found.empty();
+    EXPECT_EQ(found, test::brute::overlaps(shapes, p) > 0) << "trial " << trial;
+    overlapping += found;
+  }
+  EXPECT_GT(overlapping, 50);
+  EXPECT_LT(overlapping, 250);
+}
+
+TEST(AnnealAudit, TrianglePenetration) {
+  const anneal::Corners flat{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  const auto spike = [](double tip) { return anneal::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)}; };
+  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0.01)), 0);
+  EXPECT_NEAR(anneal::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);
+  const anneal::Corners beside{Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)};
+  EXPECT_EQ(anneal::triangle_penetration(flat, beside), 0);
+}
+
+TEST(AnnealAudit, SignedDistanceOfACube) {
+  const Mesh mesh = test::cube();  // [0, 1]³
+  const anneal::MeshDistance distance(mesh);
+  for (int trial = 0; trial < 500; ++trial) {
+    Random random(1, 0, trial);
+    const Vec3 p(random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2));
+    const Vec3 q = (p - Vec3::Constant(0.5)).cwiseAbs() - Vec3::Constant(0.5);
+    const double exact = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+    EXPECT_NEAR(distance.signed_distance(p), exact, 1e-9);
+  }
+}
+
+TEST(AnnealNeighbours, FindsAllPairsOfMixedSizes) {
+  for (int trial = 0; trial < 6; ++trial) {
+    Random random(2, 0, trial);
+    const Vec3 box(3 + 4 * random.uniform(), 3, 5);
+    std::vector<Vec3> position;
+    std::vector<double> radius;
+    for (int i = 0; i < 120; ++i) {
+      position.push_back(Vec3(random.uniform(), random.uniform(), random.uniform()).cwiseProduct(box));
+      radius.push_back(1.4 * std::pow(0.02, random.uniform()));
+    }
+    int expected = 0;
+    for (int i = 0; i < 120; ++i)
+      for (int j = i + 1; j < 120; ++j)
+        for (int n = 0; n < 27; ++n) {
+          const Vec3 shift = Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cwiseProduct(box);
+          expected += (position[j] + shift - position[i]).norm() < radius[i] + radius[j] + 0.05;
+        }
+    EXPECT_EQ(static_cast<int>(anneal::near_pairs(box, position, radius, 0.05).size()), expected);
+  }
+}
+
+}  // namespace
+}  // namespace terrazzo
