@@ -1,5 +1,6 @@
 #include "runtime/evaluate.h"
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
@@ -142,6 +143,9 @@ class Run {
     for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
     const int threads =
         options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
+    // More threads than cores are allowed where somebody asks for them.
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(std::max(threads, 1)));
     tbb::task_arena arena(std::max(threads, 1));
     arena.execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });

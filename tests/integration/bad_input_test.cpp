@@ -2,6 +2,7 @@
 // work survives.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "nodes/common/image_file.h"
@@ -67,7 +68,7 @@ TEST_F(BadInput, AMeshWithHoles) {
   write("open.off", "OFF\n4 3 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n");
   const auto graph =
       write("mesh.yaml", "terrazzo: 1\nnodes:\n  mesh: {type: LoadMesh, params: {path: open.off}}\n");
-  EXPECT_SAYS(run(graph), 1, "mesh.yaml:3:40: error: mesh.path:");
+  EXPECT_SAYS(run(graph), 1, "mesh.yaml:3:41: error: mesh.path:");
 }
 
 TEST_F(BadInput, ADistributionThatCannotBePacked) {

@@ -129,7 +129,7 @@ TEST_F(Evaluate, AFailureSparesIndependentBranches) {
   EXPECT_EQ(paths(g, r, Status::Skipped), (Paths{"after"}));
   EXPECT_EQ(paths(g, r, Status::Computed), (Paths{"good"}));
   const Diagnostic& d = *r.nodes[static_cast<std::size_t>(g.find("bad"))].error;
-  EXPECT_EQ(d.text(), "test.yaml:3:38: error: bad.level: it does not work with 7 (try another)");
+  EXPECT_EQ(d.text(), "test.yaml:3:37: error: bad.level: it does not work with 7 (try another)");
 }
 
 TEST_F(Evaluate, CancelStopsAndKeepsWhatIsDone) {

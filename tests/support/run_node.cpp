@@ -1,5 +1,6 @@
 #include "tests/support/run_node.h"
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
@@ -49,6 +50,9 @@ NodeRun run_node(const std::string& type_name, const std::multimap<std::string, 
   request.output_folder = output_folder;
   request.provenance = "{}";
   ComputeResult result;
+  const tbb::global_control limit(
+      tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(threads > 0 ? threads : tbb::this_task_arena::max_concurrency()));
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] { result = compute_node(std::move(request)); });
   return {std::move(result.outputs), std::move(result.metrics), std::move(result.warnings)};
