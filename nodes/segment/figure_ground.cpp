@@ -81,13 +81,13 @@ float least_distance(const Clusters& clusters) {
 
 }  // namespace
 
-Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, double split, std::uint64_t seed,
-                   const Work& work) {
+Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, double split, bool even_light,
+                   std::uint64_t seed, const Work& work) {
   Ground ground;
   ground.clusters = find_clusters(sections, k, seed, work);
   // Uneven light: found from the clusters, taken away, and the clusters found again, as long as it is more
   // than a little against the distance of the nearest two.
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; even_light && round < 2; ++round) {
     const float apart = least_distance(ground.clusters);
     bool changed = false;
     for (auto& m : sections) {
@@ -97,7 +97,7 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
       changed = true;
     }
     if (!changed) break;
-    ground.clusters = find_clusters(sections, k, seed, work);
+    ground.clusters = find_clusters(sections, static_cast<int>(ground.clusters.centers.size()), seed, work);
   }
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)

@@ -26,6 +26,7 @@ struct Ground {
 // necks, falls into the most convex pieces with the most of their outline on the binder. The set grows from
 // the best single cluster (or the one hinted at) as long as that helps: so interstitial pores join the
 // binder, round ones stay particles. Throws Error "one-colour" where there are no two colours.
-Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, std::uint64_t seed, const Work&);
+Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, bool even_light,
+                   std::uint64_t seed, const Work&);
 
 }  // namespace terrazzo

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "nodes/common/components.h"
+#include "nodes/segment/bodies.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/min_cut.h"
 #include "nodes/segment/pieces.h"
@@ -180,7 +181,9 @@ Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOpt
   out.coverage = refine_outline(m, mask, work);
   fill_pinholes(mask, m.width, m.height, options.min_area);
   drop_specks(mask, m.width, m.height, options.min_area, out);
-  out.labels = split_at_necks(raster_of(mask, true), m.width, m.height, options.strength, work);
+  const auto bodies =
+      options.strength > 0 ? color_bodies(m, mask, of_patch, options.min_area, work) : raster_of(mask, true);
+  out.labels = split_at_necks(bodies, m.width, m.height, options.strength, work);
   work.check();
   join_crumbs(out.labels, m.width, m.height, options.min_area);
   renumber(out.labels);

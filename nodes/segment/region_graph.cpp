@@ -86,6 +86,11 @@ void RegionGraph::merge(double scale, const Work& work) {
   }
 }
 
+void RegionGraph::isolate(std::int32_t label) {
+  for (const auto& [other, length] : regions_[label - 1].borders) regions_[other].borders.erase(label - 1);
+  regions_[label - 1].borders.clear();
+}
+
 std::vector<std::int32_t> RegionGraph::labels() const {
   std::vector<std::int32_t> number(regions_.size(), 0), out(pixels_.size());
   std::int32_t count = 0;

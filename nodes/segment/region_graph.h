@@ -28,6 +28,9 @@ class RegionGraph {
   // exceeds `scale`.
   void merge(double scale, const Work&);
 
+  // Takes a region (label from 1) out: it has no neighbours any more and merges with none.
+  void isolate(std::int32_t label);
+
   // Region of each pixel, numbered from 1 in the order of first appearance.
   std::vector<std::int32_t> labels() const;
   std::vector<Region> regions() const;  // by that number − 1, borders included
