@@ -7,6 +7,7 @@
 #include "nodes/common/color.h"
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
+#include "runtime/random.h"
 
 namespace terrazzo {
 
@@ -23,18 +24,19 @@ struct Pixels {
 
 constexpr int blocks = 6;  // a side
 
-Pixels pixels_of(const Image& image, const char* which) {
+Pixels pixels_of(const Image& image, const char* which, const Work& work) {
   if (image.pixels.empty()) throw Error("no-pixels", fmt::format("{} has no pixels", which));
   Pixels p;
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   // A histogram of millions needs no more.
-  const std::size_t step = 1 + image.pixels.size() / 4000000;
+  const std::size_t step = 1 + image.pixels.size() / 1000000;
   std::size_t index = 0;
   std::vector<Eigen::Vector3d> block_sum(static_cast<std::size_t>(blocks * blocks) * image.sections,
                                          Eigen::Vector3d::Zero());
   std::vector<double> block_count(block_sum.size(), 0.0);
   for (int s = 0; s < image.sections; ++s)
-    for (int y = 0; y < image.height; ++y)
+    for (int y = 0; y < image.height; ++y) {
+      work.check();
       for (int x = 0; x < image.width; ++x) {
         const Vec3f& c = image.at(x, y, s);
         if (!c.allFinite())
@@ -46,7 +48,7 @@ Pixels pixels_of(const Image& image, const char* which) {
             (static_cast<std::size_t>(s) * blocks + y * blocks / image.height) * blocks +
             x * blocks / image.width;
         block_sum[block] += lab.cast<double>(), ++block_count[block];
-        if (index++ % step) continue;
+        if (mix64(index++) % step) continue;
         const bool sides[4] = {2 * x < image.width, 2 * x >= image.width, 2 * y < image.height,
                                2 * y >= image.height};
         for (int k = 0; k < 3; ++k) {
@@ -55,6 +57,7 @@ Pixels pixels_of(const Image& image, const char* which) {
             if (sides[h]) p.half[h][k].push_back(lab[k]);
         }
       }
+    }
   const double count = static_cast<double>(image.pixels.size());
   p.linear = (linear / count).cast<float>(), p.mean /= count;
   double used = 0;
@@ -74,12 +77,13 @@ double floor_of(const Pixels& p, int channel) {
 
 }  // namespace
 
-Comparison compare(const Image& a, const Image& b, const CompareChoice&) {
-  const Pixels pa = pixels_of(a, "a"), pb = pixels_of(b, "b");
+Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& work) {
+  const Pixels pa = pixels_of(a, "a", work), pb = pixels_of(b, "b", work);
   Comparison out;
   add_color(out, "image", pa.linear, pb.linear, pa.mean, pb.mean, pa.variance + pb.variance);
   const char* names[3] = {"L", "a", "b"};
   for (int k = 0; k < 3; ++k) {
+    work.check();
     const double distance = earth_mover(pa.channel[k], pb.channel[k]);
     out.numbers.push_back({"color", fmt::format("histogram {}", names[k]), "Oklab", 0, 0, 0, distance,
                            std::max(floor_of(pa, k), floor_of(pb, k))});

@@ -9,6 +9,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/table.h"
+#include "runtime/work.h"
 
 namespace terrazzo {
 
@@ -57,7 +58,7 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
 // color: means in Oklab, and the earth mover's distance of each channel's histogram (mean difference of
 // quantiles), with the distance between halves of one picture as its tolerance. Throws Error "no-pixels",
 // "bad-pixels".
-Comparison compare(const Image& a, const Image& b, const CompareChoice&);
+Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& = {});
 
 // Columns: measure, item, unit, lower mm, upper mm, a, b, difference, tolerance, exceeds.
 Table table_of(const Comparison&);

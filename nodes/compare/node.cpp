@@ -52,7 +52,7 @@ void compute(Context& c) {
   else if (type == "SizeDistribution")
     comparison = compare(c.input<SizeDistribution>("a"), c.input<SizeDistribution>("b"), choice);
   else
-    comparison = compare(c.input<Image>("a"), c.input<Image>("b"), choice);
+    comparison = compare(c.input<Image>("a"), c.input<Image>("b"), choice, c.work());
   for (const auto& w : comparison.warnings) c.warn(w);
   double exceeding = 0;
   for (const auto& n : comparison.numbers) exceeding += n.exceeds();

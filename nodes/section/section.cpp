@@ -57,10 +57,11 @@ struct Canvas {
 
 // Paints one section. Where particles overlap, their colours share the pixel.
 void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
-           const PixelGrid& grid, const Vec3f& binder) {
+           const PixelGrid& grid, const Vec3f& binder, const Work& work) {
   const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
   Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f)};
   for (std::size_t k = 0; k < visible.size(); ++k) {
+    work.check();
     const Profile& p = out.profiles.profiles[first + k];
     cover_pixels(visible[k], grid, [&](int x, int row, double share) {
       const std::size_t at = static_cast<std::size_t>(row) * grid.width + x;
@@ -72,6 +73,7 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
     });
   }
   for (std::size_t at = 0; at < pixels; ++at) {
+    if (at % (1u << 20) == 0) work.check();
     const float c = canvas.cover[at];
     out.image.pixels[section * pixels + at] =
         c > 1 ? Vec3f(canvas.color[at] / c) : Vec3f(canvas.color[at] + (1 - c) * binder);
@@ -120,7 +122,7 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
                        layout.height / layout.pixels_y, layout.tile};
   std::vector<double> covered(sections, 0.0);
   work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
-    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color);
+    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color, work);
     covered[s] =
         union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
   });
