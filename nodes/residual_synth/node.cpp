@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/node_type.h"
+#include "nodes/data/volume.h"
+#include "nodes/residual_synth/pyramid.h"
+#include "nodes/residual_synth/residual_image.h"
+#include "nodes/residual_synth/synthesize.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+Vec3i volume_size(const Context& c) {
+  const auto written = c.ints("size");
+  if (written.size() == 2)
+    throw Error("bad-value", "two numbers", "write one size, or three").parameter("size");
+  Vec3i size;
+  for (int a = 0; a < 3; ++a) size[a] = static_cast<int>(written.size() == 1 ? written[0] : written[a]);
+  if (size.cast<double>().prod() > 5.4e8)
+    throw Error("too-large", fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()),
+                "at most 800³: the volume tiles")
+        .parameter("size");
+  return size;
+}
+
+// Plain voxels as a dense grid, by leaves.
+openvdb::Vec3SGrid::Ptr to_grid(const std::vector<Vec3f>& voxels, const Vec3i& size, double voxel,
+                                const Work& work) {
+  auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
+  grid->setName("residual");
+  grid->setTransform(voxel_transform(voxel));
+  using Leaf = openvdb::Vec3STree::LeafNodeType;
+  const Vec3i blocks = (size.array() + 7) / 8;
+  std::vector<std::unique_ptr<Leaf>> leaves(blocks.prod());
+  work.parallel(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const openvdb::Coord lo(8 * (static_cast<int>(n) % blocks.x()),
+                              8 * (static_cast<int>(n) / blocks.x() % blocks.y()),
+                              8 * (static_cast<int>(n) / blocks.x() / blocks.y()));
+      auto leaf = std::make_unique<Leaf>(lo, openvdb::Vec3s(0.0f));
+      openvdb::Index at = 0;
+      for (int i = lo.x(); i < lo.x() + 8; ++i)
+        for (int j = lo.y(); j < lo.y() + 8; ++j)
+          for (int k = lo.z(); k < lo.z() + 8; ++k, ++at) {
+            if (i >= size.x() || j >= size.y() || k >= size.z()) continue;
+            const Vec3f& v = voxels[(static_cast<std::size_t>(k) * size.y() + j) * size.x() + i];
+            leaf->setValueOn(at, openvdb::Vec3s(v.x(), v.y(), v.z()));
+          }
+      leaves[n] = std::move(leaf);
+    }
+  });
+  for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());
+  return grid;
+}
+
+void compute(Context& c) {
+  const auto& image = c.input<Image>("image");
+  const Vec3i size = volume_size(c);
+  const Work& work = c.work();
+  const auto edge = static_cast<int>(c.integer("edge"));
+  const ResidualImage residual = residual_image(image, c.input<Labels>("labels"), edge, work.part(0, 0.05));
+  if (residual.edge < edge)
+    c.warn(fmt::format("outlines are left out by {} pixels instead of {}: little else would be left",
+                       residual.edge, edge));
+  const int scales = pyramid_scales(std::min({size.minCoeff(), image.width, image.height}));
+  const Exemplar exemplar = measure_exemplar(residual.image, scales, work.part(0.05, 0.15));
+  if (exemplar.channels == 0)
+    c.warn("nothing is left of the photograph without its profiles' colours: the residual is zero");
+  SynthReport report;
+  const auto voxels =
+      synthesize_residual(exemplar, size, static_cast<int>(c.integer("rounds")),
+                          static_cast<std::uint64_t>(c.integer("seed")), report, work.part(0.15, 0.95));
+
+  initialize_openvdb();
+  Volume volume;
+  volume.resolution = size;
+  volume.grids = {to_grid(voxels, size, image.pixel_size, work.part(0.95, 1))};
+  c.metric("filled", residual.filled);
+  c.metric("deviation", exemplar.channels > 0 ? exemplar.values[0].deviation : 0);
+  for (std::size_t s = 0; s < report.deviation.size(); ++s)
+    c.metric(s == 0                             ? "band_high"
+             : s + 1 == report.deviation.size() ? "band_low"
+                                                : fmt::format("band_{}", s),
+             report.deviation[s]);
+  c.output("volume", std::move(volume));
+}
+
+}  // namespace
+
+NodeType residual_synth_node() {
+  return NodeType("ResidualSynth", 1)
+      .doc_(
+          "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
+          "binder, at the "
+          "photograph's scale.")
+      .source_("Heeger, Bergen 1995; Jagnow, Dorsey, Rushmeier 2004, section 4.3; Moisan 2011")
+      .input("image", "Image", "the photograph, one or more sections")
+      .input("labels", "Labels", "its profiles; all zero for a picture without particles")
+      .output("volume", "Volume",
+              "grid residual: scene-linear colour offsets of mean 0, one voxel a pixel, periodic")
+      .parameter(
+          Parameter::ints("size", {128})
+              .count(1, 3)
+              .range(16, 2048)
+              .unit_("voxels")
+              .doc_("Edge, or one for each axis; multiples of 16 and products of 2, 3 and 5 are fastest"))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Of the noise that synthesis starts from"))
+      .parameter(
+          Parameter::choice("method", "slices", {"slices"})
+              .doc_(
+                  "slices: a steerable pyramid on all slices across each axis, matched to the photograph's"))
+      .parameter(Parameter::integer("rounds", 4)
+                     .range(0, 100)
+                     .doc_("Of matching; 0 leaves Gaussian noise of the photograph's spectrum and values"))
+      .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
+          "Pixels to each side of outlines that are filled from beyond instead of used"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,49 @@
+// Distributions as tables of quantiles, and the map that gives values another distribution.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+struct Quantiles {
+  std::vector<float> at;  // evenly spaced from the 0th to the last, rising
+  double deviation = 0;   // standard deviation of all values
+  double mean = 0;
+  float of(double u) const;  // u in 0 … 1, linear between entries
+};
+
+// From values in any order; at most 65,536 of them, evenly picked, are sorted.
+Quantiles quantiles_of(const std::vector<float>& values);
+
+// The rising map, piecewise linear on equal bins, that turns the distribution of counted values into a
+// target's. Bins reach beyond the target's range by half of it; what lies further out goes to the target's
+// extremes.
+class Remap {
+ public:
+  static constexpr int kBins = 4096;
+  using Counts = std::vector<std::uint32_t>;  // kBins
+
+  explicit Remap(const Quantiles& target);
+  void count(const float* values, std::size_t n, Counts& counts) const;
+  // The map for these counts; call it once, before the first use.
+  void finish(const Counts& counts);
+  void apply(float* values, std::size_t n) const;
+
+ private:
+  struct Bin {
+    float value, rise;
+  };
+  const Quantiles& target_;
+  float lo_, scale_;
+  std::vector<Bin> base_;
+};
+
+// Gives the values the target's distribution. Equal bits for any number of threads.
+void match_values(std::vector<float>& values, const Quantiles& target, const Work& work);
+
+}  // namespace terrazzo

@@ -1,0 +1,22 @@
+// What is left of a photograph once every profile's mean colour is taken away.
+#pragma once
+
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+struct ResidualImage {
+  Image image;        // colour offsets, mean 0 over all pixels
+  double filled = 0;  // share of the pixels whose own value was not used
+  int edge = 0;       // the band left out, pixels: less than asked for where too little would have been left
+};
+
+// Each pixel less the mean of its profile, binder pixels less their section's mean. Pixels within `edge` of
+// another label belong to neither side (antialiasing, halos, misplaced outlines): they take no part in means
+// and are filled by mirroring the residual at the nearest pixel that does. The band shrinks until a tenth of
+// the pixels is left. Throws Error "size-mismatch", "bad-pixels".
+ResidualImage residual_image(const Image&, const Labels&, int edge, const Work& = {});
+
+}  // namespace terrazzo

@@ -1,0 +1,139 @@
+#include "nodes/residual_synth/slice_family.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace terrazzo {
+namespace {
+
+float* lanes(LaneComplex& c) { return reinterpret_cast<float*>(&c); }
+
+// The band's values in the group, but for those of slices that only fill it up. Large bands are told by a
+// quarter of their values.
+void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int used, Remap::Counts& counts) {
+  const std::size_t step = each > 2048 ? 4 : 1;
+  constexpr int all = sizeof(LaneComplex) / sizeof(float);
+  for (std::size_t i = 0; i < each; i += step)
+    remap.count(lanes(group[i]), static_cast<std::size_t>(std::min(used, all)), counts);
+}
+
+}  // namespace
+
+SliceFamily::SliceFamily(const Vec3i& size, int axis, int scales)
+    : groups_((size[axis] + kAtOnce - 1) / kAtOnce),
+      slices_(size[axis]),
+      fft_(size[(axis + 1) % 3], size[(axis + 2) % 3]),
+      bands_(pyramid_bands(fft_.width(), fft_.height(), scales)) {
+  for (const Band& b : bands_) crops_.emplace_back(b.width, b.height);
+  const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x()),
+                                static_cast<std::size_t>(size.x()) * size.y()};
+  step_u_ = steps[(axis + 1) % 3], step_v_ = steps[(axis + 2) % 3], step_slice_ = steps[axis];
+}
+
+void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, const Work& work) const {
+  space.input.resize(fft_.count() * groups_);
+  work.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<LaneComplex> scratch;
+    for (std::size_t g = begin; g < end; ++g) {
+      LaneComplex* group = &space.input[g * fft_.count()];
+      const float* from[kAtOnce];
+      for (int i = 0; i < kAtOnce; ++i)
+        from[i] = volume.data() + (g * kAtOnce + i) % static_cast<std::size_t>(slices_) * step_slice_;
+      each_pixel([&](int u, int v) {
+        float* to = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        for (int i = 0; i < kAtOnce; ++i) to[i] = from[i][u * step_u_ + v * step_v_];
+      });
+      fft_.run(group, false, scratch);
+    }
+  });
+}
+
+void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+                        std::vector<float>& sum, Workspace& space, const Work& work) const {
+  const Work quiet = work.part(0, 0);
+  transform(volume, space, quiet);
+  space.output.resize(space.input.size());
+  for (std::size_t b = 0; b < bands_.size(); ++b) {
+    const std::size_t each = crops_[b].count();
+    space.band.resize(std::max(space.band.size(), each * groups_));
+    Remap remap(bands[b]);
+    std::vector<Remap::Counts> counts(groups_);
+    quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+      std::vector<LaneComplex> scratch;
+      for (std::size_t g = begin; g < end; ++g) {
+        LaneComplex* group = &space.band[g * each];
+        extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), group, scratch);
+        counts[g].assign(Remap::kBins, 0);
+        count_group(remap, group, each, slices_in(g), counts[g]);
+      }
+    });
+    for (int g = 1; g < groups_; ++g)
+      for (int i = 0; i < Remap::kBins; ++i) counts[0][i] += counts[g][i];
+    remap.finish(counts[0]);
+    quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+      std::vector<LaneComplex> scratch;
+      for (std::size_t g = begin; g < end; ++g) {
+        LaneComplex* group = &space.band[g * each];
+        LaneComplex* output = &space.output[g * fft_.count()];
+        if (b == 0) std::fill(output, output + fft_.count(), LaneComplex{Lane{}, Lane{}});
+        remap.apply(lanes(group[0]), each * kAtOnce);
+        add_band(bands_[b], crops_[b], group, fft_.count(), output, scratch);
+      }
+    });
+    work.progress(static_cast<double>(b + 1) / static_cast<double>(bands_.size()));
+  }
+  const float norm = share / static_cast<float>(fft_.count());
+  quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<LaneComplex> scratch;
+    for (std::size_t g = begin; g < end; ++g) {
+      LaneComplex* group = &space.output[g * fft_.count()];
+      fft_.run(group, true, scratch);
+      const int used = slices_in(g);
+      float* to = sum.data() + g * kAtOnce * step_slice_;
+      each_pixel([&](int u, int v) {
+        const float* from = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        float* voxel = to + u * step_u_ + v * step_v_;
+        for (int i = 0; i < used; ++i) voxel[i * step_slice_] += norm * from[i];
+      });
+    }
+  });
+}
+
+std::vector<double> SliceFamily::deviations(const std::vector<float>& volume,
+                                            const std::vector<Quantiles>& bands, Workspace& space,
+                                            const Work& work) const {
+  const Work quiet = work.part(0, 0);
+  transform(volume, space, quiet);
+  std::vector<double> out;
+  for (std::size_t b = 0; b < bands_.size(); ++b) {
+    const std::size_t each = crops_[b].count();
+    struct Sums {
+      double n = 0, first = 0, second = 0;
+    };
+    const Sums all = quiet.reduce<Sums>(
+        groups_, 1, {},
+        [&](std::size_t begin, std::size_t end) {
+          Sums s;
+          std::vector<LaneComplex> scratch, band(each);
+          for (std::size_t g = begin; g < end; ++g) {
+            extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), band.data(),
+                         scratch);
+            const int used = slices_in(g);
+            for (auto& c : band)
+              for (int l = 0; l < used; ++l) {
+                const double v = lanes(c)[l];
+                s.n += 1, s.first += v, s.second += v * v;
+              }
+          }
+          return s;
+        },
+        [](Sums a, Sums b) {
+          return Sums{a.n + b.n, a.first + b.first, a.second + b.second};
+        });
+    const double mean = all.first / all.n, variance = std::max(0.0, all.second / all.n - mean * mean);
+    out.push_back(bands[b].deviation > 0 ? std::sqrt(variance) / bands[b].deviation : 1);
+  }
+  return out;
+}
+
+}  // namespace terrazzo

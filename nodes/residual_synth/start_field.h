@@ -1,0 +1,26 @@
+// The noise that synthesis starts from: Gaussian, its slices' bands already of the exemplar's variance.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "nodes/common/linear.h"
+#include "nodes/residual_synth/quantiles.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+// Power of each band that a factor of the spectrum has, per axis and band: the spectrum of the field is
+// S(k) = Π_axis Σ_band factor[axis][band] · |transfer_band(k without the axis' component)|².
+using PowerFactors = std::array<std::vector<double>, 3>;
+
+// Factors whose slices have bands of these variances, by iterative proportional fitting on a polar grid of
+// frequencies. A slice's spectrum is the volume's integrated along the axis, so a factor alone would not do.
+PowerFactors fit_power(const std::vector<Quantiles>& bands, int scales);
+
+// A periodic field of that spectrum, mean 0, x fastest.
+std::vector<float> start_field(const PowerFactors&, const Vec3i& size, int scales, std::uint64_t seed,
+                               std::uint64_t stream, const Work&);
+
+}  // namespace terrazzo
