@@ -39,10 +39,10 @@ Corners corners(const Mesh& mesh, int t) {
   return {mesh.vertices[tri[0]], mesh.vertices[tri[1]], mesh.vertices[tri[2]]};
 }
 
-// Deepest crossing of triangles in a's unit.
+// Deepest crossing of triangles in a's unit; 0 where some only touch, −1 where none meet.
 double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   const Mat3 magnitude = b_to_a.linear.cwiseAbs();
-  double deepest = 0;
+  double deepest = -1;
   std::vector<std::pair<int, int>> stack{{0, 0}};
   while (!stack.empty()) {
     const auto [i, j] = stack.back();
@@ -69,14 +69,18 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   return deepest;
 }
 
-// How deep the deepest of `own`'s vertices lies inside `other`, in other's unit.
-double deepest_vertex(const Solid& own, const Solid& other, const Map& own_to_other) {
+// How deep the deepest of `own`'s vertices and triangles' centres lies inside `other`, in other's unit.
+double deepest_point(const Solid& own, const Solid& other, const Map& own_to_other) {
   double deepest = 0;
   const Aabb& box = other.tree.nodes[0].box;
-  for (const auto& v : own.mesh->vertices) {
+  const auto probe = [&](const Vec3& v) {
     const Vec3 p = own_to_other(v);
-    if (box.squared_distance(p) > 0) continue;
-    deepest = std::max(deepest, -other.distance.signed_distance(p));
+    if (box.squared_distance(p) == 0) deepest = std::max(deepest, -other.distance.signed_distance(p));
+  };
+  for (const auto& v : own.mesh->vertices) probe(v);
+  for (std::size_t t = 0; t < own.mesh->triangles.size(); ++t) {
+    const Corners c = corners(*own.mesh, static_cast<int>(t));
+    probe((c[0] + c[1] + c[2]) / 3);
   }
   return deepest;
 }
@@ -87,14 +91,14 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),
                    rotation_b.transpose() * -offset / scale_b};
   const double crossed = crossing(a, b, b_to_a) * scale_a;
-  if (crossed > 0)
-    return std::max({crossed, deepest_vertex(a, b, a_to_b) * scale_b, deepest_vertex(b, a, b_to_a) * scale_a});
+  if (crossed >= 0)  // faces that only touch may still bound bodies that overlap, where they lie in one plane
+    return std::max({crossed, deepest_point(a, b, a_to_b) * scale_b, deepest_point(b, a, b_to_a) * scale_a});
   // No surfaces cross: one may still lie wholly inside the other.
   const auto inside = [](const Solid& outer, const Vec3& p) {
     return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
   };
-  if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]]))) return deepest_vertex(a, b, a_to_b) * scale_b;
-  if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]]))) return deepest_vertex(b, a, b_to_a) * scale_a;
+  if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]]))) return deepest_point(a, b, a_to_b) * scale_b;
+  if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]]))) return deepest_point(b, a, b_to_a) * scale_a;
   return 0;
 }
 

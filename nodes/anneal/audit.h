@@ -24,7 +24,7 @@ struct AuditResult {
 
 // Every pair of particles whose bounding balls meet, in all periodic images: triangles against triangles through a box
 // tree a shape, then containment of one in the other. The depth of a pair is the largest of two exact measures: how deep
-// a corner of one lies inside the other, and the least translation that parts two crossing triangles.
+// a vertex or a triangle's centre of one lies inside the other, and the least translation that parts two crossing triangles.
 AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& work = {});
 
 }  // namespace terrazzo::anneal

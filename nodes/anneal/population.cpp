@@ -295,12 +295,14 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     out.size_class.push_back(m.size_class);
     if (m.start < 0) continue;
     ++out.kept;
-    p.position[i] = start->position[m.start].cwiseQuotient(start->box).cwiseProduct(p.box);
+    p.position[i] = start->position[m.start];
+    if (start->box != p.box) p.position[i] = p.position[i].cwiseQuotient(start->box).cwiseProduct(p.box);
     for (int a = 0; a < 3; ++a) {
       p.position[i][a] -= std::floor(p.position[i][a] / p.box[a]) * p.box[a];
       if (!(p.position[i][a] < p.box[a])) p.position[i][a] = 0;
     }
-    p.orientation[i] = start->orientation[m.start].normalized();
+    p.orientation[i] = start->orientation[m.start];
+    if (std::abs(p.orientation[i].norm() - 1) > 1e-9) p.orientation[i].normalize();
     p.color[i] = start->color[m.start];
   }
   return out;

@@ -161,9 +161,9 @@ void Relaxation::wrap(std::size_t i) {
   }
 }
 
-Overlap Relaxation::step(const Work& work) {
+Overlap Relaxation::step(double enough, const Work& work) {
   const Overlap found = find_contacts(work);
-  move(work);
+  if (found.worst > enough) move(work);
   return found;
 }
 

@@ -41,8 +41,8 @@ class Relaxation {
   double step_length = 0.45, memory = 0.85;
   std::vector<double> extra;  // further margin of each body, mm
 
-  // One iteration. Returns the overlap found before the move.
-  Overlap step(const Work& work);
+  // One iteration. Returns the overlap found; moves nothing where it is no deeper than `enough`.
+  Overlap step(double enough, const Work& work);
   // The overlap now, nothing moved; also fills strain().
   Overlap measure(const Work& work);
   // Deepest contact of each body, in its own size, as of the last step or measure.

@@ -58,7 +58,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   double before = 1e300;
   for (int k = 0; k < most; ++k) {
     if (left() <= 0) return Outcome::OutOfTime;
-    last_ = relax_.step(quiet_);
+    last_ = relax_.step(tolerance, quiet_);
     ++used_;
     tell();
     if (last_.worst <= tolerance) return Outcome::Free;

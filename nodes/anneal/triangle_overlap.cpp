@@ -9,6 +9,7 @@ double triangle_penetration(const Corners& a, const Corners& b) {
   const Vec3 ea[3] = {a[1] - a[0], a[2] - a[1], a[0] - a[2]}, eb[3] = {b[1] - b[0], b[2] - b[1], b[0] - b[2]};
   const Vec3 na = ea[0].cross(ea[1]), nb = eb[0].cross(eb[1]);
   double least = 1e300;
+  const double extent = std::max({ea[0].norm(), ea[1].norm(), eb[0].norm(), eb[1].norm()});  // for rounding
   // Overlap of the projections, as the shift along the axis that ends it; ≤ 0: separated.
   const auto part = [&](const Vec3& axis, double reference) {
     const double length = axis.norm();
@@ -21,17 +22,17 @@ double triangle_penetration(const Corners& a, const Corners& b) {
     }
     const double shift = std::min(hi_a - lo_b, hi_b - lo_a) / length;
     least = std::min(least, shift);
-    return shift > 0;
+    return shift >= -1e-12 * extent;
   };
   const double la = std::sqrt(na.norm()), lb = std::sqrt(nb.norm());
-  if (!part(na, la * la) || !part(nb, lb * lb)) return 0;
+  if (!part(na, la * la) || !part(nb, lb * lb)) return -1;
   for (const Vec3& u : ea)
     for (const Vec3& v : eb)
-      if (!part(u.cross(v), u.norm() * v.norm())) return 0;
+      if (!part(u.cross(v), u.norm() * v.norm())) return -1;
   for (const Vec3& u : ea)
-    if (!part(u.cross(na), u.norm() * la * la)) return 0;
+    if (!part(u.cross(na), u.norm() * la * la)) return -1;
   for (const Vec3& v : eb)
-    if (!part(v.cross(nb), v.norm() * lb * lb)) return 0;
+    if (!part(v.cross(nb), v.norm() * lb * lb)) return -1;
   return std::max(least, 0.0);
 }
 

@@ -86,10 +86,11 @@ TEST(AnnealAudit, AgreesWithBruteForce) {
 TEST(AnnealAudit, TrianglePenetration) {
   const anneal::Corners flat{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   const auto spike = [](double tip) { return anneal::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)}; };
-  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0.01)), 0);
+  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0.01)), -1);
+  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0)), 0);
   EXPECT_NEAR(anneal::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);
   const anneal::Corners beside{Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)};
-  EXPECT_EQ(anneal::triangle_penetration(flat, beside), 0);
+  EXPECT_EQ(anneal::triangle_penetration(flat, beside), -1);
 }
 
 TEST(AnnealAudit, SignedDistanceOfACube) {
