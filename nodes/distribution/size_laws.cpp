@@ -1,0 +1,120 @@
+#include "nodes/distribution/size_laws.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/size_kernel.h"
+
+namespace terrazzo {
+namespace {
+
+double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+
+// Volume of a particle of size 1, averaged over the shapes.
+double unit_volume(const Shapes* shapes) {
+  if (!shapes || shapes->shapes.empty()) return std::numbers::pi / 6;
+  double sum = 0, total = 0;
+  for (const auto& s : shapes->shapes) {
+    if (!(s.volume > 0 && s.max_section_area > 0))
+      throw Error("unmeasured-shape", "the shape '" + s.name + "' has no volume or no largest section");
+    sum += s.probability * s.volume / std::pow(s.size(), 3), total += s.probability;
+  }
+  return sum / total;
+}
+
+std::vector<double> law_edges(const SizeLaw& law) {
+  double lo = law.min, hi = law.max;
+  if (law.kind == "uniform" && !(hi > lo))
+    throw Error("bad-range", fmt::format("sizes from {} to {} mm are no range", lo, hi), "set max above min")
+        .parameter("max");
+  if (!(hi > 0)) {
+    // Bisection for the size that 0.1 % exceed.
+    hi = law.mean;
+    while (law_cdf(law, hi) < 0.999) hi *= 2;
+    double below = lo;
+    for (int i = 0; i < 100; ++i) (law_cdf(law, (below + hi) / 2) < 0.999 ? below : hi) = (below + hi) / 2;
+  }
+  if (!(hi > lo))
+    throw Error("bad-range", fmt::format("sizes from {} to {} mm are no range", lo, hi), "set max above min")
+        .parameter("max");
+  std::vector<double> edges;
+  for (int i = 0; i <= law.classes; ++i) edges.push_back(lo + (hi - lo) * i / law.classes);
+  return edges;
+}
+
+void check_classes(const SizeLaw& law) {
+  const auto& e = law.class_edges;
+  if (e.size() < 2 || law.N_V.size() + 1 != e.size())
+    throw Error("bad-classes", fmt::format("{} edges and {} densities: n classes have n + 1 edges", e.size(),
+                                           law.N_V.size()))
+        .parameter("class_edges");
+  for (std::size_t i = 0; i + 1 < e.size(); ++i)
+    if (!(e[i] >= 0 && e[i + 1] > e[i]))
+      throw Error("bad-classes", fmt::format("the edges {} and {} do not rise from 0 on", e[i], e[i + 1]))
+          .parameter("class_edges");
+  if (!std::any_of(law.N_V.begin(), law.N_V.end(), [](double v) { return v > 0; }))
+    throw Error("bad-classes", "no class has particles").parameter("N_V");
+}
+
+}  // namespace
+
+double law_cdf(const SizeLaw& law, double d) {
+  if (law.kind == "uniform") return std::clamp((d - law.min) / (law.max - law.min), 0.0, 1.0);
+  if (law.kind == "normal") return normal_cdf((d - law.mean) / law.sd);
+  if (d <= 0) return 0;
+  if (law.kind == "rosin_rammler") return 1 - std::exp(-std::pow(d / law.mean, law.exponent));
+  const double s2 = std::log1p(law.sd * law.sd / (law.mean * law.mean));
+  return normal_cdf((std::log(d / law.mean) + s2 / 2) / std::sqrt(s2));
+}
+
+SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
+  if (law.volume_fraction >= 0 && law.number_density >= 0)
+    throw Error("both-given", "volume_fraction and number_density are both set", "set one of them")
+        .parameter("number_density");
+  if (law.volume_fraction >= 1)
+    throw Error("too-full", fmt::format("particles cannot fill {} of a volume", law.volume_fraction))
+        .parameter("volume_fraction");
+  SizeDistribution out;
+  SizeDistribution::Entry e;
+  e.shape = -1;
+  if (law.kind == "classes") {
+    check_classes(law);
+    out.class_edges = law.class_edges;
+    e.N_V = law.N_V;
+  } else {
+    out.class_edges = law_edges(law);
+    for (std::size_t i = 0; i + 1 < out.class_edges.size(); ++i) {
+      const double lo = out.class_edges[i], hi = out.class_edges[i + 1];
+      const double share = law_cdf(law, hi) - law_cdf(law, lo);
+      e.N_V.push_back(law.of_volume ? share / mean_cube(lo, hi) : share);
+    }
+  }
+  const double unit = unit_volume(shapes);
+  double number = 0, volume = 0;
+  for (std::size_t i = 0; i < e.N_V.size(); ++i)
+    number += e.N_V[i], volume += e.N_V[i] * unit * mean_cube(out.class_edges[i], out.class_edges[i + 1]);
+  if (!(number > 0)) throw Error("bad-range", "the law has nothing between min and max").parameter("min");
+  double factor = 1;
+  if (law.number_density >= 0)
+    factor = law.number_density / number;
+  else if (law.volume_fraction >= 0 || law.kind != "classes")
+    factor = (law.volume_fraction >= 0 ? law.volume_fraction : 0.3) / volume;
+  for (double& v : e.N_V) v *= factor;
+  e.low = e.high = e.N_V;
+  out.volume_fraction = volume * factor;
+  if (!(out.volume_fraction > 0))
+    throw Error("bad-classes", "the distribution has no particles",
+                "raise volume_fraction or number_density");
+  if (out.volume_fraction >= 1)
+    throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", out.volume_fraction),
+                "lower the densities or the sizes");
+  out.d_max = out.class_edges.back();
+  out.shapes.push_back(std::move(e));
+  return out;
+}
+
+}  // namespace terrazzo

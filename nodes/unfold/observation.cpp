@@ -1,0 +1,93 @@
+#include "nodes/unfold/observation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+namespace {
+
+void check(const Profiles& p) {
+  if (p.profiles.empty())
+    throw Error("no-profiles", "there are no profiles to unfold",
+                "look at the segmentation, or lower its smallest area");
+  for (std::size_t i = 0; i < p.profiles.size(); ++i) {
+    const Profile& q = p.profiles[i];
+    const auto bad = [&](const std::string& what, double value) {
+      throw Error("bad-profiles",
+                  fmt::format("profile {} of {} has {} {:.4g}", i, p.profiles.size(), what, value),
+                  "remove it from the data");
+    };
+    if (!(q.area > 0) || !std::isfinite(q.area)) bad("the area", q.area);
+    if (!(q.weight >= 0) || !std::isfinite(q.weight)) bad("the weight", q.weight);
+    if (q.cls < 0) bad("the class", q.cls);
+  }
+  if (!(p.observed_area >= 0) || !std::isfinite(p.observed_area))
+    throw Error("bad-profiles", fmt::format("the observed area is {} mm²", p.observed_area),
+                "give it as a number ≥ 0");
+  if (!(p.area_fraction >= 0 && p.area_fraction <= 1))
+    throw Error("bad-profiles", fmt::format("the area fraction is {}", p.area_fraction),
+                "it lies between 0 and 1");
+}
+
+}  // namespace
+
+Observations observe(const Profiles& profiles, Border border, double smallest_visible, double area_fraction) {
+  check(profiles);
+  Observations o;
+  o.sections = std::max(1, profiles.sections);
+  int classes = std::max(1, profiles.classes);
+  for (const Profile& p : profiles.profiles) classes = std::max(classes, p.cls + 1);
+  o.classes.resize(classes);
+
+  std::vector<double> all_area(classes, 0.0), counted_area(classes, 0.0);
+  double all = 0, counted = 0;
+  for (const Profile& p : profiles.profiles) {
+    all_area[p.cls] += p.area, all += p.area;
+    const double weight = border == Border::Weights                      ? p.weight
+                          : border == Border::Inside && p.touches_border ? 0
+                                                                         : 1;
+    if (!(weight > 0)) {
+      ++o.cut;
+      continue;
+    }
+    counted_area[p.cls] += weight * p.area, counted += weight * p.area;
+    const double size = std::sqrt(4 * p.area / std::numbers::pi);
+    if (size < smallest_visible) {
+      ++o.hidden;
+      continue;
+    }
+    Observation& c = o.classes[p.cls];
+    c.size.push_back(size), c.weight.push_back(weight), c.section.push_back(p.section);
+    o.largest = std::max(o.largest, size);
+    ++o.used;
+  }
+  if (o.used == 0)
+    throw Error(
+        "no-profiles",
+        fmt::format("none of {} profiles counts: {} at the border, {} below the smallest visible size",
+                    profiles.profiles.size(), o.cut, o.hidden),
+        o.cut > 0 ? "set border: all, or use a picture with particles that the border does not cut"
+                  : "lower smallest_visible");
+
+  const double known_fraction = area_fraction > 0 ? area_fraction : profiles.area_fraction;
+  o.area = profiles.observed_area;
+  if (!(o.area > 0)) {
+    if (!(known_fraction > 0))
+      throw Error("no-observed-area",
+                  "the area on which the profiles were seen is unknown, so they have no density",
+                  "set observed_area where they are loaded, or area_fraction here");
+    o.area = all / known_fraction;
+  }
+  // Cut profiles belong to the area fraction, whatever is done with their number.
+  for (int c = 0; c < classes; ++c)
+    o.classes[c].area_fraction =
+        known_fraction > 0 ? known_fraction * all_area[c] / all : std::min(1.0, counted_area[c] / o.area);
+  return o;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/distribution/size_laws.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+double total(const SizeDistribution& d, int power) {
+  // Σ N_V·E[size^power] with sizes uniform in their class.
+  double sum = 0;
+  for (std::size_t i = 0; i < d.classes(); ++i) {
+    const double a = d.class_edges[i], b = d.class_edges[i + 1];
+    sum += d.shapes[0].N_V[i] * (std::pow(b, power + 1) - std::pow(a, power + 1)) / ((power + 1) * (b - a));
+  }
+  return sum;
+}
+
+TEST(Distribution, LawsHaveTheirMoments) {
+  SizeLaw law;
+  law.classes = 2000, law.mean = 4, law.sd = 1.2, law.max = 40, law.number_density = 0.001;
+  for (const auto* kind : {"lognormal", "normal"}) {
+    law.kind = kind;
+    const SizeDistribution d = make_distribution(law, nullptr);
+    const double n = total(d, 0), mean = total(d, 1) / n;
+    EXPECT_NEAR(n, 0.001, 1e-9) << kind;
+    EXPECT_NEAR(mean, 4, 0.01) << kind;
+    EXPECT_NEAR(std::sqrt(total(d, 2) / n - mean * mean), 1.2, 0.01) << kind;
+  }
+  law.kind = "rosin_rammler", law.exponent = 2;
+  EXPECT_NEAR(law_cdf(law, 4), 1 - std::exp(-1), 1e-12);
+  const SizeDistribution d = make_distribution(law, nullptr);
+  EXPECT_NEAR(total(d, 1) / total(d, 0), 4 * std::tgamma(1.5), 0.01);
+}
+
+TEST(Distribution, FillsTheVolumeAsked) {
+  for (const auto* kind : {"lognormal", "uniform", "rosin_rammler", "normal"})
+    for (const bool of_volume : {false, true}) {
+      SizeLaw law;
+      law.kind = kind, law.of_volume = of_volume, law.min = 1, law.max = 8, law.volume_fraction = 0.37;
+      const SizeDistribution d = make_distribution(law, nullptr);
+      EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << kind;
+      EXPECT_NEAR(d.volume_fraction, 0.37, 1e-9);
+    }
+}
+
+TEST(Distribution, ShapesSayWhatVolumeASizeHas) {
+  const auto box = test::run_node("Shape", {}, {{"kind", "box"}, {"size", "1"}}).outputs.at("shapes");
+  const auto run =
+      test::run_node("Distribution", {{"shapes", box}},
+                     {{"kind", "uniform"}, {"min", "1"}, {"max", "2"}, {"volume_fraction", "0.2"}});
+  const Shape& s = box.as<Shapes>().shapes[0];
+  EXPECT_NEAR(total(run.output<SizeDistribution>("distribution"), 3) * s.volume / std::pow(s.size(), 3), 0.2,
+              1e-9);
+}
+
+TEST(Distribution, RefusesWhatIsNone) {
+  const auto run = [](std::map<std::string, std::string> p) { return test::run_node("Distribution", {}, p); };
+  EXPECT_THROW(run({{"kind", "classes"}}), Error);
+  EXPECT_THROW(run({{"kind", "classes"}, {"class_edges", "[1, 2, 3]"}, {"N_V", "[1]"}}), Error);
+  EXPECT_THROW(run({{"kind", "classes"}, {"class_edges", "[1, 3, 2]"}, {"N_V", "[1, 1]"}}), Error);
+  EXPECT_THROW(run({{"kind", "classes"}, {"class_edges", "[1, 2]"}, {"N_V", "[0]"}}), Error);
+  EXPECT_THROW(run({{"kind", "classes"}, {"class_edges", "[1, 2]"}, {"N_V", "[5]"}}),
+               Error);  // more than full
+  EXPECT_THROW(run({{"kind", "uniform"}, {"min", "3"}, {"max", "2"}}), Error);
+  EXPECT_THROW(run({{"volume_fraction", "0.2"}, {"number_density", "1"}}), Error);
+  EXPECT_THROW(run({{"sd", "nan"}}), Error);
+}
+
+}  // namespace
+}  // namespace terrazzo

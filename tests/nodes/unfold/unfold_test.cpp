@@ -1,0 +1,161 @@
+#include "nodes/unfold/unfold.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/kmatrix/make_kmatrix.h"
+#include "runtime/random.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+const KMatrix& spheres() {
+  static const KMatrix k = [] {
+    const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
+    return make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = 10});
+  }();
+  return k;
+}
+
+// What a window of `area` mm² shows of spheres whose diameters are uniform in [lo, hi] and `density` per mm³
+// in number.
+Profiles section(double lo, double hi, double density, double area, std::uint64_t seed) {
+  Random random(seed);
+  Profiles p;
+  p.observed_area = area;
+  double covered = 0;
+  const int n = static_cast<int>(std::lround(density * area * (lo + hi) / 2));
+  for (int i = 0; i < n; ++i) {
+    // A plane meets a sphere with a chance that grows with its diameter.
+    double d;
+    do d = random.uniform(lo, hi);
+    while (random.uniform() * hi > d);
+    const double h = random.uniform(0, d / 2);
+    Profile q;
+    q.area = std::numbers::pi * (d * d / 4 - h * h);
+    covered += q.area;
+    p.profiles.push_back(q);
+  }
+  p.area_fraction = covered / area;
+  return p;
+}
+
+double number(const SizeDistribution& d, double lo, double hi) {
+  double sum = 0;
+  for (const auto& e : d.shapes)
+    for (std::size_t i = 0; i < d.classes(); ++i) {
+      const double a = d.class_edges[i], b = d.class_edges[i + 1];
+      sum += e.N_V[i] * std::max(0.0, std::min(b, hi) - std::max(a, lo)) / (b - a);
+    }
+  return sum;
+}
+
+TEST(Unfold, RecoversUniformSpheres) {
+  const Profiles p = section(5, 10, 0.001, 4e6, 3);
+  for (const auto* method : {"nnls", "inverse"}) {
+    UnfoldOptions o;
+    o.method = method, o.d_max = 10, o.smallest_visible = 0;
+    const UnfoldResult r = unfold(p, spheres(), o, {});
+    EXPECT_NEAR(number(r.distribution, 5, 10), 0.001, 0.00004) << method;
+    EXPECT_NEAR(number(r.distribution, 0, 4), 0, 0.00008) << method;
+    EXPECT_NEAR(r.distribution.volume_fraction, p.area_fraction, 0.02 * p.area_fraction) << method;
+  }
+}
+
+TEST(Unfold, EstimatesTheLargestSize) {
+  UnfoldOptions o;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const UnfoldResult r = unfold(section(6, 10, 0.001, 60000, seed), spheres(), o, {});
+    EXPECT_NEAR(r.distribution.d_max, 10, 0.5);
+  }
+}
+
+TEST(Unfold, FullnessFollowsTheAreaFractionEvenOfAFewProfiles) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Profiles p = section(2, 10, 0.001, 10000, seed);
+    const UnfoldResult r = unfold(p, spheres(), {}, {});
+    EXPECT_NEAR(r.distribution.volume_fraction / p.area_fraction, 1, 0.03)
+        << seed << ": " << p.profiles.size() << " profiles";
+    for (const auto& e : r.distribution.shapes)
+      for (const double v : e.N_V) EXPECT_GE(v, 0);
+  }
+}
+
+TEST(Unfold, IntervalsEncloseTheEstimateAndShrink) {
+  double width[2];
+  for (int k = 0; k < 2; ++k) {
+    UnfoldOptions o;
+    o.bootstrap = 60, o.d_max = 10, o.smallest_visible = 0;
+    const UnfoldResult r = unfold(section(5, 10, 0.001, k ? 1.6e6 : 1e5, 5), spheres(), o, {});
+    const auto& e = r.distribution.shapes[0];
+    width[k] = e.high[9] - e.low[9];
+    EXPECT_LE(e.low[9], e.N_V[9]);
+    EXPECT_GE(e.high[9], e.N_V[9]);
+  }
+  EXPECT_LT(width[1], 0.5 * width[0]);
+}
+
+TEST(Unfold, ColourClassesAreUnfoldedEachOnItsOwn) {
+  Profiles p = section(5, 10, 0.001, 4e5, 3);
+  p.classes = 2;
+  for (std::size_t i = 0; i < p.profiles.size(); ++i) p.profiles[i].cls = i % 4 == 0;
+  const UnfoldResult r = unfold(p, spheres(), {}, {});
+  ASSERT_EQ(r.distribution.shapes.size(), 2u);
+  double n[2] = {0, 0};
+  for (const auto& e : r.distribution.shapes)
+    for (const double v : e.N_V) n[e.cls] += v;
+  EXPECT_NEAR(n[1] / (n[0] + n[1]), 0.25, 0.03);
+}
+
+TEST(Unfold, BadInputIsNamed) {
+  const auto code = [](const Profiles& p, UnfoldOptions o = {}, const KMatrix* k = nullptr) -> std::string {
+    try {
+      unfold(p, k ? *k : spheres(), o, {});
+    } catch (const Error& e) {
+      return e.diagnostic().code;
+    }
+    return "none";
+  };
+  const Profiles good = section(5, 10, 0.001, 1e5, 3);
+  EXPECT_EQ(code(good), "none");
+  EXPECT_EQ(code(Profiles()), "no-profiles");
+  Profiles p = good;
+  p.profiles[3].area = std::nan("");
+  EXPECT_EQ(code(p), "bad-profiles");
+  p = good;
+  p.profiles[3].area = 0;
+  EXPECT_EQ(code(p), "bad-profiles");
+  p = good;
+  for (auto& q : p.profiles) q.weight = 0;
+  EXPECT_EQ(code(p), "no-profiles");
+  p = good;
+  p.profiles.resize(1);
+  EXPECT_EQ(code(p), "too-few-profiles");
+  p = good;
+  p.observed_area = 0, p.area_fraction = 0;
+  EXPECT_EQ(code(p), "no-observed-area");
+  EXPECT_EQ(code(good, {.smallest_visible = 100}), "no-profiles");
+  EXPECT_EQ(code(good, {.d_max = 1}), "too-small");
+  KMatrix empty = spheres();
+  empty.shapes.clear();
+  EXPECT_EQ(code(good, {}, &empty), "bad-kmatrix");
+  Profiles equal = good;
+  for (auto& q : equal.profiles) q.area = 10;
+  EXPECT_EQ(code(equal), "none");
+}
+
+TEST(Unfold, SameBitsOnAnyNumberOfThreads) {
+  const Value profiles = Value::of(section(3, 10, 0.001, 3e5, 9)), k = Value::of(spheres());
+  const auto at = [&](int threads) {
+    const auto d = test::run_node("Unfold", {{"profiles", profiles}, {"kmatrix", k}}, {}, {}, threads)
+                       .output<SizeDistribution>("distribution");
+    return std::pair(d.shapes[0].N_V, d.shapes[0].high);
+  };
+  EXPECT_EQ(at(1), at(3));
+}
+
+}  // namespace
+}  // namespace terrazzo
