@@ -1,0 +1,45 @@
+// The methods of shape estimation, as one table: a further one is a file of its own and a line in
+// methods.cpp.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nodes/data/shapes.h"
+#include "nodes/shape_estimate/outline.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+struct EstimateRequest {
+  std::vector<Outline> chosen;                // of this shape, at least the method's `least` many
+  const std::vector<Outline>* all = nullptr;  // every usable profile, for methods that draw on them all
+  int index = 0;                              // which of several shapes, 0…
+  std::uint64_t seed = 1;
+  int subdivision = 1;         // levels
+  int control = 0;             // control points a quarter of a curve; 0: as many as the curves need
+  std::string axis = "short";  // "short" or "long"
+};
+
+struct Estimate {
+  Mesh mesh;  // mm, watertight, genus 0, outwards
+  bool smooth = true;
+  // How far the section at a plane of construction is from the profile (scaled) that it was made from, at
+  // most; of the profile's diameter. Negative for methods that promise none.
+  double deviation = -1;
+};
+
+struct EstimateMethod {
+  std::string name;
+  std::size_t least;  // profiles that one shape is made of
+  std::string doc;
+  Estimate (*run)(const EstimateRequest&, const Work&);
+};
+
+const std::vector<EstimateMethod>& estimate_methods();
+
+// Jagnow et al. 2008, section 3.4.
+Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
+
+}  // namespace terrazzo

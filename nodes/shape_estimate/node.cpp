@@ -1,0 +1,223 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "graph/node_type.h"
+#include "nodes/common/mesh.h"
+#include "nodes/common/shape_measures.h"
+#include "nodes/data/profiles.h"
+#include "nodes/shape_estimate/choose.h"
+#include "nodes/shape_estimate/method.h"
+#include "nodes/shape_estimate/self_intersections.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+const EstimateMethod& method_of(const std::string& name) {
+  const auto& all = estimate_methods();
+  return *std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
+}
+
+struct Chosen {
+  std::vector<std::vector<Outline>> shapes;  // the profiles of each
+  std::vector<Outline> all;
+  bool by_id = false;
+  bool same = false;  // every shape is made of the same profiles
+};
+
+[[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
+  const bool no_outlines =
+      !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
+  throw Error("too-few-profiles",
+              fmt::format("a shape is made of {} profiles, but of {} there are: {}", each,
+                          profiles.profiles.size(), candidates.text()),
+              no_outlines ? "these profiles are areas without outlines: take them from Segment or Section"
+                          : "give a larger or sharper image, lower smallest, or choose profiles by their ids")
+      .parameter("profiles");
+}
+
+Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
+  const auto shapes = static_cast<std::size_t>(c.integer("count"));
+  const auto each = std::max(method.least, static_cast<std::size_t>(c.integer("each")));
+  const double crease = c.number("crease");
+  Chosen out;
+  CandidateOptions options;
+  options.cls = static_cast<int>(c.integer("class"));
+  options.smallest = c.number("smallest");
+  options.crease = crease;
+  auto candidates = candidates_of(profiles, options, c.work());
+  c.metric("usable_profiles", static_cast<double>(candidates.outlines.size()));
+  const std::string rule = c.keyword("profiles");
+  if (!rule.empty()) {
+    if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
+    if (candidates.outlines.size() < shapes * each)
+      c.warn(fmt::format("{} shapes of {} profiles each share {} profiles", shapes, each,
+                         candidates.outlines.size()));
+    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each,
+                                       static_cast<std::uint64_t>(c.integer("seed")), c.work());
+    for (const auto& hand : hands) {
+      out.shapes.emplace_back();
+      for (const int i : hand) out.shapes.back().push_back(candidates.outlines[i]);
+    }
+    out.all = std::move(candidates.outlines);
+    return out;
+  }
+  const auto ids = c.ints("profiles");
+  std::vector<Outline> outlines;
+  try {
+    outlines = outlines_by_id(profiles, ids, crease);
+  } catch (Error& e) {
+    throw e.parameter("profiles");
+  }
+  if (ids.size() < method.least)
+    throw Error("too-few-profiles",
+                fmt::format("a shape is made of at least {} profiles, and {} {} given", method.least,
+                            ids.size(), ids.size() == 1 ? "is" : "are"),
+                "name more profiles, or one of them several times")
+        .parameter("profiles");
+  for (const auto id : ids)
+    if (profiles.profiles[static_cast<std::size_t>(id) - 1].touches_border)
+      c.warn(fmt::format("profile {} is cut by the border: its outline is not whole", id));
+  out.by_id = true;
+  out.same = outlines.size() < shapes * each || shapes == 1;
+  for (std::size_t s = 0; s < shapes; ++s) {
+    const auto from = outlines.begin() + static_cast<std::ptrdiff_t>(s * each);
+    out.shapes.push_back(out.same ? outlines
+                                  : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
+  }
+  if (!out.same && outlines.size() > shapes * each)
+    c.warn(fmt::format("the last {} of {} profiles are not used", outlines.size() - shapes * each,
+                       outlines.size()));
+  out.all = std::move(candidates.outlines);
+  return out;
+}
+
+struct Made {
+  Estimate estimate;
+  std::int64_t self_intersections = std::numeric_limits<std::int64_t>::max();
+};
+
+// As asked; where that passes through itself, with another base curve, which keeps the same profiles.
+Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, const Work& work) {
+  Made best;
+  const int n = static_cast<int>(request.chosen.size()), first = request.base;
+  for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
+    request.base = (first + turn) % n;
+    Made made{method.run(request, work)};
+    if (mesh_volume(made.estimate.mesh) > 0)
+      made.self_intersections = self_intersections(made.estimate.mesh, work);
+    if (turn == 0 || made.self_intersections < best.self_intersections) best = std::move(made);
+    if (best.self_intersections == 0) break;
+  }
+  return best;
+}
+
+void compute(Context& c) {
+  const auto& profiles = c.input<Profiles>("profiles");
+  const auto& method = method_of(c.text("method"));
+  const std::string axis = c.text("axis");
+  const Chosen chosen = choose(c, profiles, method);
+
+  Shapes shapes;
+  double triangles = 0, crossings = 0, deviation = -1;
+  const std::size_t count = chosen.shapes.size();
+  for (std::size_t s = 0; s < count; ++s) {
+    const Work work = c.work().part(static_cast<double>(s) / count, (s + 1.0) / count);
+    EstimateRequest request;
+    request.chosen = chosen.shapes[s];
+    request.all = &chosen.all;
+    request.index = static_cast<int>(s);
+    request.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    request.subdivision = static_cast<int>(c.integer("subdivision"));
+    request.control = c.keyword("control").empty() ? static_cast<int>(c.integer("control")) : 0;
+    const bool upright = axis == "long" || (axis == "alternate" && s % 2 == 1);
+    request.axis = upright ? "long" : "short";
+    // The same profiles again: another one of them becomes the base.
+    request.base = chosen.same ? static_cast<int>(s % request.chosen.size()) : 0;
+    Made made = make(method, request, !chosen.same, work);
+    std::string name;
+    for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
+    if (made.self_intersections > 0)
+      c.warn(fmt::format(
+          "the shape of {} passes through itself ({} pairs of triangles)", name,
+          made.self_intersections == std::numeric_limits<std::int64_t>::max() ? 0 : made.self_intersections));
+    Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
+    shape.smooth = made.estimate.smooth;
+    triangles += shape.mesh.triangles.size();
+    crossings += static_cast<double>(made.self_intersections);
+    deviation = std::max(deviation, made.estimate.deviation);
+    shapes.shapes.push_back(std::move(shape));
+  }
+  c.metric("shapes", static_cast<double>(count));
+  c.metric("triangles", triangles);
+  c.metric("self_intersections", crossings);
+  if (deviation >= 0) c.metric("profile_deviation", deviation);
+  c.output("shapes", std::move(shapes));
+}
+
+Parameter method_parameter() {
+  std::vector<std::string> names;
+  std::string doc = "how profiles become a shape:";
+  for (const auto& m : estimate_methods()) {
+    names.push_back(m.name);
+    doc += fmt::format(" {} ({} profiles or more): {};", m.name, m.least, m.doc);
+  }
+  doc.back() = '.';
+  return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
+}
+
+}  // namespace
+
+NodeType shape_estimate_node() {
+  return NodeType("ShapeEstimate", 1)
+      .doc_(
+          "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
+          "sections of "
+          "different particles lie in space; each method makes one assumption.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, sections 3.2 and 3.4")
+      .input("profiles", "Profiles", "with contours, as from Segment or Section")
+      .output("shapes", "Shapes", "`count` shapes of equal probability, of the size that the profiles have")
+      .parameter(method_parameter())
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Ints, "profiles", "representative")
+              .keyword("largest")
+              .keyword("diverse")
+              .doc_(
+                  "which profiles: the most usual kinds, the largest, the most different ones, or ids as in "
+                  "Labels (1 is the first): `each` for every shape, or fewer, of which all shapes are then "
+                  "made, each with another one as its base"))
+      .parameter(Parameter::integer("count", 3).range(1, 100).doc_("how many different shapes"))
+      .parameter(Parameter::integer("each", 3).range(3, 12).doc_("profiles that a shape is made of"))
+      .parameter(Parameter::integer("subdivision", 1)
+                     .range(0, 4)
+                     .doc_("levels of Catmull–Clark subdivision; each gives four times the triangles (about "
+                           "500 to 2000 at 1) and, "
+                           "with control: auto, up to two more control points a quarter"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "control", "auto")
+                     .range(2, 24)
+                     .doc_("control points a quarter of a curve; auto: the fewest that keep the profiles "
+                           "within 0.8 % of "
+                           "their diameter, from 3 to 4 + 2·subdivision"))
+      .parameter(Parameter::choice("axis", "short", {"short", "long", "alternate"})
+                     .doc_("how profiles stand on the base: lying, as in the paper, for flat and equant "
+                           "shapes; upright, "
+                           "for elongated ones; or in turn"))
+      .parameter(
+          Parameter::number("crease", 40)
+              .unit_("degrees")
+              .range(10, 180)
+              .doc_("a turn of the outline of at least this makes a sharp edge; 180: everything is smooth"))
+      .parameter(
+          Parameter::number("smallest", 0.4)
+              .range(0, 1)
+              .doc_("leave out profiles smaller than this share of the √area that a tenth of them exceed"))
+      .parameter(
+          Parameter::integer("class", -1).range(-1, 1e6).doc_("colour or particle class to draw on; −1: all"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the choice of profiles"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
