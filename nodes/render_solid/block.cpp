@@ -23,7 +23,7 @@ class Block : public Solid {
                                         std::vector<RayScene::Instance>{{}});
   }
 
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s) const override {
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
     RayHit hit;
     if (!scene_->nearest(origin, direction, hit)) return false;
     const Face& face = faces_[owner_[hit.triangle]];
@@ -32,7 +32,9 @@ class Block : public Solid {
     s.face = Vec3f::Zero();
     s.face[face.axis] = face.sign;
     s.normal = rounded(s.position, face);
-    s.albedo = field_.at((s.position * voxels_per_unit_) - 0.5f * s.face);
+    s.open = owner_[hit.triangle] < 6;
+    const Vec3f voxel = s.position * voxels_per_unit_ - 0.5f * s.face;
+    s.albedo = sharp ? field_.sharp(voxel) : field_.at(voxel);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override { return scene_->any(origin, direction); }

@@ -35,12 +35,14 @@ class Carved : public Solid {
     scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{body_.triangles},
                                         std::vector<RayScene::Instance>{{}});
   }
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s) const override {
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
     RayHit hit;
     if (!scene_->nearest(origin, direction, hit)) return false;
     s.position = origin + hit.distance * direction;
     body_.normals_at(hit, s.face, s.normal);
-    s.albedo = field_.at(s.position * voxels_per_unit_);
+    const Vec3f voxel = s.position * voxels_per_unit_;
+    s.albedo = sharp ? field_.sharp(voxel) : field_.at(voxel);
+    s.open = false;
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override { return scene_->any(origin, direction); }
@@ -84,10 +86,11 @@ class Heap : public Solid {
     for (auto& i : instances) i.offset.z() -= static_cast<float>(lowest);
     scene_ = std::make_unique<RayScene>(meshes, instances);
   }
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s) const override {
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool) const override {
     RayHit hit;
     if (!scene_->nearest(origin, direction, hit)) return false;
     s.position = origin + hit.distance * direction;
+    s.open = false;
     bodies_[mesh_of_[hit.instance]].normals_at(hit, s.face, s.normal);
     s.face = rotations_[hit.instance] * s.face;
     s.normal = rotations_[hit.instance] * s.normal;

@@ -90,27 +90,61 @@ int ColorField::wrap(int i, int axis) const {
   return i < 0 ? i + n : i;
 }
 
+namespace {
+
+constexpr float unit = 1.0f / (65535.0f * 65535.0f);
+
+// std::floor is a call on plain x86-64.
+int floor_of(float v) {
+  const int i = static_cast<int>(v);
+  return i - (static_cast<float>(i) > v);
+}
+
+}  // namespace
+
 Vec3f ColorField::at(const Vec3f& voxel) const {
-  int low[3], high[3];
+  int at[3][2];
   float t[3];
   for (int k = 0; k < 3; ++k) {
-    const float p = voxel[k] - 0.5f, floor = std::floor(p);
-    t[k] = p - floor;
-    low[k] = wrap(static_cast<int>(floor), k);
-    high[k] = wrap(static_cast<int>(floor) + 1, k);
+    const float p = voxel[k] - 0.5f;
+    const int low = floor_of(p);
+    t[k] = p - static_cast<float>(low);
+    at[k][0] = wrap(low, k), at[k][1] = wrap(low + 1, k);
   }
   Vec3f sum = Vec3f::Zero();
   for (int corner = 0; corner < 8; ++corner) {
-    const bool cx = corner & 1, cy = corner & 2, cz = corner & 4;
-    const float w = (cx ? t[0] : 1 - t[0]) * (cy ? t[1] : 1 - t[1]) * (cz ? t[2] : 1 - t[2]);
+    const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+    const float w = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
     if (w < 1e-4f) continue;  // on a face, half of the corners
-    const auto& v = voxels_[(static_cast<std::size_t>(cz ? high[2] : low[2]) * resolution_.y() + (cy ? high[1] : low[1])) *
-                                resolution_.x() +
-                            (cx ? high[0] : low[0])];
-    const Vec3f root(v[0], v[1], v[2]);
-    sum += w * root.cwiseProduct(root);
+    sum += w * squared(at[0][x], at[1][y], at[2][z]);
   }
-  return sum * (1.0f / (65535.0f * 65535.0f));
+  return sum * unit;
+}
+
+Vec3f ColorField::sharp(const Vec3f& voxel) const {
+  int at[3][4];
+  float weight[3][4];
+  for (int k = 0; k < 3; ++k) {
+    const float p = voxel[k] - 0.5f;
+    const int low = floor_of(p);
+    const float t = p - static_cast<float>(low);
+    for (int i = 0; i < 4; ++i) at[k][i] = wrap(low + i - 1, k);
+    weight[k][0] = t * (-0.5f + t * (1 - 0.5f * t));
+    weight[k][1] = 1 + t * t * (-2.5f + 1.5f * t);
+    weight[k][2] = t * (0.5f + t * (2 - 1.5f * t));
+    weight[k][3] = t * t * (-0.5f + 0.5f * t);
+  }
+  Vec3f sum = Vec3f::Zero();
+  for (int z = 0; z < 4; ++z) {
+    if (std::abs(weight[2][z]) < 1e-3f) continue;  // on a face, all but one
+    for (int y = 0; y < 4; ++y) {
+      const float yz = weight[2][z] * weight[1][y];
+      if (std::abs(yz) < 1e-3f) continue;
+      for (int x = 0; x < 4; ++x)
+        if (const float w = yz * weight[0][x]; std::abs(w) >= 1e-4f) sum += w * squared(at[0][x], at[1][y], at[2][z]);
+    }
+  }
+  return (sum * unit).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 }  // namespace terrazzo

@@ -27,11 +27,18 @@ class ColorField {
 
   // Trilinear between voxel centres at i + ½; repeats, or ends with the outermost voxels where not periodic.
   Vec3f at(const Vec3f& voxel) const;
+  // Catmull–Rom instead: keeps the sharpness of the voxels where a pixel is smaller than one. Within [0, 1].
+  Vec3f sharp(const Vec3f& voxel) const;
 
  private:
   ColorField() = default;
   void set(std::size_t index, const Vec3f& linear, std::size_t& outside);
   int wrap(int i, int axis) const;
+  Vec3f squared(int x, int y, int z) const {
+    const auto& v = voxels_[(static_cast<std::size_t>(z) * resolution_.y() + y) * resolution_.x() + x];
+    const Vec3f root(v[0], v[1], v[2]);
+    return root.cwiseProduct(root);
+  }
 
   Vec3i resolution_ = Vec3i::Zero();
   bool periodic_ = true;

@@ -17,7 +17,7 @@ class Paths {
 
   Vec3f from_camera(const Vec3f& origin, const Vec3f& direction, PixelSampler& random) const {
     SurfacePoint s;
-    if (solid_.nearest(origin, direction, s)) return glossy(s, direction, random);
+    if (may_meet_solid(origin, direction) && solid_.nearest(origin, direction, s, true)) return glossy(s, direction, random);
     const float background = studio_.settings().background;
     Vec3f floor;
     if (!meets_floor(origin, direction, floor)) return Vec3f::Constant(background);
@@ -66,7 +66,7 @@ class Paths {
     Vec3f seen;
     SurfacePoint other;
     const Vec3f origin = s.position + lift * s.face;
-    if (mirror.dot(s.face) > 0 && solid_.nearest(origin, mirror, other))
+    if (!s.open && mirror.dot(s.face) > 0 && solid_.nearest(origin, mirror, other))
       seen = 0.7f * other.albedo * studio_.irradiance(other.normal);  // inner faces face each other: partly in shade
     else
       seen = Vec3f::Constant(studio_.mirrored(mirror));
@@ -78,7 +78,7 @@ class Paths {
     Vec3f sum = Vec3f::Constant(studio_.irradiance(s.normal));
     const Vec3f origin = s.position + lift * s.face;
     float u, v;
-    if (studio_.lamp() > 0) {
+    if (!s.open && studio_.lamp() > 0) {
       random.next(u, v);
       const Vec3f d = studio_.to_lamp(u, v);
       const float cosine = s.normal.dot(d);
@@ -90,7 +90,7 @@ class Paths {
     if (s.face.dot(d) <= 0) return sum;
     SurfacePoint next;
     Vec3f floor;
-    if (solid_.nearest(origin, d, next))
+    if (!s.open && solid_.nearest(origin, d, next))
       sum += next.albedo.cwiseProduct(light(next, random, depth + 1)) - Vec3f::Constant(studio_.radiance(d));
     else if (meets_floor(origin, d, floor) && near_solid(floor))
       sum += studio_.settings().floor * (floor_light(floor, random, depth + 1) - Vec3f::Ones());
@@ -104,7 +104,7 @@ class Paths {
     const Vec3f origin = point + Vec3f(0, 0, lift);
     float u, v;
     random.next(u, v);
-    if (const Vec3f d = studio_.to_lamp(u, v); d.z() > 0 && may_meet_solid(origin, d) && solid_.any(origin, d))
+    if (const Vec3f d = studio_.to_lamp(u, v); studio_.lamp() > 0 && d.z() > 0 && may_meet_solid(origin, d) && solid_.any(origin, d))
       sum.array() -= studio_.lamp() * d.z();
     random.next(u, v);
     const Vec3f d = cosine_direction(Vec3f::UnitZ(), u, v);
@@ -146,7 +146,7 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
     for (int y = y0; y < std::min(y0 + tile, settings.height); ++y)
       for (int x = x0; x < std::min(x0 + tile, settings.width); ++x) {
         work.check();
-        PixelSampler random(settings.seed, image.index(x, y));
+        PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
         Vec3f sum = Vec3f::Zero();
         for (int i = 0; i < settings.samples; ++i) {
           random.start(static_cast<std::uint32_t>(i));

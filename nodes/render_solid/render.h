@@ -15,12 +15,12 @@ struct RenderSettings {
   int width = 720, height = 720;  // pixels
   int samples = 32;               // paths a pixel
   int bounces = 2;                // diffuse reflections between surfaces
-  float gloss = 0.5f;             // share of a polished surface's mirror reflection, 0…1
+  float gloss = 0.35f;            // share of a polished surface's mirror reflection, 0…1
   bool tone_map = true;
   std::uint64_t seed = 1;
 };
 
-// The radiance of each pixel, scene-linear and display-referred: 1 is white. Neighbouring pixels share no randomness; the
+// The radiance of each pixel, scene-linear and display-referred: 1 is white. The
 // result does not depend on the number of threads.
 //
 // Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by sampling.

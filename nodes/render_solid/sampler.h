@@ -2,6 +2,7 @@
 // Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "runtime/random.h"
@@ -10,17 +11,20 @@ namespace terrazzo {
 
 class PixelSampler {
  public:
-  PixelSampler(std::uint64_t seed, std::uint64_t pixel) : key_(Random(seed, 0x50697865, pixel).bits()) {}
+  // `samples`: how many the pixel will take.
+  PixelSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t samples)
+      : key_(Random(seed, 0x50697865, pixel).bits()), mask_(std::bit_ceil(samples) - 1) {}
 
-  void start(std::uint32_t sample) { sample_ = sample, pair_ = 0; }
+  void start(std::uint32_t sample) { sample_ = reversed(sample), pair_ = 0; }
 
   // Two numbers in [0, 1): stratified over the samples of the pixel, independent of the pairs drawn before.
   void next(float& u, float& v) {
     const std::uint64_t h = mix64(key_ + ++pair_);
     const auto a = static_cast<std::uint32_t>(h), b = static_cast<std::uint32_t>(h >> 32);
-    const std::uint32_t i = scramble(sample_, a ^ b);  // another order of the same points, so that pairs do not align
-    u = unit(scramble(reversed(i), a));
-    v = unit(scramble(second(i), b));
+    // Another order of the same points, so that pairs do not align.
+    const std::uint32_t i = reversed(scrambled(sample_, a ^ b)) & mask_;
+    u = unit(reversed(scrambled(i, a)));
+    v = unit(reversed(scrambled(reversed(second(i)), b)));
   }
 
  private:
@@ -37,20 +41,20 @@ class PixelSampler {
       if (i & 1) r ^= v;
     return r;
   }
-  // A nested uniform permutation of [0, 2^32): Laine and Karras's hash, every bit decided by the higher ones alone.
-  static std::uint32_t scramble(std::uint32_t x, std::uint32_t seed) {
-    x = reversed(x);
+  // Laine and Karras's hash: every bit is flipped or not by the bits below it. On reversed numbers: a nested uniform
+  // permutation.
+  static std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
     x ^= x * 0x8d22f6e6u;
-    return reversed(x);
+    return x;
   }
   static float unit(std::uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }
 
   std::uint64_t key_;
-  std::uint32_t sample_ = 0, pair_ = 0;
+  std::uint32_t mask_, sample_ = 0, pair_ = 0;
 };
 
 }  // namespace terrazzo

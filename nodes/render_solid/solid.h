@@ -17,12 +17,14 @@ struct SurfacePoint {
   Vec3f face;    // unit normal of the surface itself
   Vec3f normal;  // unit normal for shading: rounded edges, smooth meshes
   Vec3f albedo;
+  bool open = false;  // on the convex hull: nothing of the solid is above it
 };
 
 class Solid {
  public:
   virtual ~Solid() = default;
-  virtual bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint&) const = 0;
+  // `sharp`: the colour as finely as it is known; for what the camera sees.
+  virtual bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint&, bool sharp = false) const = 0;
   virtual bool any(const Vec3f& origin, const Vec3f& direction) const = 0;
   virtual Eigen::AlignedBox3f bounds() const = 0;
 };

@@ -46,6 +46,7 @@ Studio::Studio(const Settings& s) : settings_(s) {
                      std::cos(s.lamp_elevation) * std::sin(s.lamp_azimuth), std::sin(s.lamp_elevation));
   frame(direction_, across_, along_);
   const double k = s.lamp_sharpness;
+  tail_ = static_cast<float>(std::exp(-2 * k));
   const auto lobe = [k](double z) { return k / (2 * pi * (1 - std::exp(-2 * k))) * std::exp(k * (z - 1)); };
   const double from = std::max(-1.0, 1 - 20 / k);
   for (int i = 0; i <= steps; ++i)
@@ -85,7 +86,7 @@ float Studio::mirrored(const Vec3f& direction) const {
 
 Vec3f Studio::to_lamp(float u, float v) const {
   const float k = settings_.lamp_sharpness;
-  const float z = std::max(-1.0f, 1 + std::log(1 - u + u * std::exp(-2 * k)) / k);
+  const float z = std::max(-1.0f, 1 + std::log(1 - u + u * tail_) / k);
   const float s = std::sqrt(std::max(0.0f, 1 - z * z)), turn = 2 * static_cast<float>(pi) * v;
   return direction_ * z + across_ * (s * std::cos(turn)) + along_ * (s * std::sin(turn));
 }

@@ -12,13 +12,13 @@ namespace terrazzo {
 class Studio {
  public:
   struct Settings {
-    float lamp_share = 0.52f;      // of the light that a surface facing up gets
-    float lamp_azimuth = 0;        // radians from +x towards +y
-    float lamp_elevation = 0.98f;  // radians
-    float lamp_sharpness = 36;     // κ of the lamp's von Mises–Fisher lobe: its radius is about 1/√κ radians
+    float lamp_share = 0.65f;      // of the light that a surface facing up gets
+    float lamp_azimuth = -1.67f;       // radians from +x towards +y
+    float lamp_elevation = 0.95f;  // radians
+    float lamp_sharpness = 30;     // κ of the lamp's von Mises–Fisher lobe: its radius is about 1/√κ radians
     float horizon = 0.85f, zenith = 1.15f;  // the dome's radiance, relative
-    float floor = 0.5f;       // radiance of the unshadowed floor as a light on the solid
-    float background = 0.8f;  // radiance of the unshadowed floor as the camera sees it
+    float floor = 0.34f;       // radiance of the unshadowed floor as a light on the solid
+    float background = 0.82f;  // radiance of the unshadowed floor as the camera sees it
     bool has_floor = true;    // else the dome goes on below, with radiance `floor`, and nothing is shadowed
   };
   explicit Studio(const Settings&);
@@ -41,7 +41,7 @@ class Studio {
  private:
   Settings settings_;
   Vec3f direction_, across_, along_;  // to the lamp, and two directions beside it
-  float lamp_ = 0, horizon_ = 0, zenith_ = 0;
+  float lamp_ = 0, horizon_ = 0, zenith_ = 0, tail_ = 0;
   static constexpr int steps = 256;
   std::array<float, steps + 1> by_height_{};  // dome and floor, over the normal's z from −1 to 1
   std::array<float, steps + 1> by_angle_{};   // lamp, over the cosine from the normal to its middle
