@@ -1,27 +1,27 @@
-#include <numeric>
-
 #include "graph/node_type.h"
-#include "nodes/distribution/size_law.h"
+#include "nodes/distribution/size_laws.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
 
 void compute(Context& c) {
-  const auto number = [&](const std::string& name) { return c.keyword(name).empty() ? c.number(name) : 0; };
-  DistributionOptions o;
-  o.kind = c.text("kind");
-  o.mean = c.number("mean"), o.sd = c.number("sd");
-  o.min = c.number("min"), o.max = number("max");
-  o.classes = static_cast<int>(c.integer("classes"));
-  if (c.keyword("class_edges").empty()) o.class_edges = c.numbers("class_edges");
-  if (c.keyword("N_V").empty()) o.N_V = c.numbers("N_V");
-  o.volume_fraction = number("volume_fraction"), o.number_density = number("number_density");
-  const std::string by = c.text("density_by");
-  o.by_volume = by == "volume" || (by == "auto" && o.kind == "rosin_rammler");
-  SizeDistribution d = make_distribution(o, c.optional<Shapes>("shapes"));
+  SizeLaw law;
+  law.kind = c.text("kind");
+  law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
+  law.min = c.number("min");
+  if (c.keyword("max").empty()) law.max = c.number("max");
+  law.of_volume = c.text("density_by") == "volume";
+  law.classes = static_cast<int>(c.integer("classes"));
+  if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
+  if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
+  if (c.keyword("volume_fraction").empty()) law.volume_fraction = c.number("volume_fraction");
+  if (c.keyword("number_density").empty()) law.number_density = c.number("number_density");
+  SizeDistribution d = make_distribution(law, c.optional<Shapes>("shapes"));
+  double number = 0;
+  for (const double v : d.shapes[0].N_V) number += v;
   c.metric("volume_fraction", d.volume_fraction);
-  c.metric("N_V", std::accumulate(d.shapes[0].N_V.begin(), d.shapes[0].N_V.end(), 0.0));
+  c.metric("number_density", number);
   c.metric("d_max", d.d_max);
   c.output("distribution", std::move(d));
 }
@@ -31,48 +31,46 @@ void compute(Context& c) {
 NodeType distribution_node() {
   return NodeType("Distribution", 1)
       .doc_(
-          "Particle sizes written in the graph: densities per class, or a law of size. A particle's size is "
-          "√(4·A_max/π), "
-          "A_max being its largest section: a sphere's diameter. Within a class sizes are uniform.")
-      .source_("Class integrals in closed form; Rosin and Rammler 1933")
-      .optional_input("shapes", {"Shapes"}, "Whose volumes count for volume_fraction; spheres without them")
-      .output("distribution", "SizeDistribution", "Particles per mm³ and size class")
+          "Particle sizes written in the graph: by class, or as a law of number or volume. Sizes are "
+          "√(4·A_max/π), a sphere's diameter.")
+      .optional_input("shapes", {"Shapes"}, "what volume a size has; without them that of a sphere")
+      .output("distribution", "SizeDistribution", "particles per mm³ by size class, for any shape")
       .parameter(Parameter::choice("kind", "lognormal",
                                    {"classes", "lognormal", "normal", "uniform", "rosin_rammler"})
-                     .doc_("classes takes class_edges and N_V; the others are laws of size"))
-      .parameter(Parameter::number("mean", 1).unit_("mm").above(0).doc_(
-          "Mean size of the law before it is cut to min and max"))
-      .parameter(
-          Parameter::number("sd", 0.3).unit_("mm").above(0).doc_("Standard deviation of size, likewise"))
-      .parameter(Parameter::number("min", 0).unit_("mm").range(0, 1e12).doc_("Smallest size"))
+                     .doc_("classes takes class_edges and N_V; lognormal and normal take mean and sd; "
+                           "uniform min and max; rosin_rammler mean (63.2 % are smaller) and exponent"))
+      .parameter(Parameter::number("mean", 5).unit_("mm").above(0).doc_("Mean size"))
+      .parameter(Parameter::number("sd", 1.5).unit_("mm").above(0).doc_("Standard deviation of the sizes"))
+      .parameter(Parameter::number("exponent", 3)
+                     .range(0.1, 100)
+                     .doc_("Spread of rosin_rammler: the larger the narrower"))
+      .parameter(Parameter::number("min", 0).unit_("mm").range(0, 1e9).doc_("Smaller sizes are cut off"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "max", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Largest size; auto: the last of class_edges, else where 0.1 % of the law lies "
-                           "above. A uniform "
-                           "law must have it."))
-      .parameter(Parameter::integer("classes", 10)
-                     .range(1, 1000)
-                     .doc_("Equal classes from min to max, where class_edges is auto"))
-      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "class_edges", "auto")
-                     .unit_("mm")
-                     .doc_("Rising sizes, one more than there are classes"))
-      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "N_V", "auto")
-                     .unit_("per mm³")
-                     .doc_("Of kind classes: particles per class; relative where volume_fraction or "
-                           "number_density is given"))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "volume_fraction", "none")
-                     .above(0)
-                     .range(0, 1)
-                     .doc_("Share of the volume that particles fill"))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "number_density", "none")
-                     .unit_("per mm³")
-                     .above(0)
-                     .doc_("Particles per volume, all sizes together"))
+                     .doc_("Larger sizes are cut off; auto: where 0.1 % are left"))
       .parameter(
-          Parameter::choice("density_by", "auto", {"auto", "number", "volume"})
-              .doc_("Whether law and N_V tell the share of number or of volume by size; auto: volume for "
-                    "rosin_rammler, a law of sieved mass, number otherwise"))
+          Parameter::choice("density_by", "number", {"number", "volume"})
+              .doc_("Whether the law tells how many particles, or how much volume, there is of a size"))
+      .parameter(
+          Parameter::integer("classes", 10).range(1, 1000).doc_("Equal classes that a law is cut into"))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "class_edges", "none")
+                     .unit_("mm")
+                     .range(0, 1e9)
+                     .count(2, 1001)
+                     .doc_("Of classes: n + 1 sizes, rising"))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "N_V", "none")
+                     .unit_("mm⁻³")
+                     .range(0, 1e18)
+                     .count(1, 1000)
+                     .doc_("Of classes: particles per volume in each"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "volume_fraction", "auto")
+                     .range(0, 1)
+                     .doc_("Share of the volume that the particles fill; auto: 0.3, or as N_V says"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "number_density", "auto")
+                     .unit_("mm⁻³")
+                     .range(0, 1e18)
+                     .doc_("Particles per volume, all sizes together; auto: as volume_fraction says"))
       .compute_(compute);
 }
 

@@ -1,63 +1,91 @@
-#include <numeric>
-
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/unfold/report.h"
+#include "nodes/common/plot.h"
+#include "nodes/data/image.h"
+#include "nodes/data/table.h"
 #include "nodes/unfold/unfold.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
 
-double number_or_zero(const Context& c, const std::string& name) {
-  return c.keyword(name).empty() ? c.number(name) : 0;
+Table table_of(const UnfoldResult& r) {
+  Table t;
+  t.columns = {"class",    "from mm",      "to mm",        "N_A observed mm⁻²", "N_A refitted mm⁻²",
+               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³"};
+  const std::size_t per_class = r.distribution.shapes.size() / r.fits.size();
+  for (std::size_t c = 0; c < r.fits.size(); ++c)
+    for (int j = 0; j < r.model.visible(); ++j) {
+      const auto k = static_cast<std::size_t>(r.model.first + j);
+      double low = 0, high = 0;
+      for (std::size_t s = 0; s < per_class; ++s)
+        low += r.distribution.shapes[c * per_class + s].low[k],
+            high += r.distribution.shapes[c * per_class + s].high[k];
+      t.rows.push_back({static_cast<double>(c), r.distribution.class_edges[k],
+                        r.distribution.class_edges[k + 1], r.fits[c].observed[j], r.fits[c].refitted[j],
+                        r.fits[c].density[j], low, high});
+    }
+  return t;
+}
+
+Image figure_of(const UnfoldResult& r) {
+  Plot areas, volumes;
+  areas.title = "Profiles per area", areas.x_label = "size of the profile, mm", areas.y_label = "N_A, mm⁻²";
+  volumes.title = "Particles per volume", volumes.x_label = "size of the particle, mm",
+  volumes.y_label = "N_V, mm⁻³";
+  PlotSeries observed{PlotSeries::Kind::Bars, "observed", {}, {}, {}, {}, 0};
+  PlotSeries refitted{PlotSeries::Kind::Bars, "refitted", {}, {}, {}, {}, 1};
+  PlotSeries density{PlotSeries::Kind::Bars, "", {}, {}, {}, {}, 2};
+  for (int j = 0; j < r.model.visible(); ++j) {
+    const auto k = static_cast<std::size_t>(r.model.first + j);
+    const double x = (r.model.edges[k] + r.model.edges[k + 1]) / 2;
+    double a = 0, b = 0, v = 0, low = 0, high = 0;
+    for (const auto& f : r.fits) a += f.observed[j], b += f.refitted[j], v += f.density[j];
+    for (const auto& e : r.distribution.shapes) low += e.low[k], high += e.high[k];
+    observed.x.push_back(x), observed.y.push_back(a);
+    refitted.x.push_back(x), refitted.y.push_back(b);
+    density.x.push_back(x), density.y.push_back(v);
+    density.low.push_back(low), density.high.push_back(high);
+  }
+  areas.series = {observed, refitted};
+  volumes.series = {density};
+  return draw({areas, volumes}, 2);
 }
 
 void compute(Context& c) {
-  const auto& profiles = c.input<Profiles>("profiles");
-  const auto& kmatrix = c.input<KMatrix>("kmatrix");
-  UnfoldOptions options;
-  options.method = c.text("method");
-  if (c.keyword("classes").empty()) options.classes = static_cast<int>(c.integer("classes"));
-  options.d_max = number_or_zero(c, "d_max");
-  options.smallest_visible = c.number("smallest_visible");
-  options.match_area_fraction = c.boolean("match_area_fraction");
-  options.bootstrap = static_cast<int>(c.integer("bootstrap"));
-  options.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  UnfoldOptions o;
+  o.method = c.text("method");
+  if (c.keyword("classes").empty()) o.classes = static_cast<int>(c.integer("classes"));
+  if (c.keyword("smallest_visible").empty()) o.smallest_visible = c.number("smallest_visible");
   const std::string border = c.text("border");
-  const Observations o = observe(profiles,
-                                 border == "all"      ? Border::All
-                                 : border == "inside" ? Border::Inside
-                                                      : Border::Weights,
-                                 options.smallest_visible, number_or_zero(c, "area_fraction"));
-  const Unfolding u = unfold(o, kmatrix, options, c.work());
-  for (const auto& w : u.warnings) c.warn(w);
-
-  double N_A = 0, N_V = 0, negative = 0;
-  int negative_classes = 0;
-  for (const ClassFit& f : u.classes) {
-    N_A += std::accumulate(f.N_A.begin(), f.N_A.end(), 0.0);
-    N_V += std::accumulate(f.N_V.begin(), f.N_V.end(), 0.0);
-    negative += f.negative, negative_classes += f.negative_classes;
-  }
-  c.metric("profiles", static_cast<double>(o.used));
-  c.metric("profiles_cut", static_cast<double>(o.cut));
-  c.metric("profiles_below_visible", static_cast<double>(o.hidden));
-  c.metric("N_A", N_A);
-  c.metric("N_V", N_V);
-  c.metric("d_max", u.distribution.d_max);
-  c.metric("volume_fraction", u.distribution.volume_fraction);
-  c.metric("area_fraction", u.area_fraction);
-  c.metric("goodness_of_fit", u.distribution.goodness_of_fit);
-  c.metric("condition", u.condition);
-  if (options.method == "inverse") {
-    c.metric("negative_classes", negative_classes);
-    c.metric("negative_N_V", negative);
-  }
-  c.output("table", unfold_table(u));
-  c.output("figure", unfold_figure(u));
-  c.output("distribution", u.distribution);
+  o.border = border == "weights" ? Border::Weights : border == "all" ? Border::All : Border::Inside;
+  if (c.keyword("d_max").empty()) o.d_max = c.number("d_max");
+  o.area_fraction = c.number("area_fraction");
+  o.bootstrap = static_cast<int>(c.integer("bootstrap"));
+  o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  UnfoldResult r = unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
+  double fraction = 0, negative = 0;
+  for (const auto& q : r.observations.classes) fraction += q.area_fraction;
+  for (const auto& f : r.fits) negative = std::max(negative, f.negative);
+  if (negative > 0)
+    c.warn(
+        fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: nnls "
+                    "constrains them instead",
+                    100 * negative));
+  if (static_cast<int>(r.observations.used) < r.model.visible())
+    c.warn(fmt::format("{} profiles for {} classes: use fewer classes or a larger picture",
+                       r.observations.used, r.model.visible()));
+  c.metric("profiles_used", static_cast<double>(r.observations.used));
+  c.metric("area_fraction", fraction);
+  c.metric("volume_fraction", r.distribution.volume_fraction);
+  c.metric("d_max", r.distribution.d_max);
+  c.metric("goodness_of_fit", r.distribution.goodness_of_fit);
+  c.metric("condition", r.condition);
+  c.metric("negative", negative);
+  c.output("table", table_of(r));
+  c.output("figure", figure_of(r));
+  c.output("distribution", std::move(r.distribution));
 }
 
 }  // namespace
@@ -65,64 +93,46 @@ void compute(Context& c) {
 NodeType unfold_node() {
   return NodeType("Unfold", 1)
       .doc_(
-          "From the profiles in a section to the particles per volume by size class (stereological "
-          "unfolding). Colour "
-          "classes are unfolded each on its own, in common size classes; several shapes share each size "
-          "class by "
-          "their probabilities.")
-      .source_(
-          "Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 4, 8, 12; Saltikov 1967; Lawson and Hanson 1974")
-      .input("profiles", "Profiles",
-             "What the section shows; observed_area must be known, or area_fraction given here")
+          "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
+          "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12")
+      .input("profiles", "Profiles", "What sections show; with the area observed")
       .input("kmatrix", "KMatrix", "Section statistics of the particles' shapes")
       .output("distribution", "SizeDistribution",
-              "Particles per mm³ by size class, one entry per shape and colour class")
-      .output("figure", "Image",
-              "Profile densities with the refit, beside the densities per volume with intervals")
-      .output("table", "Table", "The same as numbers, one row per colour class and size class")
+              "Particles per mm³ by size class, for each colour class and shape")
+      .output("table", "Table", "N_A observed and refitted, N_V with its interval, by class")
+      .output("figure", "Image", "The same as bars")
       .parameter(
           Parameter::choice("method", "nnls", {"nnls", "inverse"})
-              .doc_(
-                  "nnls: non-negative least squares, each class weighted by the Poisson error of its count. "
-                  "inverse: the paper's K⁻¹, whose negative densities are reported and set to zero."))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "classes", "auto")
-              .range(1, 200)
-              .doc_(
-                  "Equal size classes from 0 to d_max; auto: those of the K matrix, or as many as there are "
-                  "profiles where these are fewer"))
-      .parameter(Parameter::number("smallest_visible", 0)
+              .doc_("nnls: densities of at least zero and least squared error, each class weighted by its "
+                    "counting error, with the volume fraction held to the profiles' area fraction. inverse: "
+                    "the paper's K⁻¹; negative densities are reported and set to zero"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "classes", "auto")
+                     .range(1, 200)
+                     .doc_("Equal size classes from 0 to d_max; auto: as many as the K matrix has"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest_visible", "auto")
                      .unit_("mm")
-                     .range(0, 1e12)
-                     .doc_("Size √(4·A/π) of profile below which the picture shows none: smaller profiles "
-                           "are dropped and "
-                           "what they would say is left out of the fit, rather than taken as zero"))
+                     .range(0, 1e9)
+                     .doc_("Size of the smallest profile that would have been seen: smaller ones are "
+                           "missing, not absent; auto: the smallest that was"))
       .parameter(
-          Parameter::choice("border", "weights", {"weights", "all", "inside"})
-              .doc_("weights: those that the border cuts do not count, the others by Miles–Lantuéjoul "
-                    "weights. all: "
-                    "every profile counts once. inside: uncut profiles count once (biased to small ones)."))
-      .parameter(Parameter::integer("bootstrap", 100)
-                     .range(0, 100000)
-                     .doc_("Repetitions for the 90 % intervals: profiles are drawn again, whole sections "
-                           "from 10 sections "
-                           "on; 0 for none"))
+          Parameter::choice("border", "weights", {"weights", "inside", "all"})
+              .doc_("weights: profiles cut by the border left out and the others weighted for it (Miles and "
+                    "Lantuéjoul); inside: left out; all: every profile counts as it is seen"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "d_max", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Size √(4·A_max/π) of the largest particle; auto: the likeliest of 25 sizes from "
-                           "the largest "
-                           "profile's up to 1.6 times it"))
-      .parameter(Parameter::boolean("match_area_fraction", true)
-                     .doc_("nnls: adds the identity volume fraction = area fraction as one more equation, "
-                           "held to 1 %"))
+                     .doc_("Size of the largest particle; auto: by maximum likelihood, at least that of the "
+                           "largest profile"))
       .parameter(
-          Parameter::with_keyword(ParameterKind::Number, "area_fraction", "auto")
-              .above(0)
+          Parameter::number("area_fraction", 0)
               .range(0, 1)
               .doc_(
-                  "Share of the section covered by profiles; auto: as the profiles say. Where their observed "
-                  "area is unknown, it follows from this."))
+                  "Share of the section that profiles cover, where the profiles come without it; 0: unknown"))
+      .parameter(Parameter::integer("bootstrap", 100)
+                     .range(0, 100000)
+                     .doc_("Repetitions for the 90 % intervals: profiles drawn again, from ten sections on "
+                           "whole sections; 0: none"))
       .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the bootstrap"))
       .compute_(compute);
 }
