@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <fstream>
 #include <mutex>
+#include <set>
 #include <sstream>
 
 #include "graph/diagnostic.h"
@@ -96,6 +97,75 @@ std::mutex& reader_mutex() {
   return m;
 }
 
+// OpenMesh's PLY reader never returns from a header that breaks off or holds words that it does not know, so
+// that headers are checked before. Returns what is wrong, or "".
+std::string ply_header_fault(std::istream& in, std::uintmax_t file_size) {
+  static const std::set<std::string> types{"char",  "uchar",  "short",   "ushort", "int",   "uint",
+                                           "float", "double", "int8",    "uint8",  "int16", "uint16",
+                                           "int32", "uint32", "float32", "float64"};
+  std::string line, word;
+  bool element = false, format = false;
+  for (int number = 1; std::getline(in, line) && number < 10000; ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    std::istringstream words(line);
+    words >> word;
+    if (number == 1) {
+      if (word != "ply") return "does not begin as a PLY file";
+    } else if (word == "end_header") {
+      return !format ? "its header names no format" : !element ? "its header names no elements" : "";
+    } else if (word == "format") {
+      std::string kind;
+      std::string version;
+      words >> kind >> version;
+      if (version != "1.0") return "its format is of an unknown version";
+      if (kind != "ascii" && kind != "binary_little_endian" && kind != "binary_big_endian")
+        return "its format \"" + kind + "\" is unknown";
+      format = true;
+    } else if (word == "element") {
+      std::string name;
+      std::uintmax_t count = 0;
+      if (!(words >> name >> count)) return fmt::format("line {} of its header is not understood", number);
+      if (count > file_size)
+        return fmt::format("its header promises {} of {}, more than the file can hold", count, name);
+      element = true;
+    } else if (word == "property") {
+      std::string type, name, of, length;
+      bool good = element && static_cast<bool>(words >> type);
+      if (good && type == "list") good = words >> length >> of && types.count(length) && types.count(of);
+      if (good && type != "list") good = types.count(type) > 0;
+      if (!good || !(words >> name)) return fmt::format("line {} of its header is not understood", number);
+    } else if (word != "comment" && word != "obj_info") {
+      return fmt::format("line {} of its header is not understood", number);
+    }
+    word.clear();
+  }
+  return "its header does not end";
+}
+
+// Likewise OFF counts that no file of this size can meet: the reader would loop for as long as they say.
+std::string off_header_fault(std::istream& in, std::uintmax_t file_size) {
+  std::string line, all;
+  for (int number = 0; number < 100 && std::getline(in, line); ++number) {
+    line = line.substr(0, line.find('#'));
+    all += line + ' ';
+    std::istringstream words(all);
+    std::string word;
+    if (!(words >> word)) continue;
+    if (word.find("OFF") == std::string::npos) return "does not begin as an OFF file";
+    std::string counts[2];
+    if (!(words >> counts[0])) continue;
+    if (counts[0] == "BINARY") return {};
+    if (!(words >> counts[1])) continue;
+    for (const auto& c : counts) {
+      const bool digits = c.find_first_not_of("0123456789") == std::string::npos && c.size() < 16;
+      if (!digits || std::stoull(c) > file_size)
+        return "its counts \"" + counts[0] + ' ' + counts[1] + "\" cannot be";
+    }
+    return {};
+  }
+  return "its header does not end";
+}
+
 bool run_reader(const std::string& path, const std::string& extension, PolygonSoup& soup,
                 std::string& words) {
   const std::lock_guard lock(reader_mutex());
@@ -138,6 +208,13 @@ PolygonSoup read_mesh(const std::filesystem::path& path) {
                 "give an .obj, .ply, .stl or .off file");
   if (!std::ifstream(path).good())
     throw Error("unreadable-mesh", name + ": cannot be opened", "check the file's permissions");
+  if (extension == ".ply" || extension == ".off") {
+    std::ifstream in(path, std::ios::binary);
+    const auto size = std::filesystem::file_size(path);
+    if (const auto fault = extension == ".ply" ? ply_header_fault(in, size) : off_header_fault(in, size);
+        !fault.empty())
+      throw Error("unreadable-mesh", name + ": " + fault, "the file is damaged: write it again");
+  }
   PolygonSoup soup;
   std::string words;
   const bool good = run_reader(path.string(), extension, soup, words);
