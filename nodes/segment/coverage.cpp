@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/color.h"
+
 namespace terrazzo {
 namespace {
 
@@ -62,9 +64,18 @@ std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int 
 }
 
 std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& particles, const Work& work) {
+  // A pixel that two colours share is their mean in light. A grey picture is taken for a signal (a
+  // micrograph, a scan), whose mean is that of the values as they were written.
+  LabImage light = m.smooth;
+  work.parallel(light.pixels.size(), 1 << 14, [&](std::size_t b, std::size_t e) {
+    for (std::size_t i = b; i < e; ++i) {
+      light.pixels[i] = linear_of_patch_color(light.pixels[i]);
+      if (m.grey) light.pixels[i] = linear_to_srgb(light.pixels[i]);
+    }
+  });
   const auto rim = band(particles, m.width, m.height, 1);
-  const SideMean in = side_mean(m.smooth, particles, true, rim, work);
-  const SideMean out = side_mean(m.smooth, particles, false, rim, work);
+  const SideMean in = side_mean(light, particles, true, rim, work);
+  const SideMean out = side_mean(light, particles, false, rim, work);
   const float least = std::max(6 * m.noise, 0.01f);
   const auto near = band(particles, m.width, m.height, 2);
   std::vector<float> share(particles.size());
@@ -73,8 +84,9 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
     share[i] = particles[i] ? 1.0f : 0.0f;
     if (!near[i] || !in.known(i) || !out.known(i)) continue;
     const Vec3f b = out.at(i), f = in.at(i) - b;
-    if (f.norm() < least) continue;
-    share[i] = std::clamp((m.smooth.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
+    const auto seen = [&](const Vec3f& c) { return patch_color_of_linear(m.grey ? srgb_to_linear(c) : c); };
+    if ((seen(in.at(i)) - seen(b)).norm() < least) continue;
+    share[i] = std::clamp((light.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
     read[i] = 1;
   }
   // Only pixels that touch the outline may change sides, twice: noise further in makes no holes.

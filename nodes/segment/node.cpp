@@ -6,8 +6,6 @@
 namespace terrazzo {
 namespace {
 
-constexpr double automatic_min_area = 12;  // pixels: about the least that still has a shape
-
 Hint hint_of(const Context& c) {
   Hint hint;
   const std::string word = c.keyword("binder");
@@ -37,7 +35,7 @@ void compute(Context& c) {
   options.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
   options.binder = hint_of(c);
   options.split.strength = c.number("split");
-  options.split.min_area = c.keyword("min_area").empty() ? c.number("min_area") : automatic_min_area;
+  options.split.min_area = c.keyword("min_area").empty() ? c.number("min_area") : -1;
   options.color_classes =
       c.keyword("color_classes").empty() ? static_cast<int>(c.integer("color_classes")) : 0;
   options.seed = static_cast<std::uint64_t>(c.integer("seed"));
@@ -55,6 +53,7 @@ void compute(Context& c) {
   if (!given) {
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
+    c.metric("min_area", s.min_area);
     c.metric("specks_dropped", static_cast<double>(s.specks));
     c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
     c.metric("holes_filled", static_cast<double>(s.holes));
@@ -97,7 +96,8 @@ NodeType segment_node() {
       .parameter(Parameter::with_keyword(ParameterKind::Number, "min_area", "auto")
                      .unit_("pixels")
                      .range(0, 1e9)
-                     .doc_("Smaller particles are dropped and counted; auto: 12"))
+                     .doc_("Smaller particles are dropped and counted; auto: 12, up to 48 where pits and "
+                           "noise are frequent; 25 by regions"))
       .parameter(
           Parameter::integer("color_classes", 1)
               .keyword("auto")

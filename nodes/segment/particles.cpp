@@ -61,12 +61,35 @@ void fill_pinholes(Mask& mask, int width, int height, double min_area) {
   }
 }
 
-void drop_specks(Mask& mask, int width, int height, double min_area, Particles2D& out) {
-  const Components parts = connected_components(raster_of(mask, true), width, height, false);
-  for (const auto size : parts.sizes)
-    if (static_cast<double>(size) < min_area) ++out.specks, out.speck_pixels += size;
+// 12 pixels have about the least of a shape. Where sizes below come ever more often (pits, noise), the tail
+// that they form may reach further up: to where doubling the size makes parts more frequent again, at
+// most 48.
+double automatic_min_area(const Components& parts) {
+  double least = 12;
+  for (; least < 48; least *= 2) {
+    std::int64_t here = 0, above = 0;
+    for (const auto size : parts.sizes) {
+      const auto s = static_cast<double>(size);
+      here += s >= least / 2 && s < least;
+      above += s >= least && s < 2 * least;
+    }
+    if (here <= above) break;
+  }
+  return least;
+}
+
+// Parts below min_area, and ragged ones below eight times that: cracks and roughened places.
+void drop_specks(Mask& mask, const Components& parts, int width, int height, double min_area,
+                 Particles2D& out) {
+  const auto pieces = measure_pieces(parts.ids, width, height);
+  std::vector<bool> dropped(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const Piece& p = pieces[k];
+    dropped[k] = p.area < min_area || (p.area < 8 * min_area && p.solidity() < 0.6);
+    if (dropped[k]) ++out.specks, out.speck_pixels += parts.sizes[k];
+  }
   for (std::size_t i = 0; i < mask.size(); ++i)
-    if (parts.ids[i] != 0 && static_cast<double>(parts.sizes[parts.ids[i] - 1]) < min_area) mask[i] = 0;
+    if (parts.ids[i] != 0 && dropped[parts.ids[i] - 1]) mask[i] = 0;
 }
 
 // Pieces smaller than min_area join the piece that they touch most.
@@ -129,17 +152,43 @@ std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height
   return filled;
 }
 
+// Distance to a cluster in its own spreads: a patch that lies far outside a tight cluster belongs to a wide
+// one even when that one's centre is further off. The square root of the deviance of round normal clusters,
+// shifted to be positive.
+class ClusterDistance {
+ public:
+  explicit ClusterDistance(const Clusters& clusters) : clusters_(clusters) {
+    double mean = 0;
+    for (std::size_t c = 0; c < clusters.centers.size(); ++c)
+      mean += clusters.weights[c] * clusters.spread[c];
+    float least = 1e9f;
+    for (const float s : clusters.spread) {
+      spread_.push_back(std::max({s, 0.5f * static_cast<float>(mean), 1e-6f}));
+      least = std::min(least, spread_.back());
+    }
+    for (const float s : spread_) offset_.push_back(2 * std::log(s / least));
+  }
+  float operator()(const Vec3f& color, std::size_t c) const {
+    return std::sqrt((color - clusters_.centers[c]).squaredNorm() / (spread_[c] * spread_[c]) + offset_[c]);
+  }
+
+ private:
+  const Clusters& clusters_;
+  std::vector<float> spread_, offset_;
+};
+
 // Which patches are particles: the nearest cluster says so, but patches with no edge between them stay
 // together. Evidence of colour grows with a patch's outline and not with its area, since what misleads it
 // (light, stain) is the same all over the patch.
 std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Work& work) {
   const std::size_t n = m.colors.size();
+  const ClusterDistance distance(ground.clusters);
   std::vector<double> binder(n, 0), particle(n, 0);
   for (std::size_t k = 0; k < n; ++k) {
     float to_binder = 1e9f, to_particle = 1e9f;
     for (std::size_t c = 0; c < ground.is_binder.size(); ++c) {
       float& d = ground.is_binder[c] ? to_binder : to_particle;
-      d = std::min(d, (m.colors[k] - ground.clusters.centers[c]).norm());
+      d = std::min(d, distance(m.colors[k], c));
     }
     const double evidence = 4 * std::sqrt(m.areas[k]) / std::max(1e-9f, to_binder + to_particle);
     binder[k] = evidence * to_binder, particle[k] = evidence * to_particle;
@@ -168,6 +217,37 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   return min_cut(binder, particle, edges, work);
 }
 
+// Each pixel takes the value that most of the (2·reach + 1)² around it have; its own, where that has as many.
+std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int width, int height, int reach,
+                                   const Work& work) {
+  std::vector<std::int32_t> out = labels;
+  work.parallel(height, 16, [&](std::size_t b, std::size_t e) {
+    std::vector<std::int32_t> around;
+    for (int y = static_cast<int>(b); y < static_cast<int>(e); ++y)
+      for (int x = 0; x < width; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        around.clear();
+        bool mixed = false;
+        for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
+          for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
+            around.push_back(labels[static_cast<std::size_t>(v) * width + u]);
+            mixed = mixed || around.back() != labels[i];
+          }
+        if (!mixed) continue;
+        std::sort(around.begin(), around.end());
+        auto most = std::count(around.begin(), around.end(), labels[i]);
+        for (std::size_t k = 0; k < around.size();) {
+          std::size_t end = k;
+          while (end < around.size() && around[end] == around[k]) ++end;
+          if (static_cast<std::ptrdiff_t>(end - k) > most)
+            most = static_cast<std::ptrdiff_t>(end - k), out[i] = around[k];
+          k = end;
+        }
+      }
+  });
+  return out;
+}
+
 }  // namespace
 
 Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOptions& options,
@@ -176,34 +256,39 @@ Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOpt
   const std::vector<bool> of_patch = label_patches(m, ground, work);
   Mask mask(m.patches.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = of_patch[m.patches[i] - 1];
-  fill_pinholes(mask, m.width, m.height, options.min_area);
+  const auto parts_of = [&] { return connected_components(raster_of(mask, true), m.width, m.height, false); };
+  out.min_area = options.min_area >= 0 ? options.min_area : automatic_min_area(parts_of());
+  fill_pinholes(mask, m.width, m.height, out.min_area);
   work.check();
   out.coverage = refine_outline(m, mask, work);
-  fill_pinholes(mask, m.width, m.height, options.min_area);
-  drop_specks(mask, m.width, m.height, options.min_area, out);
+  fill_pinholes(mask, m.width, m.height, out.min_area);
+  drop_specks(mask, parts_of(), m.width, m.height, out.min_area, out);
   const auto bodies =
-      options.strength > 0 ? color_bodies(m, mask, of_patch, options.min_area, work) : raster_of(mask, true);
+      options.strength > 0 ? color_bodies(m, mask, of_patch, out.min_area, work) : raster_of(mask, true);
   out.labels = split_at_necks(bodies, m.width, m.height, options.strength, work);
   work.check();
-  join_crumbs(out.labels, m.width, m.height, options.min_area);
+  join_crumbs(out.labels, m.width, m.height, out.min_area);
   renumber(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
   return out;
 }
 
-Particles2D find_particles_by_regions(const Mosaic& m, double likeness, const SplitOptions& options,
-                                      const Work& work) {
+Particles2D find_particles_by_regions(const Mosaic& m, double likeness, const Vec3f* binder,
+                                      const SplitOptions& options, const Work& work) {
   Particles2D out;
+  out.min_area = options.min_area >= 0 ? options.min_area : 25;
   const RegionTree tree = build_region_tree(m, work);
   const double all = static_cast<double>(m.patches.size());
-  out.labels = choose_particles(tree, likeness, std::max(options.min_area, 25.0), 0.4 * all);
-  // A region may be in parts that touch at corners only, or have holes.
+  out.labels = choose_particles(tree, {likeness, out.min_area, 0.4 * all, binder, 0.3f * m.spread});
+  for (int round = 0; round < 2; ++round) out.labels = majority(out.labels, m.width, m.height, 2, work);
+  if (options.strength > 0)
+    out.labels = split_at_necks(out.labels, m.width, m.height, options.strength, work);
   const Components parts = connected_components(out.labels, m.width, m.height, false);
   for (const auto size : parts.sizes)
-    if (static_cast<double>(size) < options.min_area) ++out.specks, out.speck_pixels += size;
+    if (static_cast<double>(size) < out.min_area) ++out.specks, out.speck_pixels += size;
   out.labels = parts.ids;
   for (auto& l : out.labels)
-    if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < options.min_area) l = 0;
+    if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < out.min_area) l = 0;
   renumber(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
   out.coverage = smooth_coverage(out.labels, m.width, m.height, work);

@@ -11,12 +11,13 @@ namespace terrazzo {
 
 struct SplitOptions {
   double strength = 0.5;  // 0…1, as in split_at_necks
-  double min_area = 12;   // pixels: smaller parts are dropped
+  double min_area = -1;   // pixels: smaller parts are dropped; negative: found
 };
 
 struct Particles2D {
   std::vector<std::int32_t> labels;  // from 1
   std::vector<float> coverage;       // of each pixel
+  double min_area = 0;               // pixels, the one used
   std::int64_t specks = 0;           // parts dropped for their size
   std::int64_t speck_pixels = 0;
   std::int64_t holes = 0;  // holes filled
@@ -28,6 +29,7 @@ Particles2D find_particles(const Mosaic&, const Ground&, const SplitOptions&, co
 
 // The regions of a photograph that look like particles by edge and shape (region_tree.h), for pictures whose
 // colours do not part particles from binder.
-Particles2D find_particles_by_regions(const Mosaic&, double likeness, const SplitOptions&, const Work&);
+Particles2D find_particles_by_regions(const Mosaic&, double likeness, const Vec3f* binder,
+                                      const SplitOptions&, const Work&);
 
 }  // namespace terrazzo

@@ -174,16 +174,20 @@ double particle_likeness(const Candidate& c, const RegionTree& tree) {
   return 1 / (1 + std::exp(-z));
 }
 
-std::vector<std::int32_t> choose_particles(const RegionTree& tree, double threshold, double min_area,
-                                           double max_area) {
+std::vector<std::int32_t> choose_particles(const RegionTree& tree, const Choice& choice) {
   const auto& all = tree.candidates;
   std::vector<double> best(all.size(), 0);
   std::vector<bool> taken(all.size(), false);
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Candidate& c = all[k];
     if (c.left >= 0) best[k] = best[c.left] + best[c.right];
-    if (c.area < min_area || c.area > max_area) continue;
-    const double score = particle_likeness(c, tree) - threshold;
+    if (c.area < choice.min_area || c.area > choice.max_area) continue;
+    double likeness = particle_likeness(c, tree);
+    if (choice.binder) {
+      const double d2 = (mean_color(c).cast<float>() - *choice.binder).squaredNorm();
+      likeness *= 1 - std::exp(-d2 / (2 * static_cast<double>(choice.tolerance) * choice.tolerance));
+    }
+    const double score = likeness - choice.threshold;
     if (score > 0 && score > best[k]) best[k] = score, taken[k] = true;
   }
   std::vector<std::int32_t> label(all.size(), 0), out(tree.leaf.size());

@@ -42,9 +42,16 @@ RegionTree build_region_tree(const Mosaic&, const Work&);
 // of which is needed to use them.
 double particle_likeness(const Candidate&, const RegionTree&);
 
+// Which candidates to take, and how readily.
+struct Choice {
+  double threshold = 0.2;                 // likeness below which a region is no particle
+  double min_area = 25, max_area = 1e12;  // pixels
+  const Vec3f* binder = nullptr;          // patch colour: regions of about this colour are less likely
+  float tolerance = 0.1f;                 // of that colour
+};
+
 // The disjoint candidates with the largest sum of (likeness − threshold), found exactly from the leaves up.
 // Labels from 1.
-std::vector<std::int32_t> choose_particles(const RegionTree&, double threshold, double min_area,
-                                           double max_area);
+std::vector<std::int32_t> choose_particles(const RegionTree&, const Choice&);
 
 }  // namespace terrazzo

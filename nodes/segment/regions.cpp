@@ -38,6 +38,7 @@ std::vector<float> gradient_of(const LabImage& image) {
 }
 
 Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], chroma * oklab[1], chroma * oklab[2]}; }
+Vec3f linear_of_patch_color(const Vec3f& c) { return oklab_to_linear({c[0], c[1] / chroma, c[2] / chroma}); }
 Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
 
 void make_patches(Mosaic& m, const Work& work) {
@@ -64,6 +65,8 @@ Mosaic make_mosaic(const Image& source, int section, const Work& work) {
   m.width = source.width, m.height = source.height;
   m.image = lab_section(source, section, work);
   m.noise = noise_of(m.image);
+  m.grey = std::all_of(m.image.pixels.begin(), m.image.pixels.end(),
+                       [](const Vec3f& p) { return std::abs(p[1]) < 1e-3f && std::abs(p[2]) < 1e-3f; });
   for (auto& p : m.image.pixels) p = patch_color(p);
   m.spread = spread_of(m.image);
   // Where noise or fine texture is nearly as strong as what there is to see, it must go before edges can be

@@ -12,6 +12,7 @@ namespace terrazzo {
 // has them over patches that lie far apart (Oklab itself is scaled to just noticeable ones).
 Vec3f patch_color(const Vec3f& oklab);
 Vec3f patch_color_of_linear(const Vec3f& linear);
+Vec3f linear_of_patch_color(const Vec3f& patch);
 
 // Norm of the central differences, per pixel.
 std::vector<float> gradient_of(const LabImage&);
@@ -20,6 +21,7 @@ struct Mosaic {
   int width = 0, height = 0;
   LabImage image;      // patch colours of the pixels, not denoised
   LabImage smooth;     // denoised
+  bool grey = false;   // no colour anywhere
   float noise = 0;     // of lightness
   float spread = 0;    // standard deviation of the patch colours of the pixels
   float contrast = 0;  // usual colour difference between neighbouring patches before they merged

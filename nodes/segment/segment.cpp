@@ -56,6 +56,17 @@ Method fitting_method(const std::vector<Mosaic>& sections) {
   return apart < 5.5 * usual ? Method::Regions : Method::Clusters;
 }
 
+Vec3f binder_color(const Ground& ground, const Hint& hint) {
+  switch (hint.kind) {
+    case Hint::Kind::Darkest:
+      return ground.clusters.centers.front();
+    case Hint::Kind::Lightest:
+      return ground.clusters.centers.back();
+    default:
+      return hint.color;
+  }
+}
+
 }  // namespace
 
 Segmentation segment(const Image& image, const SegmentOptions& options, const Work& work) {
@@ -71,9 +82,11 @@ Segmentation segment(const Image& image, const SegmentOptions& options, const Wo
   s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = image.sections;
   s.labels.pixel_size = image.pixel_size;
   std::vector<float> coverage;
+  const Vec3f binder = binder_color(s.ground, options.binder);
+  const Vec3f* hinted = options.binder.kind == Hint::Kind::Auto ? nullptr : &binder;
   for (const auto& m : mosaics) {
     Particles2D found = s.method == Method::Regions
-                            ? find_particles_by_regions(m, options.likeness, options.split, work)
+                            ? find_particles_by_regions(m, options.likeness, hinted, options.split, work)
                             : find_particles(m, s.ground, options.split, work);
     const std::int32_t before = s.labels.count();
     std::int32_t count = 0;
@@ -83,12 +96,13 @@ Segmentation segment(const Image& image, const SegmentOptions& options, const Wo
     }
     s.labels.classes.resize(before + count, 0);
     coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
+    s.min_area = found.min_area;
     s.specks += found.specks, s.speck_pixels += found.speck_pixels, s.holes += found.holes;
   }
   if (s.labels.classes.empty())
     throw Error("no-particles",
                 "no particle is left: " + std::to_string(s.specks) + " parts are smaller than min_area (" +
-                    std::to_string(options.split.min_area) + " pixels)",
+                    std::to_string(s.min_area) + " pixels)",
                 "lower min_area, or tell the binder's colour by binder");
   s.profiles = measure_profiles(image, s.labels, coverage, work.part(0.8, 1));
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);

@@ -13,8 +13,8 @@ enum class Method { Auto, Clusters, Regions };
 
 struct SegmentOptions {
   Method method = Method::Auto;
-  double likeness = 0.3;
-  int clusters = 0;  // 0: found
+  double likeness = 0.2;  // least of a region that is taken for a particle
+  int clusters = 0;       // 0: found
   Hint binder;
   SplitOptions split;
   int color_classes = 1;  // 0: found
@@ -26,6 +26,7 @@ struct Segmentation {
   Profiles profiles;
   Ground ground;                     // empty where labels were given
   Method method = Method::Clusters;  // the one used
+  double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
 };
 
