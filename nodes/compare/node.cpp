@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "graph/node_type.h"
 #include "nodes/compare/comparison.h"
@@ -36,8 +39,19 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
   choice.size_classes = has("size_classes"), choice.area_fraction = has("area_fraction"),
   choice.color = has("color");
   choice.classes = static_cast<int>(c.integer("classes"));
-  choice.smallest = c.number("smallest");
+  if (c.keyword("smallest").empty()) choice.smallest = c.number("smallest");
   return choice;
+}
+
+// The larger of both sets' smallest profiles: below it one of them may have been blind.
+double both_show(const Profiles& a, const Profiles& b) {
+  const auto smallest = [](const Profiles& p) {
+    double area = std::numeric_limits<double>::infinity();
+    for (const auto& q : p.profiles)
+      if (q.weight > 0) area = std::min(area, q.area);
+    return std::isfinite(area) ? std::sqrt(4 * area / std::numbers::pi) : 0;
+  };
+  return std::max(smallest(a), smallest(b)) * (1 - 1e-9);
 }
 
 void compute(Context& c) {
@@ -45,7 +59,9 @@ void compute(Context& c) {
   if (type != other)
     throw Error("different-types", fmt::format("a is of type {}, b of type {}", type, other),
                 "connect two values of one type");
-  const CompareChoice choice = choice_of(c, type);
+  CompareChoice choice = choice_of(c, type);
+  if (type == "Profiles" && !c.keyword("smallest").empty())
+    choice.smallest = both_show(c.input<Profiles>("a"), c.input<Profiles>("b"));
   Comparison comparison;
   if (type == "Profiles")
     comparison = compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
@@ -75,9 +91,8 @@ NodeType compare_node() {
       .source_(
           "Noise of counts: Poisson; of area fractions: a Boolean model's profiles (Underwood 1970; Ohser "
           "and Mücklich 2000).")
-      .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
-      .optional_input("b", {"Profiles", "SizeDistribution", "Image"},
-                      "what is compared with it, of the same type")
+      .input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
+      .input("b", {"Profiles", "SizeDistribution", "Image"}, "what is compared with it, of the same type")
       .output("table", "Table",
               "measure, item, unit, lower and upper edge of a bin, a, b, difference b − a, tolerance, "
               "exceeds (0 or 1)")
@@ -88,14 +103,13 @@ NodeType compare_node() {
                      .range(1, 1000)
                      .doc_("Equal classes of √A up to the larger of both largest profiles; of distributions "
                            "only where their own differ."))
-      .parameter(Parameter::number("smallest", 0)
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
                      .doc_("Profiles of a smaller diameter √(4A/π) are left out of the size classes of both, "
-                           "as a photograph may not show them."))
+                           "as a photograph may not show them; auto: the larger of both sets' smallest."))
       .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("What the figure calls the two."))
       .compute_(compute);
-  for (auto& port : type.inputs) port.optional = false;
   return type;
 }
 
