@@ -18,10 +18,7 @@ std::string Port::type_text() const {
 NodeType& NodeType::doc_(std::string text) { return doc = std::move(text), *this; }
 NodeType& NodeType::source_(std::string text) { return source = std::move(text), *this; }
 NodeType& NodeType::input(std::string name, std::string type, std::string doc) {
-  return input(std::move(name), std::vector<std::string>{std::move(type)}, std::move(doc));
-}
-NodeType& NodeType::input(std::string name, std::vector<std::string> types, std::string doc) {
-  inputs.push_back({std::move(name), std::move(types), std::move(doc), false, false});
+  inputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false});
   return *this;
 }
 NodeType& NodeType::optional_input(std::string name, std::vector<std::string> types, std::string doc) {

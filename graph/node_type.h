@@ -35,7 +35,6 @@ struct NodeType {
   NodeType& doc_(std::string text);
   NodeType& source_(std::string text);
   NodeType& input(std::string name, std::string type, std::string doc);
-  NodeType& input(std::string name, std::vector<std::string> types, std::string doc);  // one of these types
   NodeType& optional_input(std::string name, std::vector<std::string> types, std::string doc);
   NodeType& input_list(std::string name, std::vector<std::string> types, std::string doc);
   NodeType& output(std::string name, std::string type, std::string doc);

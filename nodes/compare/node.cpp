@@ -91,8 +91,8 @@ NodeType compare_node() {
       .source_(
           "Noise of counts: Poisson; of area fractions: a Boolean model's profiles (Underwood 1970; Ohser "
           "and Mücklich 2000).")
-      .input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
-      .input("b", {"Profiles", "SizeDistribution", "Image"}, "what is compared with it, of the same type")
+      .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
+      .optional_input("b", {"Profiles", "SizeDistribution", "Image"}, "what is compared with it, of the same type")
       .output("table", "Table",
               "measure, item, unit, lower and upper edge of a bin, a, b, difference b − a, tolerance, "
               "exceeds (0 or 1)")
@@ -110,6 +110,7 @@ NodeType compare_node() {
                            "as a photograph may not show them; auto: the larger of both sets' smallest."))
       .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("What the figure calls the two."))
       .compute_(compute);
+  for (auto& port : type.inputs) port.optional = false;
   return type;
 }
 
