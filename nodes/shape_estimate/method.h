@@ -20,6 +20,7 @@ struct EstimateRequest {
   int subdivision = 1;         // levels
   int control = 0;             // control points a quarter of a curve; 0: as many as the curves need
   std::string axis = "short";  // "short" or "long"
+  int base = 0;                // the profile swept along: by aspect ratio, 0 nearest to one
 };
 
 struct Estimate {

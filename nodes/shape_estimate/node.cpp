@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "graph/node_type.h"
 #include "nodes/common/mesh.h"
@@ -41,11 +40,11 @@ struct Chosen {
 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
   const auto shapes = static_cast<std::size_t>(c.integer("count"));
-  const auto each = std::max(method.least, static_cast<std::size_t>(c.integer("each")));
+  const auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
   const double crease = c.number("crease");
   Chosen out;
   CandidateOptions options;
-  options.cls = static_cast<int>(c.integer("class"));
+  if (c.keyword("class").empty()) options.cls = static_cast<int>(c.integer("class"));
   options.smallest = c.number("smallest");
   options.crease = crease;
   auto candidates = candidates_of(profiles, options, c.work());
@@ -97,7 +96,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
 
 struct Made {
   Estimate estimate;
-  std::int64_t self_intersections = std::numeric_limits<std::int64_t>::max();
+  std::int64_t self_intersections = 0;
 };
 
 // As asked; where that passes through itself, with another base curve, which keeps the same profiles.
@@ -107,8 +106,9 @@ Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, 
   for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
     request.base = (first + turn) % n;
     Made made{method.run(request, work)};
-    if (mesh_volume(made.estimate.mesh) > 0)
-      made.self_intersections = self_intersections(made.estimate.mesh, work);
+    made.self_intersections = self_intersections(made.estimate.mesh, work);
+    if (mesh_volume(made.estimate.mesh) <= 0)
+      made.self_intersections += static_cast<std::int64_t>(made.estimate.mesh.triangles.size());
     if (turn == 0 || made.self_intersections < best.self_intersections) best = std::move(made);
     if (best.self_intersections == 0) break;
   }
@@ -141,9 +141,8 @@ void compute(Context& c) {
     std::string name;
     for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
     if (made.self_intersections > 0)
-      c.warn(fmt::format(
-          "the shape of {} passes through itself ({} pairs of triangles)", name,
-          made.self_intersections == std::numeric_limits<std::int64_t>::max() ? 0 : made.self_intersections));
+      c.warn(fmt::format("the shape of {} passes through itself ({} pairs of triangles)", name,
+                         made.self_intersections));
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
     triangles += shape.mesh.triangles.size();
@@ -154,7 +153,7 @@ void compute(Context& c) {
   c.metric("shapes", static_cast<double>(count));
   c.metric("triangles", triangles);
   c.metric("self_intersections", crossings);
-  if (deviation >= 0) c.metric("profile_deviation", deviation);
+  if (deviation >= 0) c.metric("deviation", deviation);
   c.output("shapes", std::move(shapes));
 }
 
@@ -185,12 +184,15 @@ NodeType shape_estimate_node() {
           Parameter::with_keyword(ParameterKind::Ints, "profiles", "representative")
               .keyword("largest")
               .keyword("diverse")
+              .range(1, 1e9)
               .doc_(
                   "which profiles: the most usual kinds, the largest, the most different ones, or ids as in "
-                  "Labels (1 is the first): `each` for every shape, or fewer, of which all shapes are then "
+                  "Labels (1 is the first): groups of `profiles_per_shape`, or fewer, of which all shapes "
+                  "are then "
                   "made, each with another one as its base"))
       .parameter(Parameter::integer("count", 3).range(1, 100).doc_("how many different shapes"))
-      .parameter(Parameter::integer("each", 3).range(3, 12).doc_("profiles that a shape is made of"))
+      .parameter(
+          Parameter::integer("profiles_per_shape", 3).range(3, 12).doc_("profiles that a shape is made of"))
       .parameter(Parameter::integer("subdivision", 1)
                      .range(0, 4)
                      .doc_("levels of Catmull–Clark subdivision; each gives four times the triangles (about "
@@ -214,8 +216,9 @@ NodeType shape_estimate_node() {
           Parameter::number("smallest", 0.4)
               .range(0, 1)
               .doc_("leave out profiles smaller than this share of the √area that a tenth of them exceed"))
-      .parameter(
-          Parameter::integer("class", -1).range(-1, 1e6).doc_("colour or particle class to draw on; −1: all"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "class", "any")
+                     .range(0, 1e6)
+                     .doc_("colour or particle class whose profiles are used"))
       .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the choice of profiles"))
       .compute_(compute);
 }

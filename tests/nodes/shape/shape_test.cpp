@@ -37,7 +37,9 @@ TEST(ShapeSolids, PlatonicSolidsHaveTheirMeasures) {
     EXPECT_NEAR(mesh_mean_caliper(m), caliper[i], 1e-7);
     EXPECT_NEAR(mesh_volume(m), *c.volume, 1e-12);
     EXPECT_NEAR(mesh_surface_area(m), *c.surface_area, 1e-12);
-    if (c.max_section_area) EXPECT_NEAR(max_section_area(m), *c.max_section_area, 1e-5);
+    if (c.max_section_area) {
+      EXPECT_NEAR(max_section_area(m), *c.max_section_area, 1e-5);
+    }
   }
 }
 
@@ -166,7 +168,9 @@ TEST(ShapeNode, SeveralRocksDifferAndRepeat) {
     EXPECT_EQ(x[i].probability, 0.25);
     EXPECT_EQ(x[i].mesh.vertices, y[i].mesh.vertices);
     EXPECT_EQ(x[i].max_section_area, y[i].max_section_area);
-    if (i) EXPECT_NE(x[i].volume, x[0].volume);
+    if (i) {
+      EXPECT_NE(x[i].volume, x[0].volume);
+    }
   }
 }
 
