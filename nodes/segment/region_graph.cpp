@@ -118,20 +118,4 @@ std::vector<Region> RegionGraph::regions() const {
   return out;
 }
 
-float RegionGraph::median_contrast() const {
-  std::vector<std::pair<float, float>> all;
-  double total = 0;
-  for (std::size_t a = 0; a < regions_.size(); ++a)
-    for (const auto& [b, length] : regions_[a].borders)
-      if (static_cast<std::int32_t>(a) < b) {
-        all.emplace_back((regions_[a].color() - regions_[b].color()).norm(), length);
-        total += length;
-      }
-  std::sort(all.begin(), all.end());
-  double at = 0;
-  for (const auto& [contrast, length] : all)
-    if ((at += length) >= total / 2) return contrast;
-  return 0;
-}
-
 }  // namespace terrazzo

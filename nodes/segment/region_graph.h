@@ -35,9 +35,6 @@ class RegionGraph {
   std::vector<std::int32_t> labels() const;
   std::vector<Region> regions() const;  // by that number − 1, borders included
 
-  // Median over borders, by length, of the colour difference across.
-  float median_contrast() const;
-
  private:
   std::int32_t root(std::int32_t) const;
   std::vector<std::int32_t> pixels_;

@@ -21,6 +21,22 @@ float spread_of(const LabImage& image) {
   return static_cast<float>(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
 }
 
+// Median colour difference of pixels four apart: noise and texture, since edges are few.
+float usual_difference(const LabImage& image) {
+  constexpr int apart = 4;
+  std::vector<float> all;
+  for (int y = 0; y < image.height; y += 2)
+    for (int x = 0; x < image.width; x += 2) {
+      const Vec3f& p = image.pixels[image.index(x, y)];
+      if (x + apart < image.width) all.push_back((p - image.pixels[image.index(x + apart, y)]).norm());
+      if (y + apart < image.height) all.push_back((p - image.pixels[image.index(x, y + apart)]).norm());
+    }
+  if (all.empty()) return 0;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
+
 }  // namespace
 
 std::vector<float> gradient_of(const LabImage& image) {
@@ -51,7 +67,7 @@ void make_patches(Mosaic& m, const Work& work) {
     weights[i] = 1 / (1 + q * q);
   }
   RegionGraph graph(m.smooth, basins, weights);
-  m.contrast = graph.median_contrast();
+  m.contrast = std::max(usual_difference(m.smooth), 0.001f);
   graph.merge(9.0 * m.contrast * m.contrast, work);
   m.patches = graph.labels();
   for (const auto& r : graph.regions()) {

@@ -19,12 +19,12 @@ std::vector<float> gradient_of(const LabImage&);
 
 struct Mosaic {
   int width = 0, height = 0;
-  LabImage image;      // patch colours of the pixels, not denoised
-  LabImage smooth;     // denoised
-  bool grey = false;   // no colour anywhere
-  float noise = 0;     // of lightness
-  float spread = 0;    // standard deviation of the patch colours of the pixels
-  float contrast = 0;  // usual colour difference between neighbouring patches before they merged
+  LabImage image;                     // patch colours of the pixels, not denoised
+  LabImage smooth;                    // denoised
+  bool grey = false;                  // no colour anywhere
+  float noise = 0;                    // of lightness
+  float spread = 0;                   // standard deviation of the patch colours of the pixels
+  float contrast = 0;                 // usual colour difference over four pixels: noise and texture
   std::vector<std::int32_t> patches;  // of each pixel, from 1
   std::vector<Vec3f> colors;          // of patch k at k − 1
   std::vector<float> areas;           // pixels
