@@ -60,7 +60,8 @@ void compute(Context& c) {
   const Vec3i size = volume_size(c);
   const Work& work = c.work();
   const auto edge = static_cast<int>(c.integer("edge"));
-  const ResidualImage residual = residual_image(image, c.input<Labels>("labels"), edge, work.part(0, 0.05));
+  const ResidualImage residual =
+      residual_image(image, c.input<Labels>("labels"), edge, c.number("specks"), work.part(0, 0.05));
   if (residual.edge < edge)
     c.warn(fmt::format("outlines are left out by {} pixels instead of {}: little else would be left",
                        residual.edge, edge));
@@ -78,6 +79,7 @@ void compute(Context& c) {
   volume.resolution = size;
   volume.grids = {to_grid(voxels, size, image.pixel_size, work.part(0.95, 1))};
   c.metric("filled", residual.filled);
+  c.metric("specks", residual.specks);
   c.metric("deviation", exemplar.channels > 0 ? exemplar.values[0].deviation : 0);
   for (std::size_t s = 0; s < report.deviation.size(); ++s)
     c.metric(s == 0                             ? "band_high"
@@ -118,6 +120,11 @@ NodeType residual_synth_node() {
                      .doc_("Of matching; 0 leaves Gaussian noise of the photograph's spectrum and values"))
       .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
           "Pixels to each side of outlines that are filled from beyond instead of used"))
+      .parameter(Parameter::number("specks", 6)
+                     .range(0, 1e6)
+                     .doc_("Binder pixels more than this many robust standard deviations from the binder's "
+                           "median are particles that the "
+                           "labels miss: they are filled like outlines. 0 keeps them"))
       .compute_(compute);
 }
 

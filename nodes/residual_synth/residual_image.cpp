@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace terrazzo {
 namespace {
 
 // Chessboard distance to the nearest pixel of another label, minus one and capped: 0 beside an outline.
-std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int cap) {
+std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int cap, const Work& work) {
   const int w = labels.width, h = labels.height;
   std::vector<std::uint8_t> depth(static_cast<std::size_t>(w) * h, static_cast<std::uint8_t>(cap));
   std::vector<std::uint8_t> next;
@@ -22,16 +23,18 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
   };
   for (int step = 0; step < cap; ++step) {
     next = depth;
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t at = static_cast<std::size_t>(y) * w + x;
-        if (depth[at] < cap) continue;
-        const bool edge = step == 0 ? around(x, y, [&](int u, int v) { return id(u, v) != id(x, y); })
-                                    : around(x, y, [&](int u, int v) {
-                                        return depth[static_cast<std::size_t>(v) * w + u] < cap;
-                                      });
-        if (edge) next[at] = static_cast<std::uint8_t>(step);
-      }
+    work.part(0, 0).parallel(h, 64, [&](std::size_t begin, std::size_t end) {
+      for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+        for (int x = 0; x < w; ++x) {
+          const std::size_t at = static_cast<std::size_t>(y) * w + x;
+          if (depth[at] < cap) continue;
+          const bool edge = step == 0 ? around(x, y, [&](int u, int v) { return id(u, v) != id(x, y); })
+                                      : around(x, y, [&](int u, int v) {
+                                          return depth[static_cast<std::size_t>(v) * w + u] < cap;
+                                        });
+          if (edge) next[at] = static_cast<std::uint8_t>(step);
+        }
+    });
     depth.swap(next);
   }
   return depth;
@@ -66,9 +69,80 @@ std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, 
   return nearest;
 }
 
+// Clears binder pixels further than `limit` robust standard deviations (1.4826 · median absolute deviation,
+// at least half a step of 8 bits) from the binder's median in any channel, and those within `edge` of them.
+// Returns how many were far.
+std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double limit, int edge, int w, int h,
+                         std::vector<std::uint8_t>& valid) {
+  const std::size_t n = valid.size();
+  Vec3f middle = Vec3f::Zero(), reach = Vec3f::Zero();
+  std::vector<float> v;
+  const auto median = [&] {
+    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
+    return v[v.size() / 2];
+  };
+  for (int c = 0; c < 3; ++c) {
+    v.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (valid[i] && ids[i] == 0) v.push_back(pixels[i][c]);
+    if (v.empty()) return 0;
+    middle[c] = median();
+    for (float& x : v) x = std::abs(x - middle[c]);
+    reach[c] = static_cast<float>(limit * std::max(1.4826 * median(), 0.002));
+  }
+  std::size_t far = 0;
+  const std::vector<std::uint8_t> before = valid;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * w + x;
+      if (!before[i] || ids[i] != 0 || ((pixels[i] - middle).cwiseAbs().array() <= reach.array()).all())
+        continue;
+      ++far;
+      for (int b = std::max(0, y - edge); b <= std::min(h - 1, y + edge); ++b)
+        for (int a = std::max(0, x - edge); a <= std::min(w - 1, x + edge); ++a)
+          valid[static_cast<std::size_t>(b) * w + a] = 0;
+    }
+  return far;
+}
+
+// Each valid pixel less the mean of the valid ones of its label.
+void subtract_means(Vec3f* pixels, const std::int32_t* ids, const std::vector<std::uint8_t>& valid) {
+  std::map<std::int32_t, std::pair<Vec3, double>> sums;
+  for (std::size_t i = 0; i < valid.size(); ++i) {
+    if (!valid[i]) continue;
+    auto& [sum, count] = sums.try_emplace(ids[i], Vec3::Zero(), 0.0).first->second;
+    sum += pixels[i].cast<double>(), ++count;
+  }
+  for (std::size_t i = 0; i < valid.size(); ++i)
+    if (valid[i]) {
+      const auto& [sum, count] = sums.at(ids[i]);
+      pixels[i] -= (sum / count).cast<float>();
+    }
+}
+
+// Pixels that are not valid get the value mirrored at the nearest valid one, or its own where the mirror
+// image is not valid.
+void fill(Vec3f* pixels, const std::vector<std::uint8_t>& valid, int w, int h) {
+  const auto nearest = nearest_valid(valid, w, h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * w + x;
+      if (valid[i]) continue;
+      if (nearest[i] < 0) {
+        pixels[i] = Vec3f::Zero();  // a section of outlines alone
+        continue;
+      }
+      const int mx = 2 * (nearest[i] % w) - x, my = 2 * (nearest[i] / w) - y;
+      const bool inside = mx >= 0 && my >= 0 && mx < w && my < h;
+      const std::size_t mirror = inside ? static_cast<std::size_t>(my) * w + mx : 0;
+      pixels[i] = pixels[inside && valid[mirror] ? mirror : static_cast<std::size_t>(nearest[i])];
+    }
+}
+
 }  // namespace
 
-ResidualImage residual_image(const Image& image, const Labels& labels, int edge, const Work& work) {
+ResidualImage residual_image(const Image& image, const Labels& labels, int edge, double specks,
+                             const Work& work) {
   if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
     throw Error(
         "size-mismatch",
@@ -77,61 +151,37 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
         "take labels of the same photograph");
   for (const auto& p : image.pixels)
     if (!p.allFinite()) throw Error("bad-pixels", "the image holds NaN or infinity");
-  const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
+  const int w = image.width, h = image.height;
+  const std::size_t plane = static_cast<std::size_t>(w) * h;
   ResidualImage out;
   out.image = image, out.edge = edge;
   std::vector<std::uint8_t> depth;
   for (int s = 0; s < image.sections; ++s) {
-    work.check();
-    const auto d = depth_in_label(labels, s, edge);
+    const auto d = depth_in_label(labels, s, edge, work);
     depth.insert(depth.end(), d.begin(), d.end());
   }
   const auto kept = [&](int band) {
-    return std::count_if(depth.begin(), depth.end(), [&](std::uint8_t d) { return d >= band; });
+    return static_cast<std::size_t>(
+        std::count_if(depth.begin(), depth.end(), [&](std::uint8_t d) { return d >= band; }));
   };
-  while (out.edge > 0 && 10 * static_cast<std::size_t>(kept(out.edge)) < depth.size()) --out.edge;
-  out.filled = 1 - static_cast<double>(kept(out.edge)) / static_cast<double>(depth.size());
+  while (out.edge > 0 && 10 * kept(out.edge) < depth.size()) --out.edge;
 
   Vec3 total = Vec3::Zero();
+  std::size_t filled = 0, far = 0;
   for (int s = 0; s < image.sections; ++s) {
     work.check();
-    const std::size_t begin = s * plane;
-    struct Mean {
-      Vec3 sum = Vec3::Zero();
-      double count = 0;
-    };
-    std::map<std::int32_t, Mean> means;
+    Vec3f* pixels = &out.image.pixels[s * plane];
+    const std::int32_t* ids = &labels.ids[s * plane];
     std::vector<std::uint8_t> valid(plane);
-    for (std::size_t i = 0; i < plane; ++i) {
-      valid[i] = depth[begin + i] >= out.edge;
-      if (!valid[i]) continue;
-      Mean& m = means[labels.ids[begin + i]];
-      m.sum += image.pixels[begin + i].cast<double>(), ++m.count;
-    }
-    Vec3f* residual = &out.image.pixels[begin];
-    for (std::size_t i = 0; i < plane; ++i)
-      if (valid[i]) {
-        const Mean& m = means[labels.ids[begin + i]];
-        residual[i] -= (m.sum / m.count).cast<float>();
-      }
-    const auto nearest = nearest_valid(valid, image.width, image.height);
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * image.width + x;
-        if (valid[i]) continue;
-        if (nearest[i] < 0) {
-          residual[i] = Vec3f::Zero();  // a section of outlines alone
-          continue;
-        }
-        const int nx = nearest[i] % image.width, ny = nearest[i] / image.width;
-        const int mx = 2 * nx - x, my = 2 * ny - y;
-        const bool inside = mx >= 0 && my >= 0 && mx < image.width && my < image.height;
-        const std::size_t mirror = inside ? static_cast<std::size_t>(my) * image.width + mx : 0;
-        residual[i] = residual[inside && valid[mirror] ? mirror : static_cast<std::size_t>(nearest[i])];
-      }
-    for (std::size_t i = 0; i < plane; ++i) total += residual[i].cast<double>();
+    for (std::size_t i = 0; i < plane; ++i) valid[i] = depth[s * plane + i] >= out.edge;
+    if (specks > 0) far += clear_specks(pixels, ids, specks, edge, w, h, valid);
+    subtract_means(pixels, ids, valid);
+    fill(pixels, valid, w, h);
+    for (std::size_t i = 0; i < plane; ++i) total += pixels[i].cast<double>(), filled += !valid[i];
   }
-  const Vec3f mean = (total / static_cast<double>(out.image.pixels.size())).cast<float>();
+  const double pixels = static_cast<double>(out.image.pixels.size());
+  out.filled = static_cast<double>(filled) / pixels, out.specks = static_cast<double>(far) / pixels;
+  const Vec3f mean = (total / pixels).cast<float>();
   for (auto& p : out.image.pixels) p -= mean;
   return out;
 }

@@ -10,13 +10,16 @@ namespace terrazzo {
 struct ResidualImage {
   Image image;        // colour offsets, mean 0 over all pixels
   double filled = 0;  // share of the pixels whose own value was not used
+  double specks = 0;  // share that is binder by its label but not by its colour
   int edge = 0;       // the band left out, pixels: less than asked for where too little would have been left
 };
 
 // Each pixel less the mean of its profile, binder pixels less their section's mean. Pixels within `edge` of
 // another label belong to neither side (antialiasing, halos, misplaced outlines): they take no part in means
 // and are filled by mirroring the residual at the nearest pixel that does. The band shrinks until a tenth of
-// the pixels is left. Throws Error "size-mismatch", "bad-pixels".
-ResidualImage residual_image(const Image&, const Labels&, int edge, const Work& = {});
+// the pixels is left. The same befalls binder pixels more than `specks` robust standard deviations from the
+// binder's median (particles that the labels miss) and those within `edge` of them; 0 keeps them all.
+// Throws Error "size-mismatch", "bad-pixels".
+ResidualImage residual_image(const Image&, const Labels&, int edge, double specks = 0, const Work& = {});
 
 }  // namespace terrazzo

@@ -9,6 +9,9 @@
 namespace terrazzo {
 namespace {
 
+constexpr int kLobes =
+    6;  // white noise between samples keeps 0.83 of its variance; 0.7 with 3, 0.3 when trilinear
+
 double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
 
 int wrap(int i, int n) {
@@ -40,14 +43,14 @@ std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
   for (int i = 0; i < out; ++i) {
     double u = (i + 0.5) * ratio - 0.5;
     if (std::abs(u - std::round(u)) < 1e-9) u = std::round(u);
-    const int first = static_cast<int>(std::floor(u - 3 * width)) + 1;
-    const int last = static_cast<int>(std::ceil(u + 3 * width)) - 1;
+    const int first = static_cast<int>(std::floor(u - kLobes * width)) + 1;
+    const int last = static_cast<int>(std::ceil(u + kLobes * width)) - 1;
     double sum = 0;
     std::vector<double> w;
     for (int s = first; s <= last; ++s) {
       const double x = (s - u) / width;
       const bool zero = width == 1 && s != u && x == std::round(x);
-      w.push_back(zero ? 0 : sinc(x) * sinc(x / 3));
+      w.push_back(zero ? 0 : sinc(x) * sinc(x / kLobes));
       sum += w.back();
     }
     all[i].first = first;
@@ -69,10 +72,9 @@ Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work)
     throw Error("bad-residual", "the residual's voxels have no size");
   for (int a = 0; a < 3; ++a) {
     const double edge = lattice.size[a] * lattice.voxel, period = in[a] * voxel;
-    periods_[a] = static_cast<int>(std::clamp(std::round(edge / period), 1.0, 1e6));
     // Between m and m + 1 periods the one whose scale is nearer to 1, as a ratio.
-    const double exact = edge / period;
-    if (exact > 1 && periods_[a] > exact && periods_[a] / exact > exact / (periods_[a] - 1)) --periods_[a];
+    const double exact = std::clamp(edge / period, 1.0, 1e6), m = std::floor(exact);
+    periods_[a] = static_cast<int>(exact * exact > m * (m + 1) ? m + 1 : m);
     scale_[a] = edge / (periods_[a] * period);
   }
   std::vector<Vec3f> source = dense(*grid, in, work);

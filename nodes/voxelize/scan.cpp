@@ -30,22 +30,28 @@ int first_at(double v, int lo, int hi) {
   return static_cast<int>(std::ceil(std::clamp(v, double(lo), double(hi))));
 }
 
-class Rows {
+// Lines along x: in every cell `lines` planes across z, each with one line, at a height that differs from
+// plane to plane.
+class Lines {
  public:
-  Rows(const CellBox& box, int rows) : box_(box), rows_(rows) {}
-
-  // Sub-lattice line (J, K): y = lo.y − ½ + (J + ½)/rows.
-  double line_of(double coordinate, int lo) const { return (coordinate - lo + 0.5) * rows_ - 0.5; }
+  Lines(const CellBox& box, int lines) : box_(box), lines_(lines) {
+    int before = 1;  // Fibonacci's number before `lines` (1 for 1): the lattice's generator
+    for (int a = 1, b = 1; b <= lines; std::swap(a, b), b += a) before = a;
+    for (int i = 0; i < lines; ++i) {
+      const double y = 0.5 + static_cast<double>((i - lines / 2) * before) / lines;
+      offset_.push_back(y - std::floor(y));
+    }
+  }
 
   void add(const std::vector<Vec3>& v, const Triangle& t) {
     const double za = v[t[0]].z(), zb = v[t[1]].z(), zc = v[t[2]].z();
-    const int end = box_.size.z() * rows_;
-    const int first = first_at(line_of(std::min({za, zb, zc}), box_.lo.z()), 0, end);
-    const int last =
-        std::min(end - 1, static_cast<int>(std::floor(
-                              std::clamp(line_of(std::max({za, zb, zc}), box_.lo.z()), -1.0, double(end)))));
-    for (int K = first; K <= last; ++K) {
-      const double h = box_.lo.z() - 0.5 + (K + 0.5) / rows_;
+    // One plane more to each side: which planes the triangle meets is told by comparing heights alone.
+    const auto plane_of = [&](double z) { return (z - box_.lo.z() + 0.5) * lines_ - 0.5; };
+    const int end = box_.size.z() * lines_;
+    const int first = std::max(0, first_at(plane_of(std::min({za, zb, zc})), 0, end) - 1);
+    const int last = std::min(end - 1, first_at(plane_of(std::max({za, zb, zc})), 0, end) + 1);
+    for (int plane = first; plane <= last; ++plane) {
+      const double h = box_.lo.z() - 0.5 + (plane + 0.5) / lines_;
       const bool up[3] = {za >= h, zb >= h, zc >= h};
       if (up[0] == up[1] && up[1] == up[2]) continue;
       PlanePoint enter{}, leave{};
@@ -54,14 +60,14 @@ class Rows {
         if (!up[e] && up[n]) enter = on_edge(v, t[e], t[n], h);
         if (up[e] && !up[n]) leave = on_edge(v, t[e], t[n], h);
       }
-      add_segment(K, enter, leave);
+      add_segment(plane, enter, leave);
     }
   }
 
   void fill(Scan& out) {
     // By row (a counting sort), then along it. Ties need no order: runs of no length add nothing.
-    const int lines = box_.size.y() * rows_;
-    std::vector<std::uint32_t> start(static_cast<std::size_t>(lines) * box_.size.z() * rows_ + 1, 0);
+    const std::size_t rows = box_.size.y();
+    std::vector<std::uint32_t> start(rows * box_.size.z() * lines_ + 1, 0);
     for (const Crossing& c : crossings_) ++start[c.row + 1];
     for (std::size_t r = 1; r < start.size(); ++r) start[r] += start[r - 1];
     std::vector<std::pair<double, float>> sorted(crossings_.size());
@@ -71,10 +77,9 @@ class Rows {
       const std::uint32_t end = start[row];  // moved on by the scattering
       if (begin == end) continue;
       std::sort(sorted.begin() + begin, sorted.begin() + end);
-      const int K = static_cast<int>(row / lines), J = static_cast<int>(row % lines);
-      const bool central = J % rows_ == rows_ / 2 && K % rows_ == rows_ / 2;
-      const std::size_t at =
-          (static_cast<std::size_t>(K / rows_) * box_.size.y() + J / rows_) * box_.size.x();
+      const std::size_t plane = row / rows;
+      const bool central = static_cast<int>(plane % lines_) == lines_ / 2;
+      const std::size_t at = (plane / lines_ * rows + row % rows) * box_.size.x();
       float winding = 0;
       for (std::uint32_t i = begin; i < end; ++i) {
         if (winding != 0)
@@ -83,22 +88,20 @@ class Rows {
       }
       begin = end;
     }
-    const float share = 1.0f / static_cast<float>(rows_ * rows_);
-    const float full = static_cast<float>(rows_ * rows_) - 1e-3f;
-    for (float& c : out.coverage) c = c >= full ? 1.0f : c * share;
+    const float all = static_cast<float>(lines_);
+    for (float& c : out.coverage) c = c >= all - 1e-3f ? 1.0f : c / all;
   }
 
  private:
-  void add_segment(int K, PlanePoint a, PlanePoint b) {
+  void add_segment(int plane, PlanePoint a, PlanePoint b) {
     const float sign = b.y > a.y ? 1 : -1;
     if (a.y > b.y) std::swap(a, b);  // the same arithmetic for both directions
-    const int lines = box_.size.y() * rows_;
-    const int first = first_at(line_of(a.y, box_.lo.y()), 0, lines);
-    const int last = first_at(line_of(b.y, box_.lo.y()), 0, lines);
-    for (int J = first; J < last; ++J) {
-      const double y = box_.lo.y() - 0.5 + (J + 0.5) / rows_;
-      const double t = std::clamp((y - a.y) / (b.y - a.y), 0.0, 1.0);
-      crossings_.push_back({static_cast<std::uint32_t>(K) * lines + J, sign, a.x + t * (b.x - a.x)});
+    const double bottom = box_.lo.y() - 0.5 + offset_[plane % lines_];
+    const int rows = box_.size.y();
+    const int first = first_at(a.y - bottom, 0, rows), last = first_at(b.y - bottom, 0, rows);
+    for (int row = first; row < last; ++row) {
+      const double t = std::clamp((bottom + row - a.y) / (b.y - a.y), 0.0, 1.0);
+      crossings_.push_back({static_cast<std::uint32_t>(plane) * rows + row, sign, a.x + t * (b.x - a.x)});
     }
   }
 
@@ -120,19 +123,20 @@ class Rows {
   }
 
   const CellBox& box_;
-  int rows_;
+  int lines_;
+  std::vector<double> offset_;  // of each plane's lines within their cells
   std::vector<Crossing> crossings_;
 };
 
 }  // namespace
 
 void scan_mesh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const CellBox& box,
-               int rows, Scan& out) {
+               int lines, Scan& out) {
   out.coverage.assign(box.count(), 0);
   out.inside.assign(box.count(), 0);
-  Rows lines(box, rows);
-  for (const auto& t : triangles) lines.add(vertices, t);
-  lines.fill(out);
+  Lines all(box, lines);
+  for (const auto& t : triangles) all.add(vertices, t);
+  all.fill(out);
 }
 
 }  // namespace terrazzo

@@ -19,15 +19,15 @@ struct CellBox {
 };
 
 struct Scan {
-  std::vector<float>
-      coverage;  // of each cell, 0 … 1, from `rows`² lines along x through the cell, exact along them
+  std::vector<float> coverage;  // of each cell, 0 … 1: the mean over the lines through it, exact along them
   std::vector<std::uint8_t> inside;  // whether the cell's centre is: nonzero winding number, exact
 };
 
-// `vertices` in lattice coordinates; `rows` is odd, so that one line passes the cells' centres. Cells outside
-// `box` are left out. Triangles share their edges' intersections to the last bit, so no line leaks through an
-// edge or a vertex.
+// `vertices` in lattice coordinates. `lines` go along x through each cell: 1, 13, 21, 55 or 89, at the points
+// of a Fibonacci lattice in y and z (all different in either, so that faces along the axes are sampled as
+// finely as others), the middle one through the cell's centre. Cells outside `box` are left out. Triangles
+// share their edges' intersections to the last bit, so no line leaks through an edge or a vertex.
 void scan_mesh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const CellBox& box,
-               int rows, Scan& out);
+               int lines, Scan& out);
 
 }  // namespace terrazzo

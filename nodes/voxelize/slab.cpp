@@ -26,8 +26,8 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
   }
   // Small particles have few voxels to average over: more lines in each.
   const double extent = bounds.sizes().minCoeff();
-  const int rows = extent > 24 ? 3 : extent > 6 ? 5 : extent > 2 ? 9 : 15;
-  scan_mesh(vertices, shape.mesh.triangles, stamp.box, rows, stamp.scan);
+  const int lines = extent > 24 ? 13 : extent > 6 ? 21 : extent > 2 ? 55 : 89;
+  scan_mesh(vertices, shape.mesh.triangles, stamp.box, lines, stamp.scan);
 
   const Mat3 to_mesh = turn.transpose() * (voxel / scale);
   const float unit = static_cast<float>(scale / voxel), band = static_cast<float>(kBand);

@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "nodes/data/labels.h"
+#include "nodes/data/volume.h"
+#include "nodes/residual_synth/residual_image.h"
+#include "nodes/residual_synth/synthesize.h"
+#include "runtime/random.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+struct Picture {
+  Image image;
+  Labels labels;
+};
+
+// Discs of flat colours on a flat ground, outlines blurred over `blur` pixels, plus grain: white noise and
+// its average over 3 × 3 pixels, stronger in red.
+Picture discs(int w, int h, double grain, double blur = 1.5) {
+  Picture p;
+  p.image = Image(w, h, 1, 0.05);
+  p.labels.width = w, p.labels.height = h, p.labels.pixel_size = 0.05;
+  p.labels.ids.assign(static_cast<std::size_t>(w) * h, 0);
+  std::vector<float> white(p.labels.ids.size());
+  for (std::size_t i = 0; i < white.size(); ++i) white[i] = static_cast<float>(Random(1, 0, i).normal());
+  const int step = 32;
+  const int columns = (w + step - 1) / step, rows = (h + step - 1) / step;
+  p.labels.classes.assign(static_cast<std::size_t>(columns) * rows, 0);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const int id = y / step * columns + x / step;
+      const double d = std::hypot(x % step - 15.5, y % step - 15.5) - 10;
+      const float inside = static_cast<float>(std::clamp(0.5 - d / blur, 0.0, 1.0));
+      Random r(7, 0, id);
+      const Vec3f color(static_cast<float>(r.uniform()), static_cast<float>(r.uniform()),
+                        static_cast<float>(r.uniform()));
+      float smooth = 0;
+      for (int v = -1; v <= 1; ++v)
+        for (int u = -1; u <= 1; ++u)
+          smooth += white[static_cast<std::size_t>((y + v + h) % h) * w + (x + u + w) % w] / 3;
+      const float g = static_cast<float>(grain) * (0.6f * white[p.image.index(x, y)] + 0.8f * smooth);
+      p.image.at(x, y) = inside * color + (1 - inside) * Vec3f(0.5f, 0.5f, 0.4f) + g * Vec3f(1, 0.6f, 0.5f);
+      if (d < 0) p.labels.ids[p.labels.index(x, y)] = id + 1;
+    }
+  return p;
+}
+
+std::string code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.diagnostic().code;
+  }
+  return "";
+}
+
+test::NodeRun run(const Picture& p, std::map<std::string, std::string> parameters, int threads = 0) {
+  return test::run_node("ResidualSynth", {{"image", Value::of(p.image)}, {"labels", Value::of(p.labels)}},
+                        parameters, {}, threads);
+}
+
+std::vector<Vec3f> voxels_of(const test::NodeRun& r) {
+  const auto& v = r.output<Volume>("volume");
+  const auto grid = v.find<openvdb::Vec3SGrid>("residual");
+  std::vector<Vec3f> out;
+  for (int k = 0; k < v.resolution.z(); ++k)
+    for (int j = 0; j < v.resolution.y(); ++j)
+      for (int i = 0; i < v.resolution.x(); ++i) {
+        const auto c = grid->tree().getValue({i, j, k});
+        out.emplace_back(c[0], c[1], c[2]);
+      }
+  return out;
+}
+
+TEST(ResidualImage, OutlinesLeaveNoHalo) {
+  const Picture flat = discs(128, 96, 0);
+  const ResidualImage with = residual_image(flat.image, flat.labels, 0),
+                      without = residual_image(flat.image, flat.labels, 2);
+  const auto largest = [](const Image& i) {
+    float m = 0;
+    for (const auto& p : i.pixels) m = std::max(m, p.cwiseAbs().maxCoeff());
+    return m;
+  };
+  EXPECT_GT(largest(with.image), 0.1f);
+  EXPECT_LT(largest(without.image), 1e-5f);
+  EXPECT_GT(without.filled, 0.05);
+}
+
+TEST(ResidualImage, KeepsGrainWithMeanZero) {
+  const Picture p = discs(160, 128, 0.05);
+  const ResidualImage r = residual_image(p.image, p.labels, 2);
+  Vec3 mean = Vec3::Zero();
+  double red = 0;
+  for (const auto& v : r.image.pixels) mean += v.cast<double>(), red += double(v.x()) * v.x();
+  const double n = static_cast<double>(r.image.pixels.size());
+  EXPECT_LT((mean / n).norm(), 1e-6);
+  // 0.6² + 0.8² + 2·0.6·0.8/3: the grain's variance.
+  EXPECT_NEAR(std::sqrt(red / n), 0.05 * std::sqrt(1.32), 0.0025);
+}
+
+TEST(ResidualImage, ShrinksItsBandWhereLittleIsLeft) {
+  Picture p = discs(64, 64, 0.05);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) p.labels.ids[p.labels.index(x, y)] = (x / 3 + y / 3) % 2;
+  p.labels.classes = {0};
+  EXPECT_LT(residual_image(p.image, p.labels, 2).edge, 2);
+}
+
+TEST(ResidualSynth, SlicesLookLikeThePhotographToEveryBand) {
+  const Picture p = discs(256, 224, 0.05);
+  const auto r = run(p, {{"size", "64"}});
+  for (const char* band : {"band_high", "band_1", "band_2"}) EXPECT_NEAR(r.metrics.at(band), 1, 0.06) << band;
+  for (const char* band : {"band_3", "band_4", "band_low"}) EXPECT_NEAR(r.metrics.at(band), 1, 0.2) << band;
+  const ResidualImage residual = residual_image(p.image, p.labels, 2);
+  const auto voxels = voxels_of(r);
+  ASSERT_EQ(voxels.size(), 64u * 64 * 64);
+  Vec3 mean = Vec3::Zero();
+  for (const auto& v : voxels) mean += v.cast<double>() / double(voxels.size());
+  EXPECT_LT(mean.norm(), 1e-6);
+  for (int c = 0; c < 3; ++c) {  // histograms
+    std::vector<float> a, b;
+    for (const auto& v : residual.image.pixels) a.push_back(v[c]);
+    for (const auto& v : voxels) b.push_back(v[c]);
+    std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
+    double distance = 0;
+    for (int q = 0; q < 1000; ++q)
+      distance += std::abs(a[q * a.size() / 1000] - b[q * b.size() / 1000]) / 1000;
+    EXPECT_LT(distance, 0.05 * r.metrics.at("deviation")) << c;
+  }
+  EXPECT_DOUBLE_EQ(r.output<Volume>("volume").grids[0]->voxelSize()[0], 0.05);
+}
+
+TEST(ResidualSynth, HasNoSeams) {
+  const Picture p = discs(128, 128, 0.05);
+  const auto r = run(p, {{"size", "[40, 36, 30]"}});
+  const auto voxels = voxels_of(r);
+  const Vec3i n(40, 36, 30);
+  const auto at = [&](Vec3i q) {
+    return voxels[(static_cast<std::size_t>(q.z()) * n.y() + q.y()) * n.x() + q.x()];
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    double seam = 0, inside = 0, seams = 0, insides = 0;
+    for (int k = 0; k < n.z(); ++k)
+      for (int j = 0; j < n.y(); ++j)
+        for (int i = 0; i < n.x(); ++i) {
+          Vec3i next(i, j, k);
+          const bool wraps = next[axis] + 1 == n[axis];
+          next[axis] = wraps ? 0 : next[axis] + 1;
+          const double step = (at({i, j, k}) - at(next)).squaredNorm();
+          (wraps ? seam : inside) += step, (wraps ? seams : insides) += 1;
+        }
+    EXPECT_NEAR(std::sqrt(seam / seams) / std::sqrt(inside / insides), 1, 0.05) << axis;
+  }
+}
+
+TEST(ResidualSynth, EqualForAnyNumberOfThreadsAndAnotherForAnotherSeed) {
+  const Picture p = discs(96, 80, 0.05);
+  const auto one = voxels_of(run(p, {{"size", "32"}}, 1)), three = voxels_of(run(p, {{"size", "32"}}, 3));
+  EXPECT_EQ(one, three);
+  EXPECT_NE(one, voxels_of(run(p, {{"size", "32"}, {"seed", "2"}})));
+}
+
+TEST(ResidualSynth, OddAndSmallPicturesAndSizesWork) {
+  for (const auto& [w, h, size] :
+       {std::tuple{47, 61, "[31, 17, 23]"}, {16, 16, "40"}, {37, 300, "[16, 64, 20]"}}) {
+    const auto r = run(discs(w, h, 0.05), {{"size", size}});
+    for (const auto& v : voxels_of(r)) ASSERT_TRUE(v.allFinite());
+    EXPECT_NEAR(r.metrics.at("band_high"), 1, 0.12) << size;
+  }
+}
+
+TEST(ResidualSynth, GreyStaysGreyAndFlatStaysFlat) {
+  Picture p = discs(64, 64, 0.05);
+  for (auto& v : p.image.pixels) v = Vec3f::Constant(v.x());
+  for (const auto& v : voxels_of(run(p, {{"size", "16"}})))
+    ASSERT_LT(std::abs(v.x() - v.y()) + std::abs(v.x() - v.z()), 1e-6f);
+  for (auto& v : p.image.pixels) v = Vec3f::Constant(0.5f);
+  const auto flat = run(p, {{"size", "16"}});
+  for (const auto& v : voxels_of(flat)) ASSERT_EQ(v, Vec3f::Zero());
+  EXPECT_EQ(flat.warnings.size(), 1u);
+}
+
+TEST(ResidualSynth, BadInputIsSaid) {
+  const Picture p = discs(64, 48, 0.05);
+  Picture other = p, nan = p, tiny = discs(12, 64, 0.05);
+  other.labels.width = 32;
+  nan.image.pixels[5].x() = NAN;
+  EXPECT_EQ(code_of([&] { run(other, {}); }), "size-mismatch");
+  EXPECT_EQ(code_of([&] { run(nan, {}); }), "bad-pixels");
+  EXPECT_EQ(code_of([&] { run(tiny, {{"size", "16"}}); }), "image-too-small");
+  EXPECT_EQ(code_of([&] { run(p, {{"size", "[32, 32]"}}); }), "bad-value");
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,142 @@
+#include "nodes/voxelize/detail.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "nodes/voxelize/voxelize.h"
+#include "tests/nodes/voxelize/bodies.h"
+
+namespace terrazzo {
+namespace {
+
+// White noise of mean 0 and variance 1, n³, in voxels of `voxel` mm.
+Volume noise(int n, double voxel) {
+  initialize_openvdb();
+  auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
+  grid->setName("residual");
+  grid->setTransform(voxel_transform(voxel));
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        Random r(1, 0, (static_cast<std::uint64_t>(i) * n + j) * n + k);
+        grid->tree().setValueOn(
+            {i, j, k}, openvdb::Vec3s(static_cast<float>(r.normal()), static_cast<float>(r.normal()), 0));
+      }
+  Volume v;
+  v.resolution = Vec3i::Constant(n), v.grids = {grid};
+  return v;
+}
+
+std::vector<Vec3f> sampled(const Detail& d, const Lattice& l) {
+  const std::size_t plane = static_cast<std::size_t>(l.size.x()) * l.size.y();
+  std::vector<Vec3f> out(plane * l.size.z(), Vec3f::Zero());
+  for (int k = 0; k < l.size.z(); ++k) d.add_plane(k, &out[k * plane]);
+  return out;
+}
+
+double variance(const std::vector<Vec3f>& v) {
+  double s = 0, q = 0;
+  for (const auto& x : v) s += x.x(), q += static_cast<double>(x.x()) * x.x();
+  const double n = static_cast<double>(v.size());
+  return q / n - s / n * s / n;
+}
+
+TEST(Detail, VoxelsOnVoxelsAreCopied) {
+  const Volume v = noise(16, 0.1);
+  const Lattice l{Vec3i(32, 16, 48), 0.1};
+  const Detail d(v, l, {});
+  EXPECT_EQ(d.periods(), Vec3i(2, 1, 3));
+  EXPECT_NEAR((d.scale() - Vec3::Ones()).norm(), 0, 1e-12);
+  const auto out = sampled(d, l);
+  const auto grid = v.find<openvdb::Vec3SGrid>("residual");
+  for (int k = 0; k < 48; ++k)
+    for (int j = 0; j < 16; ++j)
+      for (int i = 0; i < 32; ++i)
+        ASSERT_NEAR(out[(static_cast<std::size_t>(k) * 16 + j) * 32 + i].y(),
+                    grid->tree().getValue({i % 16, j, k % 16})[1], 1e-6);
+}
+
+TEST(Detail, AWholeNumberOfPeriodsAtTheNearestScale) {
+  const Volume v = noise(16, 0.1);  // period 1.6
+  for (const auto& [edge, periods] : {std::pair{1.7, 1}, {2.2, 1}, {2.3, 2}, {2.5, 2}, {0.3, 1}, {8.1, 5}}) {
+    const Lattice l{Vec3i::Constant(20), edge / 20};
+    EXPECT_EQ(Detail(v, l, {}).periods().x(), periods) << edge;
+  }
+}
+
+TEST(Detail, GrainKeepsItsVarianceAtOtherScales) {
+  const Volume v = noise(24, 0.1);
+  for (const int n : {25, 26, 31}) {
+    const Lattice l{Vec3i::Constant(n), 2.4 / n};
+    const auto out = sampled(Detail(v, l, {}), l);
+    EXPECT_NEAR(variance(out), 1, 0.2) << n;  // trilinear: 0.3 and less
+    double mean = 0;
+    for (const auto& x : out) mean += x.y() / static_cast<double>(out.size());
+    EXPECT_NEAR(mean, 0, 0.03);
+  }
+  // Coarser voxels average: what is left of white noise is as the voxels' volumes.
+  const Lattice coarse{Vec3i::Constant(8), 0.3};
+  EXPECT_NEAR(variance(sampled(Detail(v, coarse, {}), coarse)), 1.0 / 27, 0.02);
+}
+
+TEST(Detail, TilesInTheBox) {
+  // A slow wave: its step across the face of the box is no larger than those inside.
+  initialize_openvdb();
+  auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
+  grid->setName("residual"), grid->setTransform(voxel_transform(0.1));
+  for (int i = 0; i < 16; ++i)
+    for (int j = 0; j < 16; ++j)
+      for (int k = 0; k < 16; ++k)
+        grid->tree().setValueOn(
+            {i, j, k}, openvdb::Vec3s(static_cast<float>(std::sin(2 * std::numbers::pi * i / 16)), 0, 0));
+  Volume v;
+  v.resolution = Vec3i::Constant(16), v.grids = {grid};
+  const Lattice l{Vec3i::Constant(37), 0.1};  // 3.7 mm: two periods
+  const auto out = sampled(Detail(v, l, {}), l);
+  double inside = 0;
+  for (int i = 0; i < 36; ++i) inside = std::max<double>(inside, std::abs(out[i + 1].x() - out[i].x()));
+  EXPECT_LT(std::abs(out[36].x() - out[0].x()), inside * 1.05);
+  EXPECT_GT(inside, 0.1);
+}
+
+TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
+  const Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 0.8);
+  const Volume v = noise(16, 0.1);
+  const Shapes shapes = test::shapes_of(test::cube_mesh());
+  VoxelReport report;
+  const Lattice l = choose_lattice(p.box, {16});
+  const Volume plain = voxelize(p, shapes, nullptr, l, report), grained = voxelize(p, shapes, &v, l, report);
+  const auto a = plain.find<openvdb::Vec3SGrid>("Cd"), b = grained.find<openvdb::Vec3SGrid>("Cd"),
+             r = v.find<openvdb::Vec3SGrid>("residual");
+  EXPECT_EQ(b->activeVoxelCount(), 4096u);
+  EXPECT_LT(a->activeVoxelCount(), 4096u);
+  for (auto it = b->cbeginValueOn(); it; ++it) {
+    const auto expected = a->tree().getValue(it.getCoord()) + r->tree().getValue(it.getCoord());
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR((*it)[c], std::max(0.0f, expected[c]), 1e-5);
+  }
+}
+
+TEST(Detail, BadResidualsAreSaid) {
+  const Lattice l{Vec3i::Constant(8), 0.1};
+  const auto code = [&](Volume v) -> std::string {
+    try {
+      Detail d(v, l, {});
+    } catch (const Error& e) {
+      return e.diagnostic().code;
+    }
+    return "";
+  };
+  EXPECT_EQ(code({}), "no-residual");
+  Volume v = noise(4, 0.1);
+  v.resolution = Vec3i::Zero();
+  EXPECT_EQ(code(v), "bad-residual");
+  v = noise(4, 0.1);
+  auto grid = v.find<openvdb::Vec3SGrid>("residual")->deepCopy();
+  grid->tree().setValueOn({1, 1, 1}, openvdb::Vec3s(NAN, 0, 0));
+  v.grids = {grid};
+  EXPECT_EQ(code(v), "bad-residual");
+}
+
+}  // namespace
+}  // namespace terrazzo
