@@ -1,9 +1,11 @@
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/checked_file.h"
 #include "nodes/common/color.h"
 #include "nodes/common/image_file.h"
 #include "runtime/random.h"
@@ -73,6 +75,10 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
   if (!provenance.empty() &&
       (provenance.size() < 60000 || extension == ".png" || extension == ".exr" || deep))
     spec.attribute("ImageDescription", provenance);
+  // Encoded in memory and written by ourselves: on a full disk libjpeg would end the program, and others say nothing.
+  // (TIFF reports failures, but cannot be told to write Exif into memory.)
+  OIIO::Filesystem::IOVecOutput memory;
+  const bool in_memory = !deep && out->supports("ioproxy") && out->set_ioproxy(&memory);
   if (!out->open(path.string(), spec)) throw unwritable(path, out->geterror());
 
   bool written = false;
@@ -86,6 +92,8 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
         out->write_image(OIIO::TypeDesc::UINT8, quantise<std::uint8_t>(pixels, count, 255, true).data());
   if (!written) throw unwritable(path, out->geterror());
   if (!out->close()) throw unwritable(path, out->geterror());
+  if (in_memory)
+    write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
 }
 
 }  // namespace terrazzo

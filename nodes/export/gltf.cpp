@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "nodes/export/checked_file.h"
+#include "nodes/common/checked_file.h"
 #include "nodes/common/render_mesh.h"
 
 namespace terrazzo {

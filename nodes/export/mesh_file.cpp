@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "nodes/export/checked_file.h"
+#include "nodes/common/checked_file.h"
 #include "runtime/codec.h"
 
 namespace terrazzo {

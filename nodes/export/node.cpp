@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"
-#include "nodes/export/checked_file.h"
+#include "nodes/common/checked_file.h"
 #include "nodes/export/csv.h"
 #include "nodes/export/gltf.h"
 #include "nodes/export/mesh_file.h"
@@ -125,6 +125,21 @@ std::string json_text(const std::map<std::string, Value>& values) {
   return all.dump(2) + "\n";
 }
 
+// Writers know the temporary name only: failures of the disk are told with the name that the user wrote.
+void write_named(Context& c, const std::string& path, const std::function<void(const std::filesystem::path&)>& write) {
+  c.write_file(path, [&](const std::filesystem::path& file) {
+    try {
+      write(file);
+    } catch (const Error& e) {
+      const Diagnostic& d = e.diagnostic();
+      if (d.code != "write-failed" && d.code != "unwritable-image") throw;
+      std::string why = d.message;
+      if (const auto at = why.find("': "); at != std::string::npos) why = why.substr(at + 3);
+      throw Error("write-failed", "cannot write '" + path + "': " + why, d.hint).parameter("path");
+    }
+  });
+}
+
 // One file a section.
 template <class Picture, class Write>
 void write_sections(Context& c, const std::string& path, const Picture& picture, Write&& write) {
@@ -133,8 +148,8 @@ void write_sections(Context& c, const std::string& path, const Picture& picture,
   for (int s = 0; s < picture.sections; ++s) {
     c.work().check();
     c.work().progress(double(s) / picture.sections);
-    c.write_file(picture.sections == 1 ? path : section_name(path, s, picture.sections),
-                 [&](const std::filesystem::path& file) { write(file, picture, s, made_by); });
+    write_named(c, picture.sections == 1 ? path : section_name(path, s, picture.sections),
+                [&](const std::filesystem::path& file) { write(file, picture, s, made_by); });
   }
 }
 
@@ -147,7 +162,7 @@ void compute(Context& c) {
   const Value& first = values.begin()->second;
   if (first.is<Image>() && extension != ".json") return write_sections(c, path, first.as<Image>(), write_picture);
   if (first.is<Labels>() && extension != ".json") return write_sections(c, path, first.as<Labels>(), write_labels);
-  c.write_file(path, [&](const std::filesystem::path& file) {
+  write_named(c, path, [&](const std::filesystem::path& file) {
     if (extension == ".glb") {
       const Shapes& shapes = values.at("Shapes").as<Shapes>();
       if (values.count("Particles"))

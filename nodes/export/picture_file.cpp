@@ -1,10 +1,12 @@
 #include "nodes/export/picture_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "nodes/common/checked_file.h"
 #include "nodes/common/image_file.h"
 
 namespace terrazzo {
@@ -12,7 +14,7 @@ namespace {
 
 Error incomplete(std::string why) {
   while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
-  return Error("write-failed", "cannot write all of the picture" + (why.empty() ? "" : ": " + why),
+  return Error("write-failed", "the picture is not whole" + (why.empty() ? "" : ": " + why),
                "check the folder and the free space");
 }
 
@@ -51,6 +53,8 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
   spec.attribute("oiio:ColorSpace", "Raw");  // no gamma chunk: these are names, not intensities
   if (!png) spec.attribute("compression", "zip");
   if (!provenance.empty()) spec.attribute("ImageDescription", provenance);
+  OIIO::Filesystem::IOVecOutput memory;  // as in write_image
+  const bool in_memory = path.extension() != ".tif" && out->supports("ioproxy") && out->set_ioproxy(&memory);
   if (!out->open(path.string(), spec)) throw incomplete(out->geterror());
   bool written = false;
   if (png) {
@@ -61,6 +65,7 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
     written = out->write_image(OIIO::TypeDesc::UINT32, wide.data());
   }
   if (!written || !out->close()) throw incomplete(out->geterror());
+  if (in_memory) write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
   verify(path);
 }
 

@@ -2,7 +2,7 @@
 
 #include <openvdb/io/Archive.h>
 
-#include "nodes/export/checked_file.h"
+#include "nodes/common/checked_file.h"
 
 namespace terrazzo {
 namespace {

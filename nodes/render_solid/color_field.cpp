@@ -112,13 +112,15 @@ Vec3f ColorField::at(const Vec3f& voxel) const {
     at[k][0] = wrap(low, k), at[k][1] = wrap(low + 1, k);
   }
   Vec3f sum = Vec3f::Zero();
+  float total = 0;  // 1, but for the weights left out
   for (int corner = 0; corner < 8; ++corner) {
     const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
     const float w = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
     if (w < 1e-4f) continue;  // on a face, half of the corners
     sum += w * squared(at[0][x], at[1][y], at[2][z]);
+    total += w;
   }
-  return sum * unit;
+  return sum * (unit / total);
 }
 
 Vec3f ColorField::sharp(const Vec3f& voxel) const {
@@ -135,16 +137,20 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
     weight[k][3] = t * t * (-0.5f + 0.5f * t);
   }
   Vec3f sum = Vec3f::Zero();
+  float total = 0;
   for (int z = 0; z < 4; ++z) {
     if (std::abs(weight[2][z]) < 1e-3f) continue;  // on a face, all but one
     for (int y = 0; y < 4; ++y) {
       const float yz = weight[2][z] * weight[1][y];
       if (std::abs(yz) < 1e-3f) continue;
       for (int x = 0; x < 4; ++x)
-        if (const float w = yz * weight[0][x]; std::abs(w) >= 1e-4f) sum += w * squared(at[0][x], at[1][y], at[2][z]);
+        if (const float w = yz * weight[0][x]; std::abs(w) >= 1e-4f) {
+          sum += w * squared(at[0][x], at[1][y], at[2][z]);
+          total += w;
+        }
     }
   }
-  return (sum * unit).cwiseMax(0.0f).cwiseMin(1.0f);
+  return (sum * (unit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 }  // namespace terrazzo

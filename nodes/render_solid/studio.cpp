@@ -18,14 +18,18 @@ float interpolate(const std::array<float, N>& table, float cosine) {
 // (1/π) ∫ f(d·axis) max(0, n·d) dω where n·axis = cosine.
 template <class F>
 double cosine_integral(double cosine, const F& f, double from, int rings) {
-  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
   constexpr int turns = 96;
+  static const std::array<double, turns> across = [] {
+    std::array<double, turns> out;
+    for (int t = 0; t < turns; ++t) out[t] = std::cos(2 * pi * (t + 0.5) / turns);
+    return out;
+  }();
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
   double sum = 0;
   for (int r = 0; r < rings; ++r) {
     const double z = from + (1 - from) * (r + 0.5) / rings, s = std::sqrt(1 - z * z);
     double ring = 0;
-    for (int t = 0; t < turns; ++t)
-      ring += std::max(0.0, cosine * z + sine * s * std::cos(2 * pi * (t + 0.5) / turns));
+    for (const double a : across) ring += std::max(0.0, cosine * z + sine * s * a);
     sum += f(z) * ring;
   }
   return sum * (1 - from) / rings * (2 * pi / turns) / pi;

@@ -1,4 +1,4 @@
-#include "nodes/export/checked_file.h"
+#include "nodes/common/checked_file.h"
 
 #include <cerrno>
 #include <cstring>
@@ -10,7 +10,7 @@ namespace {
 
 Error failure(const char* doing, int reason) {
   return Error("write-failed",
-               std::string("cannot ") + doing + " the file: " + (reason ? std::strerror(reason) : "unknown reason"),
+               (doing[0] ? std::string(doing) + ": " : std::string()) + (reason ? std::strerror(reason) : "unknown reason"),
                reason == ENOSPC || reason == EFBIG || reason == EDQUOT ? "free some space or choose another folder"
                                                                       : "check the folder and its permissions");
 }
@@ -20,7 +20,7 @@ Error failure(const char* doing, int reason) {
 CheckedFile::CheckedFile(const std::filesystem::path& path) {
   errno = 0;
   stream_.open(path, std::ios::binary | std::ios::trunc);
-  if (!stream_) throw failure("open", errno);
+  if (!stream_) throw failure("", errno);
   stream_.exceptions(std::ios::badbit | std::ios::failbit);
 }
 
@@ -29,7 +29,7 @@ void CheckedFile::close() {
   stream_.close();
 }
 
-void CheckedFile::fail() const { throw failure("write all of", errno); }
+void CheckedFile::fail() const { throw failure("the file is not whole", errno); }
 
 void write_bytes(const std::filesystem::path& path, std::string_view content) {
   CheckedFile file(path);

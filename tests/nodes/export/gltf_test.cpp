@@ -1,0 +1,179 @@
+#include "nodes/export/gltf.h"
+
+#include <gtest/gtest.h>
+#include <tiny_gltf.h>
+
+#include <cstring>
+
+#include "tests/nodes/export/export_support.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+
+tinygltf::Model load(const fs::path& file) {
+  tinygltf::Model model;
+  tinygltf::TinyGLTF reader;
+  std::string error, warning;
+  EXPECT_TRUE(reader.LoadBinaryFromFile(&model, &error, &warning, file.string())) << error;
+  EXPECT_EQ(warning, "");
+  return model;
+}
+
+std::vector<float> floats(const tinygltf::Model& m, int accessor) {
+  const auto& a = m.accessors.at(accessor);
+  const auto& v = m.bufferViews.at(a.bufferView);
+  EXPECT_EQ(a.componentType, TINYGLTF_COMPONENT_TYPE_FLOAT);
+  const std::size_t n = a.count * tinygltf::GetNumComponentsInType(a.type);
+  std::vector<float> out(n);
+  std::memcpy(out.data(), m.buffers[v.buffer].data.data() + v.byteOffset + a.byteOffset, n * sizeof(float));
+  return out;
+}
+
+std::vector<float> instance_floats(const tinygltf::Model& m, const tinygltf::Node& node,
+                                   const std::string& name) {
+  const auto& e = node.extensions.at("EXT_mesh_gpu_instancing");
+  return floats(m, e.Get("attributes").Get(name).GetNumberAsInt());
+}
+
+Vec3 turned(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }
+
+TEST(ExportGltf, InstancesAreTheParticles) {
+  const Particles p = test::some_particles(300);
+  const fs::path file = test::temporary_folder() / "p.glb";
+  write_glb(file, p, test::two_shapes());
+  const auto m = load(file);
+  EXPECT_EQ(m.asset.generator, "Terrazzo");
+  EXPECT_EQ(m.extensionsUsed, std::vector<std::string>{"EXT_mesh_gpu_instancing"});
+  ASSERT_EQ(m.meshes.size(), 2u);  // not the unused one
+  ASSERT_EQ(m.nodes.size(), 2u);
+  EXPECT_EQ(m.scenes.at(0).nodes.size(), 2u);
+
+  std::vector<bool> seen(p.count());
+  for (const auto& node : m.nodes) {
+    const auto translation = instance_floats(m, node, "TRANSLATION"),
+               rotation = instance_floats(m, node, "ROTATION"), scale = instance_floats(m, node, "SCALE"),
+               color = instance_floats(m, node, "_COLOR_0"), id = instance_floats(m, node, "_ID");
+    ASSERT_EQ(translation.size(), 3 * id.size());
+    ASSERT_EQ(rotation.size(), 4 * id.size());
+    const std::string name = m.meshes[node.mesh].name;
+    for (std::size_t k = 0; k < id.size(); ++k) {
+      const auto i = static_cast<std::size_t>(id[k]);
+      ASSERT_LT(i, p.count());
+      EXPECT_FALSE(seen[i]);
+      seen[i] = true;
+      EXPECT_EQ(name, p.shape[i] == 0 ? "faceted" : "smooth");
+      const Vec3 at = turned(p.position[i]) * 0.001;
+      const Quat q(rotation[4 * k + 3], rotation[4 * k], rotation[4 * k + 1], rotation[4 * k + 2]);
+      EXPECT_NEAR(q.norm(), 1, 1e-6);
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(translation[3 * k + c], at[c], 1e-8);
+        EXPECT_FLOAT_EQ(scale[3 * k + c], static_cast<float>(p.scale[i]));
+        EXPECT_EQ(color[3 * k + c], p.color[i][c]);
+      }
+      // Turning the world after the particle is the same as the written rotation after turning the mesh.
+      for (const Vec3& v : {Vec3(1, 0, 0), Vec3(0.3, -2, 1)})
+        EXPECT_LT((turned(p.orientation[i] * v) - q * turned(v)).norm(), 1e-5);
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), true), 300);
+}
+
+TEST(ExportGltf, MeshesKeepHandednessAndShading) {
+  const fs::path file = test::temporary_folder() / "p.glb";
+  write_glb(file, test::some_particles(50), test::two_shapes());
+  const auto m = load(file);
+  for (const auto& mesh : m.meshes) {
+    const auto& primitive = mesh.primitives.at(0);
+    const auto position = floats(m, primitive.attributes.at("POSITION"));
+    const auto normal = floats(m, primitive.attributes.at("NORMAL"));
+    EXPECT_EQ(position.size(), mesh.name == "faceted" ? 36u : 12u);
+    const auto& a = m.accessors.at(primitive.indices);
+    ASSERT_EQ(a.count, 12u);
+    ASSERT_EQ(a.componentType, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
+    const auto* index = reinterpret_cast<const std::uint16_t*>(m.buffers[0].data.data() +
+                                                               m.bufferViews[a.bufferView].byteOffset);
+    double volume = 0;
+    for (std::size_t t = 0; t < a.count; t += 3) {
+      Eigen::Matrix3d corner;
+      for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 3; ++c) corner(c, k) = position[3 * index[t + k] + c];
+      volume += corner.determinant() / 6;
+      if (mesh.name != "faceted") continue;
+      const Vec3 n = (corner.col(1) - corner.col(0)).cross(corner.col(2) - corner.col(0)).normalized();
+      for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(normal[3 * index[t + k] + c], n[c], 1e-6);
+    }
+    EXPECT_NEAR(volume, 8.0 / 3 * 1e-9, 1e-14);  // m³, positive: still seen from outside
+    if (mesh.name == "smooth") {                 // by symmetry the normals point along the corners
+      for (std::size_t i = 0; i < position.size(); ++i)
+        EXPECT_NEAR(normal[i], position[i] / 0.001 / std::sqrt(3.0), 1e-5);
+    }
+  }
+}
+
+TEST(ExportGltf, RecordsWhatMadeIt) {
+  const fs::path file = test::temporary_folder() / "p.glb";
+  write_glb(
+      file, test::some_particles(3), test::two_shapes(),
+      R"({"graph": "a.yaml", "overrides": {"seed": 7, "big": 9007199254740991, "x": 0.5}, "keys": ["ab", true]})");
+  const auto m = load(file);
+  const auto& extras = m.asset.extras;
+  EXPECT_EQ(extras.Get("graph").Get<std::string>(), "a.yaml");
+  EXPECT_EQ(extras.Get("overrides").Get("seed").GetNumberAsInt(), 7);
+  EXPECT_EQ(extras.Get("overrides").Get("big").GetNumberAsDouble(), 9007199254740991.0);
+  EXPECT_EQ(extras.Get("overrides").Get("x").GetNumberAsDouble(), 0.5);
+  EXPECT_EQ(extras.Get("keys").Get(0).Get<std::string>(), "ab");
+}
+
+TEST(ExportGltf, ShapesAloneStandSideBySide) {
+  const fs::path file = test::temporary_folder() / "s.glb";
+  write_glb(file, test::two_shapes());
+  const auto m = load(file);
+  ASSERT_EQ(m.nodes.size(), 3u);
+  EXPECT_TRUE(m.extensionsUsed.empty());
+  double end = -1;
+  for (const auto& node : m.nodes) {  // each 2 mm wide about its own origin
+    const double x = node.translation.empty() ? 0 : node.translation[0];
+    EXPECT_GT(x - 0.001, end);
+    end = x + 0.001;
+  }
+}
+
+TEST(ExportGltf, TheSameParticlesGiveTheSameFile) {
+  const fs::path folder = test::temporary_folder();
+  write_glb(folder / "a.glb", test::some_particles(100), test::two_shapes(), R"({"a": 1})");
+  write_glb(folder / "b.glb", test::some_particles(100), test::two_shapes(), R"({"a": 1})");
+  EXPECT_EQ(test::content_of(folder / "a.glb"), test::content_of(folder / "b.glb"));
+}
+
+TEST(ExportGltf, RefusesWhatCannotBeShown) {
+  const fs::path file = test::temporary_folder() / "p.glb";
+  const auto code = [&](const Particles& p, const Shapes& s) -> std::string {
+    try {
+      write_glb(file, p, s);
+    } catch (const Error& e) {
+      return e.diagnostic().code;
+    }
+    return "";
+  };
+  const Shapes shapes = test::two_shapes();
+  EXPECT_EQ(code(Particles(), shapes), "no-particles");
+  EXPECT_EQ(code(test::some_particles(3), Shapes()), "no-such-shape");
+  Particles p = test::some_particles(3);
+  p.position[1].y() = std::nan("");
+  EXPECT_EQ(code(p, shapes), "bad-number");
+  p = test::some_particles(3);
+  p.orientation[2].coeffs().setZero();
+  EXPECT_EQ(code(p, shapes), "bad-number");
+  Shapes broken = shapes;
+  broken.shapes[0].mesh.triangles[0][1] = 99;
+  EXPECT_EQ(code(test::some_particles(30), broken), "bad-mesh");
+  broken = shapes;
+  broken.shapes[1].mesh.vertices[0].x() = INFINITY;
+  EXPECT_EQ(code(test::some_particles(30), broken), "bad-number");
+}
+
+}  // namespace
+}  // namespace terrazzo
