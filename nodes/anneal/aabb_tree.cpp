@@ -31,8 +31,8 @@ void AabbTree::split(const std::vector<Aabb>& boxes, int first, int count, int l
   int axis;
   (centers.high - centers.low).maxCoeff(&axis);
   const int half = count / 2;
-  std::nth_element(triangles.begin() + first, triangles.begin() + first + half, triangles.begin() + first + count,
-                   [&](int a, int b) {
+  std::nth_element(triangles.begin() + first, triangles.begin() + first + half,
+                   triangles.begin() + first + count, [&](int a, int b) {
                      const double ca = boxes[a].center()[axis], cb = boxes[b].center()[axis];
                      return ca < cb || (ca == cb && a < b);
                    });

@@ -24,12 +24,12 @@ class AabbTree {
  public:
   struct Node {
     Aabb box;
-    std::int32_t right = 0;  // index of the right child; 0 in a leaf
+    std::int32_t right = 0;             // index of the right child; 0 in a leaf
     std::int32_t first = 0, count = 0;  // range of `triangles` in a leaf
   };
   explicit AabbTree(const Mesh& mesh, int leaf_size = 4);
-  std::vector<Node> nodes;               // at least one when the mesh has triangles
-  std::vector<std::int32_t> triangles;   // triangle indices, leaves as consecutive ranges
+  std::vector<Node> nodes;              // at least one when the mesh has triangles
+  std::vector<std::int32_t> triangles;  // triangle indices, leaves as consecutive ranges
 
  private:
   void split(const std::vector<Aabb>& boxes, int first, int count, int leaf_size);

@@ -31,7 +31,8 @@ struct Map {
 bool boxes_meet(const Aabb& a, const Aabb& b, const Map& b_to_a, const Mat3& magnitude) {
   const Vec3 half = magnitude * (0.5 * (b.high - b.low));
   const Vec3 center = b_to_a(b.center());
-  return ((center - half).array() <= a.high.array()).all() && ((center + half).array() >= a.low.array()).all();
+  return ((center - half).array() <= a.high.array()).all() &&
+         ((center + half).array() >= a.low.array()).all();
 }
 
 Corners corners(const Mesh& mesh, int t) {
@@ -54,17 +55,19 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
         Corners cb = corners(*b.mesh, b.tree.triangles[y]);
         for (auto& p : cb) p = b_to_a(p);
         for (int x = m.first; x < m.first + m.count; ++x) {
-          deepest =
-              std::max(deepest, triangle_penetration(corners(*a.mesh, a.tree.triangles[x]), cb));
+          deepest = std::max(deepest, triangle_penetration(corners(*a.mesh, a.tree.triangles[x]), cb));
         }
       }
       continue;
     }
     const double scale = magnitude.col(0).norm();
-    const bool split_a = n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
-                                                               (n.box.high - n.box.low).squaredNorm() * scale * scale);
-    if (split_a) stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
-    else stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+    const bool split_a =
+        n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
+                                             (n.box.high - n.box.low).squaredNorm() * scale * scale);
+    if (split_a)
+      stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
+    else
+      stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
   }
   return deepest;
 }
@@ -87,7 +90,8 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
 
 double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
                      const Mat3& rotation_b, const Vec3& offset) {
-  const Map b_to_a{rotation_a.transpose() * rotation_b * (scale_b / scale_a), rotation_a.transpose() * offset / scale_a};
+  const Map b_to_a{rotation_a.transpose() * rotation_b * (scale_b / scale_a),
+                   rotation_a.transpose() * offset / scale_a};
   const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),
                    rotation_b.transpose() * -offset / scale_b};
   const double crossed = crossing(a, b, b_to_a) * scale_a;
@@ -97,8 +101,10 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   const auto inside = [](const Solid& outer, const Vec3& p) {
     return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
   };
-  if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]]))) return deepest_point(a, b, a_to_b) * scale_b;
-  if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]]))) return deepest_point(b, a, b_to_a) * scale_a;
+  if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]])))
+    return deepest_point(a, b, a_to_b) * scale_b;
+  if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]])))
+    return deepest_point(b, a, b_to_a) * scale_a;
   return 0;
 }
 
@@ -112,7 +118,8 @@ class Cells {
     for (int a = 0; a < 3; ++a) n_[a] = std::clamp(static_cast<int>(box[a] / (2 * mean)), 1, 128);
     lists_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
     for (std::size_t i = 0; i < position.size(); ++i)
-      visit(position[i], radius[i], [&](std::size_t c) { lists_[c].push_back(static_cast<std::int32_t>(i)); });
+      visit(position[i], radius[i],
+            [&](std::size_t c) { lists_[c].push_back(static_cast<std::int32_t>(i)); });
   }
   template <class F>
   void visit(const Vec3& p, double r, F&& f) const {
@@ -174,13 +181,13 @@ AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& 
           for (int y = -1; y <= 1; ++y)
             for (int x = -1; x <= 1; ++x) {
               if (i == j && (z < 0 || (z == 0 && (y < 0 || (y == 0 && x <= 0))))) continue;
-              const Vec3 offset = particles.position[j] - particles.position[i] +
-                                  Vec3(x, y, z).cwiseProduct(particles.box);
+              const Vec3 offset =
+                  particles.position[j] - particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box);
               if (offset.norm() >= radius[i] + radius[j]) continue;
               ++tested[begin / kGrain];
-              depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i], rotation[i],
-                                                    *solids[particles.shape[j]], particles.scale[j], rotation[j],
-                                                    offset));
+              depth = std::max(
+                  depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i], rotation[i],
+                                       *solids[particles.shape[j]], particles.scale[j], rotation[j], offset));
             }
         if (depth > 0)
           parts[begin / kGrain].push_back(

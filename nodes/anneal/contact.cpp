@@ -41,9 +41,10 @@ void add(Probe& probe, const Frame& frame, const Vec3f& p, const Vec3f& n, float
   probe.deepest = std::max(probe.deepest, depth);
 }
 
-// The lowest point of the field along a segment, by the crossing of the two ends' tangents (Kelley's cuts in one
-// dimension): finite for the planes of a polyhedron, and close for a grid.
-void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e, float threshold) {
+// The lowest point of the field along a segment, by the crossing of the two ends' tangents (Kelley's cuts in
+// one dimension): finite for the planes of a polyhedron, and close for a grid. Returns a lower bound of it.
+float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e,
+                    float threshold) {
   float c[3], h[3], g[3];
   frame.point(e.center, c);
   frame.direction(e.half, h);
@@ -51,7 +52,7 @@ void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field,
   const float middle = field.value(c);
   if (middle - length > threshold) {
     probe.gap = std::min(probe.gap, middle - length);
-    return;
+    return middle - length;
   }
   struct End {
     float at, value, slope;
@@ -90,8 +91,9 @@ void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field,
   }
   if (best.value >= threshold) {
     // The tangents' bound holds for convex fields; a grid may dip between them by a little.
-    probe.gap = std::min(probe.gap, std::max(std::min(bound, best.value), threshold));
-    return;
+    const float low = std::max(std::min(bound, best.value), threshold);
+    probe.gap = std::min(probe.gap, low);
+    return low;
   }
   const float depth = threshold - best.value;
   float norm = best.n.norm();
@@ -105,27 +107,34 @@ void probe_segment(Probe& probe, const Frame& frame, const DistanceField& field,
     best.n /= norm;
   }
   add(probe, frame, best.p, best.n, depth, depth / std::clamp(norm, 0.5f, 1.f));
+  return best.value;
 }
 
-void probe_element(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e, float threshold) {
+// Returns a lower bound of the field at the element.
+float probe_element(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e,
+                    float threshold) {
   if (e.half_length > 0) return probe_segment(probe, frame, field, e, threshold);
   float c[3], g[3];
   frame.point(e.center, c);
   const float v = field.value(c, g);
   if (v >= threshold) {
     probe.gap = std::min(probe.gap, v);
-    return;
+    return v;
   }
   Vec3f n(g[0], g[1], g[2]);
   const float norm = n.norm();
   if (norm > 1e-6f) n /= norm;
   add(probe, frame, Vec3f(c[0], c[1], c[2]), n, threshold - v, threshold - v);
+  return v;
 }
 
 // Only a ball whose centre is inside counts: outside, the field may be less than the distance.
-void probe_ball(Probe& probe, const Frame& frame, const DistanceField& field, const Ball& ball) {
+void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, const Ball& ball) {
+  const DistanceField& field = other.field;
   float c[3], g[3];
   frame.point(ball.center, c);
+  const auto far = static_cast<float>(other.bounding_radius);
+  if (c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > far * far) return;
   const float v = field.value(c, g);
   if (v >= 0) return;
   Vec3f n(g[0], g[1], g[2]);
@@ -135,8 +144,11 @@ void probe_ball(Probe& probe, const Frame& frame, const DistanceField& field, co
   add(probe, frame, Vec3f(c[0], c[1], c[2]), n, depth, depth);
 }
 
-Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold) {
+// All elements below threshold, by the tree; those below `keep` are noted.
+Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold,
+                 float keep, std::vector<std::int32_t>& noted) {
   Probe probe;
+  noted.clear();
   const auto* nodes = tree.nodes.data();
   const auto end = static_cast<std::int32_t>(tree.nodes.size());
   for (std::int32_t k = 0; k < end;) {
@@ -144,20 +156,21 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
     float c[3];
     frame.point(node.center, c);
     const float clearance = field.value(c) - node.radius * frame.scale;
-    if (clearance > threshold) {
+    if (clearance > keep) {
       probe.gap = std::min(probe.gap, clearance);
       k = node.next;
       continue;
     }
     for (int m = node.first; m < node.first + node.count; ++m)
-      probe_element(probe, frame, field, tree.elements[m], threshold);
+      if (probe_element(probe, frame, field, tree.elements[m], threshold) < keep) noted.push_back(m);
     ++k;
   }
   return probe;
 }
 
 // Elements of `own` in the field of `other`; `offset` is other's centre less own's.
-Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, bool fine) {
+Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, bool fine,
+                 float slack, bool known, std::vector<std::int32_t>& candidates) {
   Frame frame;
   const float inverse = 1 / other.scale;
   frame.scale = own.scale * inverse;
@@ -165,9 +178,17 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) frame.m[3 * r + c] = m(r, c);
   frame.t = other.rotation.transpose() * (-offset) * inverse;
-  Probe probe = probe_tree(fine ? own.shape->fine : own.shape->coarse, frame, other.shape->field, margin * inverse);
+  const ElementTree& tree = fine ? own.shape->fine : own.shape->coarse;
+  const float threshold = margin * inverse;
+  Probe probe;
+  if (known) {
+    for (std::int32_t e : candidates)
+      probe_element(probe, frame, other.shape->field, tree.elements[e], threshold);
+  } else {
+    probe = probe_tree(tree, frame, other.shape->field, threshold, threshold + slack * inverse, candidates);
+  }
   if (probe.weight > 0)
-    for (const Ball& ball : own.shape->core) probe_ball(probe, frame, other.shape->field, ball);
+    for (const Ball& ball : own.shape->core) probe_ball(probe, frame, *other.shape, ball);
   return probe;
 }
 
@@ -191,13 +212,15 @@ void accumulate(Contact& contact, const Probe& probe, const Body& field, bool el
 
 }  // namespace
 
-Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine) {
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
+                     Candidates& candidates, float slack) {
   Contact contact;
   const bool ball_a = a.shape->field.kind() == DistanceField::Kind::Sphere;
   const bool ball_b = b.shape->field.kind() == DistanceField::Kind::Sphere;
   if (ball_a && ball_b) {
     const float distance = offset.norm();
-    const float gap = distance - a.shape->field.radius() * a.scale - b.shape->field.radius() * b.scale - margin;
+    const float gap =
+        distance - a.shape->field.radius() * a.scale - b.shape->field.radius() * b.scale - margin;
     if (gap >= 0) {
       contact.gap = gap;
       return contact;
@@ -206,13 +229,16 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
     contact.push = distance > 1e-12f ? Vec3f(offset * (gap / distance)) : Vec3f(gap, 0, 0);
     return contact;
   }
-  const Probe of_a = probe_body(a, b, offset, margin, fine);
+  const bool known = candidates.known;
+  candidates.known = true;
+  const Probe of_a = probe_body(a, b, offset, margin, fine, slack, known, candidates.of_a);
   const float gap_a = of_a.gap * b.scale - margin;
-  if (of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
+  if (!known && of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
+    candidates.known = false;
     contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
     return contact;
   }
-  const Probe of_b = probe_body(b, a, -offset, margin, fine);
+  const Probe of_b = probe_body(b, a, -offset, margin, fine, slack, known, candidates.of_b);
   const int found = (of_a.weight > 0) + (of_b.weight > 0);
   if (found == 0) {
     contact.gap = std::max(std::min(gap_a, of_b.gap * a.scale - margin), 0.f);
@@ -221,8 +247,8 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
   const float share = 1.f / static_cast<float>(found);
   if (of_a.weight > 0) accumulate(contact, of_a, b, true, share);
   if (of_b.weight > 0) accumulate(contact, of_b, a, false, share);
-  // Surfaces of bodies deep in each other push all ways, and crossed edges may push to and fro: some of the push, and all
-  // of it where they are deep, parts them along their centres.
+  // Surfaces of bodies deep in each other push all ways, and crossed edges may push to and fro: some of the
+  // push, and all of it where they are deep, parts them along their centres.
   const float deep = 0.35f * std::min(a.scale * static_cast<float>(a.shape->gyration),
                                       b.scale * static_cast<float>(b.shape->gyration));
   const float distance = offset.norm();

@@ -9,7 +9,7 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr int kCells = 40;            // of the grid across the shape
+constexpr int kCells = 40;  // of the grid across the shape
 constexpr int kCoarse = 96, kFine = 640;
 constexpr int kLeaf = 4;
 
@@ -36,12 +36,14 @@ struct Edge {
 std::map<std::pair<int, int>, Edge> edges_of(const Mesh& mesh) {
   std::map<std::pair<int, int>, Edge> edges;
   for (const auto& t : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    const Vec3 n =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
     for (int k = 0; k < 3; ++k) {
       const std::pair<int, int> key = std::minmax(t[k], t[(k + 1) % 3]);
       Edge& e = edges[key];
       e.a = key.first, e.b = key.second;
-      if (e.faces < 2) e.n[e.faces] = n.norm() > 0 ? n.normalized() : Vec3::Zero(), e.apex[e.faces] = t[(k + 2) % 3];
+      if (e.faces < 2)
+        e.n[e.faces] = n.norm() > 0 ? n.normalized() : Vec3::Zero(), e.apex[e.faces] = t[(k + 2) % 3];
       ++e.faces;
     }
   }
@@ -63,7 +65,8 @@ std::vector<std::pair<int, int>> convex_edges(const Mesh& mesh, double angle) {
 std::vector<Vec3> vertex_normals(const Mesh& mesh) {
   std::vector<Vec3> normal(mesh.vertices.size(), Vec3::Zero());
   for (const auto& t : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    const Vec3 n =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
     for (int v : t) normal[v] += n;
   }
   for (auto& n : normal)
@@ -76,8 +79,8 @@ struct Choice {
   double missed = 0;       // how far a flat surface may enter between the chosen ones
 };
 
-// First vertices far from each other, then those that protrude most beyond the tangent planes through their chosen
-// neighbours.
+// First vertices far from each other, then those that protrude most beyond the tangent planes through their
+// chosen neighbours.
 Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covered, const Work& work) {
   const auto normal = vertex_normals(mesh);
   std::vector<int> candidates;
@@ -129,7 +132,8 @@ void split(ElementTree& tree, int first, int count) {
     const Element& e = tree.elements[k];
     radius = std::max(radius, (Eigen::Map<const Vec3f>(e.center) - center).norm() + e.half_length);
   }
-  ElementTree::Node node{{center[0], center[1], center[2]}, radius * 1.00001f, 0, first, count <= kLeaf ? count : 0};
+  ElementTree::Node node{
+      {center[0], center[1], center[2]}, radius * 1.00001f, 0, first, count <= kLeaf ? count : 0};
   if (count > kLeaf) {
     int axis;
     (high - low).maxCoeff(&axis);
@@ -165,12 +169,14 @@ std::vector<Ball> inner_balls(const Mesh& mesh, const DistanceField& field) {
         ball.radius = -field.value(ball.center);
         if (ball.radius > 0) samples.push_back(ball);
       }
-  std::stable_sort(samples.begin(), samples.end(), [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
   std::vector<Ball> balls;
   for (const Ball& e : samples) {
     bool far = e.radius > 0.3f * samples[0].radius;
     for (const Ball& b : balls)
-      far = far && (Eigen::Map<const Vec3f>(e.center) - Eigen::Map<const Vec3f>(b.center)).norm() > 0.8f * b.radius;
+      far = far &&
+            (Eigen::Map<const Vec3f>(e.center) - Eigen::Map<const Vec3f>(b.center)).norm() > 0.8f * b.radius;
     if (far) balls.push_back(e);
     if (balls.size() == kBalls) break;
   }
@@ -206,7 +212,8 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   s.field = DistanceField::of(mesh, kCells, work);
   s.core = inner_balls(mesh, s.field);
   std::vector<Element> segments;
-  if (s.field.kind() == DistanceField::Kind::Planes) {  // vertices are ends of edges, flat faces touch only those
+  if (s.field.kind() ==
+      DistanceField::Kind::Planes) {  // vertices are ends of edges, flat faces touch only those
     for (const auto& [a, b] : convex_edges(mesh, 1e-3))
       segments.push_back(segment_element(mesh.vertices[a], mesh.vertices[b]));
     s.coarse = s.fine = make_tree(segments);
@@ -232,7 +239,8 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   s.fine = make_tree(std::move(fine));
   s.error = 1e-6 * r;
   // The sphere around its mesh needs no allowance.
-  if (s.field.kind() == DistanceField::Kind::Grid) s.error += field_error(mesh, s.field) + 0.5 * choice.missed;
+  if (s.field.kind() == DistanceField::Kind::Grid)
+    s.error += field_error(mesh, s.field) + 0.5 * choice.missed;
   return s;
 }
 

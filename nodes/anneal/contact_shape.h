@@ -1,5 +1,5 @@
-// What the packer knows of a shape: a distance field to be probed by others, and the surface elements that it probes
-// others with. One per shape, shared by all instances; own frame, mm at scale 1.
+// What the packer knows of a shape: a distance field to be probed by others, and the surface elements that it
+// probes others with. One per shape, shared by all instances; own frame, mm at scale 1.
 #pragma once
 
 #include <cstdint>
@@ -35,17 +35,17 @@ struct ElementTree {
 
 struct ContactShape {
   DistanceField field;
-  ElementTree coarse, fine;     // a subset for far-from-done states, and all
-  // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface: only what
-  // lies inside tells how deep they are.
+  ElementTree coarse, fine;  // a subset for far-from-done states, and all
+  // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface:
+  // only what lies inside tells how deep they are.
   std::vector<Ball> core;
-  double bounding_radius = 0;   // about the origin
-  double gyration = 0;          // lever arm that weighs rotations against translations
-  double error = 0;             // typical distance by which field and elements may miss a contact
+  double bounding_radius = 0;  // about the origin
+  double gyration = 0;         // lever arm that weighs rotations against translations
+  double error = 0;            // typical distance by which field and elements may miss a contact
 };
 
-// Elements are chosen where the surface protrudes beyond those chosen before, so flat parts need none; edges sharper
-// than 30° enter as segments. The mesh must be watertight with its centroid at the origin.
+// Elements are chosen where the surface protrudes beyond those chosen before, so flat parts need none; edges
+// sharper than 30° enter as segments. The mesh must be watertight with its centroid at the origin.
 ContactShape make_contact_shape(const Mesh& mesh, const Work& work = {});
 
 }  // namespace terrazzo::anneal

@@ -17,7 +17,8 @@ std::vector<std::pair<Vec3, double>> face_planes(const Mesh& mesh) {
   std::vector<std::pair<Vec3, double>> planes;
   planes.reserve(mesh.triangles.size());
   for (const auto& t : mesh.triangles) {
-    const Vec3 n = (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    const Vec3 n =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
     if (!(n.norm() > 0)) continue;
     planes.emplace_back(n.normalized(), n.normalized().dot(mesh.vertices[t[0]]));
   }
@@ -48,7 +49,8 @@ bool DistanceField::make_planes(const Mesh& mesh) {
   std::vector<std::pair<Vec3, double>> distinct;
   for (const auto& [n, d] : face_planes(mesh)) {
     bool known = false;
-    for (const auto& [m, e] : distinct) known = known || ((n - m).norm() < 1e-5 && std::abs(d - e) < 1e-5 * r);
+    for (const auto& [m, e] : distinct)
+      known = known || ((n - m).norm() < 1e-5 && std::abs(d - e) < 1e-5 * r);
     if (!known) distinct.emplace_back(n, d);
     if (distinct.size() > 40) return false;
   }

@@ -1,6 +1,6 @@
-// Signed distance to one shape's surface, fast enough for millions of samples a second; negative inside, in the
-// shape's own frame and mm. Three forms: a sphere, the face planes of a convex polyhedron (exact inside, a lower
-// bound outside), and a regular grid of exact distances, interpolated.
+// Signed distance to one shape's surface, fast enough for millions of samples a second; negative inside, in
+// the shape's own frame and mm. Three forms: a sphere, the face planes of a convex polyhedron (exact inside,
+// a lower bound outside), and a regular grid of exact distances, interpolated.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ class DistanceField {
  public:
   enum class Kind { Sphere, Planes, Grid };
 
-  // Sphere where the mesh is one to 1.5 % of its radius (then the circumscribed one), planes where it is convex with at most
-  // 40 distinct faces, else a grid of about cells³ over the mesh's volume.
+  // Sphere where the mesh is one to 1.5 % of its radius (then the circumscribed one), planes where it is
+  // convex with at most 40 distinct faces, else a grid of about cells³ over the mesh's volume.
   static DistanceField of(const Mesh& mesh, int cells, const Work& work = {});
 
   Kind kind() const { return kind_; }
@@ -90,7 +90,8 @@ float DistanceField::sample_grid(const float* p, float* g) const {
     return pad_ + std::sqrt(outside) * cell_;
   }
   const int i = static_cast<int>(u[0]), j = static_cast<int>(u[1]), k = static_cast<int>(u[2]);
-  const float x = u[0] - static_cast<float>(i), y = u[1] - static_cast<float>(j), z = u[2] - static_cast<float>(k);
+  const float x = u[0] - static_cast<float>(i), y = u[1] - static_cast<float>(j),
+              z = u[2] - static_cast<float>(k);
   const float* c = &grid_[(static_cast<std::size_t>(k) * n_[1] + j) * n_[0] + i];
   const std::size_t sy = n_[0], sz = static_cast<std::size_t>(n_[0]) * n_[1];
   const float x00 = c[0] + x * (c[1] - c[0]), x10 = c[sy] + x * (c[sy + 1] - c[sy]);

@@ -7,8 +7,11 @@
 namespace terrazzo::anneal {
 
 MeshDistance::MeshDistance(const Mesh& mesh)
-    : mesh_(mesh), tree_(mesh), face_normal_(mesh.triangles.size(), Vec3::Zero()),
-      vertex_normal_(mesh.vertices.size(), Vec3::Zero()), edge_normal_(mesh.triangles.size()) {
+    : mesh_(mesh),
+      tree_(mesh),
+      face_normal_(mesh.triangles.size(), Vec3::Zero()),
+      vertex_normal_(mesh.vertices.size(), Vec3::Zero()),
+      edge_normal_(mesh.triangles.size()) {
   std::map<std::pair<int, int>, Vec3> edges;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& tri = mesh.triangles[t];

@@ -7,7 +7,7 @@ namespace terrazzo::anneal {
 namespace {
 
 struct Level {
-  double largest = 0;              // radius
+  double largest = 0;  // radius
   std::array<int, 3> cells{1, 1, 1};
   std::vector<std::int32_t> begin;  // per cell, + 1
   std::vector<std::int32_t> item;
@@ -24,8 +24,9 @@ std::size_t flat(const Level& level, const std::array<int, 3>& c) {
   return (static_cast<std::size_t>(c[2]) * level.cells[1] + c[1]) * level.cells[0] + c[0];
 }
 
-std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& position, const std::vector<double>& radius,
-                               const std::vector<int>& level_of, int count, double reach) {
+std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& position,
+                               const std::vector<double>& radius, const std::vector<int>& level_of, int count,
+                               double reach) {
   std::vector<Level> levels(count);
   std::vector<std::size_t> members(count, 0);
   for (std::size_t i = 0; i < radius.size(); ++i) {
@@ -60,15 +61,17 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
 
 }  // namespace
 
-std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position, const std::vector<double>& radius,
-                             double reach, const Work& work) {
+std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
+                             const std::vector<double>& radius, double reach, const Work& work) {
   const std::size_t n = position.size();
   if (n < 2) return {};
   const double largest = *std::max_element(radius.begin(), radius.end());
   std::vector<int> level_of(n);
   int count = 1;
   for (std::size_t i = 0; i < n; ++i) {
-    level_of[i] = radius[i] > 0 ? std::min(12, static_cast<int>(std::floor(std::log2(largest / radius[i]) + 1e-9))) : 12;
+    level_of[i] = radius[i] > 0
+                      ? std::min(12, static_cast<int>(std::floor(std::log2(largest / radius[i]) + 1e-9)))
+                      : 12;
     count = std::max(count, level_of[i] + 1);
   }
   const auto levels = make_levels(box, position, radius, level_of, count, reach);
@@ -95,7 +98,8 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
             for (int x = lo[0]; x <= hi[0]; ++x) {
               std::array<int, 3> c{x, y, z}, image;
               for (int a = 0; a < 3; ++a) {
-                image[a] = c[a] >= 0 ? c[a] / level.cells[a] : -((level.cells[a] - 1 - c[a]) / level.cells[a]);
+                image[a] =
+                    c[a] >= 0 ? c[a] / level.cells[a] : -((level.cells[a] - 1 - c[a]) / level.cells[a]);
                 c[a] -= image[a] * level.cells[a];
               }
               const Vec3 shift(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
@@ -105,8 +109,10 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
                 if (l == level_of[i] && j <= i) continue;
                 const double sum = radius[i] + radius[j] + reach;
                 if ((position[j] + shift - p).squaredNorm() >= sum * sum) continue;
-                Pair pair{i, j, {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
-                                 static_cast<std::int8_t>(image[2])}};
+                Pair pair{i,
+                          j,
+                          {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
+                           static_cast<std::int8_t>(image[2])}};
                 if (j < i) {
                   std::swap(pair.a, pair.b);
                   for (auto& v : pair.image) v = static_cast<std::int8_t>(-v);

@@ -44,13 +44,17 @@ void compute(Context& c) {
 
 NodeType anneal_node() {
   return NodeType("Anneal", 1)
-      .doc_("Packs particles of given sizes and shapes into a periodic box without overlap: they grow from random places "
-            "while overlaps of their true surfaces are relaxed, jams are shaken loose, and an independent exact audit of "
-            "the triangles has the last word.")
+      .doc_(
+          "Packs particles of given sizes and shapes into a periodic box without overlap: they grow from "
+          "random places "
+          "while overlaps of their true surfaces are relaxed, jams are shaken loose, and an independent "
+          "exact audit of "
+          "the triangles has the last word.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.1")
       .input("distribution", "SizeDistribution", "particles per mm³ by size class")
       .input("shapes", "Shapes", "closed meshes; those of the distribution's entries")
-      .optional_input("start", {"Particles"}, "a packing to begin from: its particles stay where their class has room")
+      .optional_input("start", {"Particles"},
+                      "a packing to begin from: its particles stay where their class has room")
       .output("particles", "Particles", "the packing, box [0, size)")
       .output("sizes", "Table", "particles of each size class, requested and achieved")
       .output("correlation", "Table", "pair correlation of the centres")
@@ -58,17 +62,27 @@ NodeType anneal_node() {
                      .unit_("mm")
                      .above(0)
                      .count(1, 3)
-                     .doc_("Edge of the box, or its three edges. auto: a cube for about `count` particles, at least three "
+                     .doc_("Edge of the box, or its three edges. auto: a cube for about `count` particles, "
+                           "at least three "
                            "times the largest one where that does not take ten times as many"))
-      .parameter(Parameter::integer("count", 2000).range(1, 1000000).doc_("Particles that an automatic box is made for"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Seed of places, orientations and sizes"))
+      .parameter(Parameter::integer("count", 2000)
+                     .range(1, 1000000)
+                     .doc_("Particles that an automatic box is made for"))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Seed of places, orientations and sizes"))
       .parameter(Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
-                     .doc_("Where the particles cannot be packed: fail, shrink all alike until they fit, or drop as few as "
+                     .doc_("Where the particles cannot be packed: fail, shrink all alike until they fit, or "
+                           "drop as few as "
                            "it takes"))
-      .parameter(Parameter::number("binder_gap", 0).unit_("mm").range(0, 1e6).doc_("Smallest distance between particles"))
-      .parameter(Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
-                     .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "
-                           "fraction (all densities are scaled) or the densities"))
+      .parameter(Parameter::number("binder_gap", 0)
+                     .unit_("mm")
+                     .range(0, 1e6)
+                     .doc_("Smallest distance between particles"))
+      .parameter(
+          Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
+              .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "
+                    "fraction (all densities are scaled) or the densities"))
       .parameter(Parameter::integer("iterations", 3000)
                      .range(1, 1000000)
                      .doc_("Steps of all particles before they count as jammed; more reach denser packings"))

@@ -45,9 +45,11 @@ void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
 
 class Packer {
  public:
-  Packer(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start, const PackOptions& options,
-         const Work& work)
-      : shapes_(shapes), options_(options), work_(work),
+  Packer(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+         const PackOptions& options, const Work& work)
+      : shapes_(shapes),
+        options_(options),
+        work_(work),
         population_(populate(distribution, shapes, start, options.population)) {}
 
   PackResult run();
@@ -77,7 +79,8 @@ void Packer::prepare() {
   contact_shapes_.resize(shapes_.shapes.size());
   const Work work = work_.part(0, 0.05);
   for (std::size_t s = 0; s < needed.size(); ++s) {
-    work.progress(static_cast<double>(s) / static_cast<double>(needed.size()), "distance field of " + shapes_.shapes[s].name);
+    work.progress(static_cast<double>(s) / static_cast<double>(needed.size()),
+                  "distance field of " + shapes_.shapes[s].name);
     if (needed[s]) contact_shapes_[s] = make_contact_shape(shapes_.shapes[s].mesh, work.quiet());
   }
 }
@@ -86,18 +89,20 @@ void Packer::place() {
   packing_ = packing_of(population_.particles);
   std::vector<double> radius(packing_.count());
   for (std::size_t i = 0; i < radius.size(); ++i)
-    radius[i] = std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
+    radius[i] =
+        std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
   place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
 }
 
 // Anneals until the audit finds nothing: what it finds widens the margin of the particles concerned.
 void Packer::anneal_and_audit(double start_shrink, const Work& work) {
   anneal_.start_shrink = start_shrink;
+  anneal_.settle = false;
   anneal_.extra.assign(packing_.count(), 0.0);
   const int all = options_.iterations;
   int left = all;
   for (int round = 0; round < 12; ++round) {
-    anneal_.iterations = std::max(left, 50);
+    anneal_.iterations = std::max(left, 400);
     state_ = pack(contact_shapes_, packing_, anneal_, work);
     result_.iterations += state_.iterations;
     left -= state_.iterations;
@@ -107,7 +112,7 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
       const double more = 0.6 * p.depth + 1e-4 * std::min(packing_.size[p.a], packing_.size[p.b]);
       anneal_.extra[p.a] += more, anneal_.extra[p.b] += more;
     }
-    anneal_.start_shrink = packing_.shrink;
+    anneal_.settle = true;
   }
 }
 
@@ -119,7 +124,8 @@ void Packer::drop(const Work& work) {
     for (const auto& p : audit_.found) strain[p.a] += p.relative, strain[p.b] += p.relative;
     std::vector<std::size_t> order(strain.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return strain[a] > strain[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return strain[a] > strain[b]; });
     std::size_t strained = 0;
     for (double s : strain) strained += s > 0;
     const std::size_t most = std::max<std::size_t>(1, std::min(strained / 12, packing_.count() / 50));
@@ -146,21 +152,25 @@ PackResult Packer::run() {
   place();
   anneal_.binder_gap = options_.population.binder_gap;
   anneal_.seed = options_.population.seed;
+  // A percent of size more or less is not worth most of the time where shrinking is allowed anyway.
+  anneal_.enough = options_.on_jam == OnJam::Shrink ? 0.99 : 1;
   const bool resumed = population_.kept == packing_.count();
   anneal_and_audit(resumed ? 1.0 : 0.6, work_.part(0.05, 0.95));
 
   const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
   if (jammed && options_.on_jam == OnJam::Fail) {
     throw Error("jammed",
-                fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested", packing_.count(),
-                            fraction(), population_.requested_fraction),
+                fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",
+                            packing_.count(), fraction(), population_.requested_fraction),
                 "lower the volume fraction, raise `iterations`, or set on_jam to shrink or drop");
   }
   if (jammed && options_.on_jam == OnJam::Drop) drop(work_.part(0.95, 1));
   if (audit_.worst > kTolerance)
-    throw Error("overlap", fmt::format("the audit found a penetration of {:.2e} of a particle's size that could not be removed",
-                                       audit_.worst),
-                "raise `iterations` or lower the volume fraction");
+    throw Error(
+        "overlap",
+        fmt::format("the audit found a penetration of {:.2e} of a particle's size that could not be removed",
+                    audit_.worst),
+        "raise `iterations` or lower the volume fraction");
 
   result_.particles = placed(population_.particles, packing_);
   result_.size_class = population_.size_class;
@@ -172,13 +182,15 @@ PackResult Packer::run() {
   result_.notes = population_.notes;
   result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
   if (result_.shrink < 1)
-    result_.notes.push_back(fmt::format("jammed: all particles were shrunk to {:.4f} of their size, the volume fraction is "
-                                        "{:.3f} where {:.3f} was requested",
-                                        result_.shrink, fraction(), result_.requested_fraction));
+    result_.notes.push_back(
+        fmt::format("jammed: all particles were shrunk to {:.4f} of their size, the volume fraction is "
+                    "{:.3f} where {:.3f} was requested",
+                    result_.shrink, fraction(), result_.requested_fraction));
   if (result_.dropped > 0)
-    result_.notes.push_back(fmt::format("jammed: {} particles were left out, the volume fraction is {:.3f} where {:.3f} was "
-                                        "requested",
-                                        result_.dropped, fraction(), result_.requested_fraction));
+    result_.notes.push_back(
+        fmt::format("jammed: {} particles were left out, the volume fraction is {:.3f} where {:.3f} was "
+                    "requested",
+                    result_.dropped, fraction(), result_.requested_fraction));
   return std::move(result_);
 }
 

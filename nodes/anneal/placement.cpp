@@ -60,7 +60,8 @@ class Occupied {
     std::vector<std::vector<Ball>> balls;
     std::array<int, 3> cell(const Vec3& box, const Vec3& p) const {
       std::array<int, 3> c;
-      for (int a = 0; a < 3; ++a) c[a] = std::clamp(static_cast<int>(p[a] / box[a] * cells[a]), 0, cells[a] - 1);
+      for (int a = 0; a < 3; ++a)
+        c[a] = std::clamp(static_cast<int>(p[a] / box[a] * cells[a]), 0, cells[a] - 1);
       return c;
     }
     std::size_t flat(const std::array<int, 3>& c) const {
@@ -87,8 +88,8 @@ class Occupied {
 
 }  // namespace
 
-void place_at_random(Packing& packing, std::size_t first, const std::vector<double>& radius, std::uint64_t seed,
-                     const Work& work) {
+void place_at_random(Packing& packing, std::size_t first, const std::vector<double>& radius,
+                     std::uint64_t seed, const Work& work) {
   const std::size_t n = packing.count();
   if (n == 0) return;
   Occupied occupied(packing.box, *std::max_element(radius.begin(), radius.end()));

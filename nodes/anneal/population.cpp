@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint64_t kSizes = 0x73697a6573, kShapes = 0x736861706573, kOrder = 0x6f72646572;
 
 struct Cell {
-  int entry, cls;       // entry of the distribution, size class
-  double density;       // per mm³
-  double mean_volume;   // mm³
+  int entry, cls;      // entry of the distribution, size class
+  double density;      // per mm³
+  double mean_volume;  // mm³
   std::int64_t count = 0;
 };
 
@@ -36,18 +36,22 @@ void check(const SizeDistribution& d, const Shapes& shapes) {
   const auto bad = [](const std::string& what) {
     throw Error("bad-distribution", what, "look at the node that makes the distribution");
   };
-  if (shapes.shapes.empty()) throw Error("no-shapes", "there is no shape to pack", "connect a node that gives shapes");
+  if (shapes.shapes.empty())
+    throw Error("no-shapes", "there is no shape to pack", "connect a node that gives shapes");
   double probability = 0;
   for (const auto& s : shapes.shapes) {
     if (s.mesh.triangles.empty() || !(s.volume > 0) || !(s.size() > 0) || !std::isfinite(s.volume))
-      throw Error("bad-shape", fmt::format("shape '{}' has no volume", s.name), "use a closed, outward oriented mesh");
-    if (!(s.probability >= 0)) throw Error("bad-shape", fmt::format("shape '{}' has no valid probability", s.name));
+      throw Error("bad-shape", fmt::format("shape '{}' has no volume", s.name),
+                  "use a closed, outward oriented mesh");
+    if (!(s.probability >= 0))
+      throw Error("bad-shape", fmt::format("shape '{}' has no valid probability", s.name));
     probability += s.probability;
   }
   if (!(probability > 0)) throw Error("bad-shape", "all shapes have probability 0");
   if (d.class_edges.size() < 2) bad("the distribution has no size class");
   for (std::size_t k = 0; k < d.class_edges.size(); ++k) {
-    if (!std::isfinite(d.class_edges[k]) || d.class_edges[k] < 0) bad("a class edge is negative or no number");
+    if (!std::isfinite(d.class_edges[k]) || d.class_edges[k] < 0)
+      bad("a class edge is negative or no number");
     if (k > 0 && d.class_edges[k] < d.class_edges[k - 1]) bad("the class edges do not rise");
   }
   for (const auto& e : d.shapes) {
@@ -98,12 +102,14 @@ Vec3 choose_box(const PopulationOptions& o, double density, double size, double 
     if (!box.allFinite() || !(box.minCoeff() > 0))
       throw Error("bad-size", "the box edges must be positive numbers", "").parameter("size");
     if (diameter + o.binder_gap >= box.minCoeff())
-      throw Error("box-too-small",
-                  fmt::format("a particle of size {:.4g} mm reaches {:.4g} mm across, more than the box edge of {:.4g} mm, "
-                              "and would touch its own periodic image",
-                              size, diameter, box.minCoeff()),
-                  fmt::format("make the box at least {:.4g} mm, better {:.4g} mm", 1.05 * diameter + o.binder_gap,
-                              3 * size))
+      throw Error(
+          "box-too-small",
+          fmt::format(
+              "a particle of size {:.4g} mm reaches {:.4g} mm across, more than the box edge of {:.4g} mm, "
+              "and would touch its own periodic image",
+              size, diameter, box.minCoeff()),
+          fmt::format("make the box at least {:.4g} mm, better {:.4g} mm", 1.05 * diameter + o.binder_gap,
+                      3 * size))
           .parameter("size");
     return box;
   }
@@ -112,10 +118,12 @@ Vec3 choose_box(const PopulationOptions& o, double density, double size, double 
   if (edge < wanted) {
     // Large particles ask for a larger box, as long as the fine ones do not become too many.
     const double capped = std::cbrt(10.0 * static_cast<double>(o.count) / density);
-    edge = std::max({edge, std::min(wanted, capped), std::min(wanted, std::max(1.5 * size, 1.1 * diameter + o.binder_gap))});
+    edge = std::max({edge, std::min(wanted, capped),
+                     std::min(wanted, std::max(1.5 * size, 1.1 * diameter + o.binder_gap))});
     if (edge < wanted)
-      out.notes.push_back(fmt::format("the box is only {:.2f} times the largest particle: more would need {:.3g} particles",
-                                      edge / size, density * wanted * wanted * wanted));
+      out.notes.push_back(
+          fmt::format("the box is only {:.2f} times the largest particle: more would need {:.3g} particles",
+                      edge / size, density * wanted * wanted * wanted));
   }
   return Vec3::Constant(edge);
 }
@@ -136,9 +144,9 @@ double round_counts(std::vector<Cell>& cells, double volume, double phase) {
 
 struct Member {
   int entry, size_class, shape;
-  double rank;         // 0…1 within its class
+  double rank;  // 0…1 within its class
   double size = 0;
-  int start = -1;      // index into the particles to start from
+  int start = -1;  // index into the particles to start from
 };
 
 // An order of 0 … n − 1 that depends on the seed alone.
@@ -150,8 +158,8 @@ std::vector<std::size_t> shuffled(std::size_t n, std::uint64_t seed, std::uint64
   return order;
 }
 
-void add_members(const Cell& cell, std::size_t index, std::size_t n, const SizeDistribution& d, const Shapes& shapes,
-                 std::uint64_t seed, std::vector<Member>& members) {
+void add_members(const Cell& cell, std::size_t index, std::size_t n, const SizeDistribution& d,
+                 const Shapes& shapes, std::uint64_t seed, std::vector<Member>& members) {
   const int fixed = d.shapes[cell.entry].shape;
   Random random(seed, kShapes, index), jitter(seed, kSizes, index);
   const auto order = shuffled(n, seed, index);
@@ -169,7 +177,8 @@ void add_members(const Cell& cell, std::size_t index, std::size_t n, const SizeD
         if (at < sum) break;
       }
     }
-    members.push_back({cell.entry, cell.cls, shape, (static_cast<double>(k) + jitter.uniform()) / static_cast<double>(n)});
+    members.push_back(
+        {cell.entry, cell.cls, shape, (static_cast<double>(k) + jitter.uniform()) / static_cast<double>(n)});
   }
 }
 
@@ -180,7 +189,8 @@ double total_volume(const std::vector<Member>& members, const Shapes& shapes) {
 }
 
 // Bends the ranks within their classes by one exponent until the volume is met as nearly as it can be.
-void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const Shapes& shapes, double volume) {
+void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const Shapes& shapes,
+                  double volume) {
   const auto apply = [&](double exponent) {
     for (auto& m : members) {
       if (m.start >= 0) continue;
@@ -215,15 +225,17 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     out.requested_fraction = d.volume_fraction;
     const double factor = d.volume_fraction / computed;
     if (factor < 0.93 || factor > 1.07) {
-      out.notes.push_back(fmt::format("with these shapes the number densities fill {:.3f} of the space, not {:.3f}: they are "
-                                      "multiplied by {:.3f} to hold the volume fraction",
-                                      computed, d.volume_fraction, factor));
+      out.notes.push_back(
+          fmt::format("with these shapes the number densities fill {:.3f} of the space, not {:.3f}: they are "
+                      "multiplied by {:.3f} to hold the volume fraction",
+                      computed, d.volume_fraction, factor));
       for (auto& c : cells) c.density *= factor;
       density *= factor;
     }
   }
   if (!(out.requested_fraction < 1))
-    throw Error("impossible-density", fmt::format("the particles would fill {:.3f} of the box", out.requested_fraction),
+    throw Error("impossible-density",
+                fmt::format("the particles would fill {:.3f} of the box", out.requested_fraction),
                 "lower the densities or the volume fraction");
 
   double size, diameter;
@@ -231,9 +243,11 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   const Vec3 box = choose_box(o, density, size, diameter, out);
   const double volume = box.prod(), expected = density * volume;
   if (expected > static_cast<double>(o.most))
-    throw Error("too-many-particles", fmt::format("the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles",
-                                                  box[0], box[1], box[2], expected),
-                fmt::format("make it smaller, or leave out the finest classes; at most {} are packed", o.most))
+    throw Error(
+        "too-many-particles",
+        fmt::format("the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles", box[0], box[1],
+                    box[2], expected),
+        fmt::format("make it smaller, or leave out the finest classes; at most {} are packed", o.most))
         .parameter("size");
 
   const double target = out.requested_fraction * volume;
@@ -271,7 +285,9 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
         .parameter("size");
   choose_sizes(members, d, shapes, target);
 
-  const auto radius = [&](const Member& m) { return std::cbrt(unit_volume(shapes.shapes[m.shape])) * m.size; };
+  const auto radius = [&](const Member& m) {
+    return std::cbrt(unit_volume(shapes.shapes[m.shape])) * m.size;
+  };
   std::stable_sort(members.begin(), members.end(), [&](const Member& a, const Member& b) {
     if ((a.start >= 0) != (b.start >= 0)) return a.start >= 0;
     if (a.start >= 0) return a.start < b.start;
@@ -283,7 +299,8 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   const double filled = total_volume(members, shapes);
   p.box = box;
   const double stretch = std::cbrt(filled / target);
-  if (o.edges.empty() && stretch > 0.98 && stretch < 1.02 && box.minCoeff() * stretch > diameter + o.binder_gap)
+  if (o.edges.empty() && stretch > 0.98 && stretch < 1.02 &&
+      box.minCoeff() * stretch > diameter + o.binder_gap)
     p.box *= stretch;
   out.fraction = filled / p.box.prod();
   for (std::size_t i = 0; i < members.size(); ++i) {

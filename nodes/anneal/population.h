@@ -12,28 +12,30 @@
 namespace terrazzo::anneal {
 
 struct PopulationOptions {
-  std::vector<double> edges;           // mm, one or three; empty: a cube for about `count` particles
+  std::vector<double> edges;  // mm, one or three; empty: a cube for about `count` particles
   std::int64_t count = 2000;
-  std::int64_t most = 1'000'000;       // refuses more
-  bool keep_volume_fraction = true;    // where densities and volume fraction disagree, the fraction holds
-  double binder_gap = 0;               // mm
+  std::int64_t most = 1'000'000;     // refuses more
+  bool keep_volume_fraction = true;  // where densities and volume fraction disagree, the fraction holds
+  double binder_gap = 0;             // mm
   std::uint64_t seed = 1;
 };
 
 struct Population {
-  Particles particles;              // positions of the kept ones only; scale and size of all. Kept ones first, then largest first
-  std::size_t kept = 0;             // from `start`
-  std::vector<int> size_class;      // of each particle
-  double requested_fraction = 0;    // Σ N_V·V
-  double fraction = 0;              // of the particles listed
-  std::vector<double> expected;     // particles of each size class in this box, not rounded
-  std::vector<std::string> notes;   // for the user
+  Particles particles;   // positions of the kept ones only; scale and size of all. Kept ones first, then
+                         // largest first
+  std::size_t kept = 0;  // from `start`
+  std::vector<int> size_class;     // of each particle
+  double requested_fraction = 0;   // Σ N_V·V
+  double fraction = 0;             // of the particles listed
+  std::vector<double> expected;    // particles of each size class in this box, not rounded
+  std::vector<std::string> notes;  // for the user
 };
 
-// Counts by rounding the running sum from the largest class down, at the phase that meets the volume fraction best; sizes
-// stratified within their class and bent within it until the fraction is met. Shapes of entries with shape −1 are drawn
-// evenly by probability. Particles of `start` (may be null) whose class has room are kept.
-// Throws Error "bad-distribution", "no-particles", "box-too-small", "too-many-particles", "impossible-density".
+// Counts by rounding the running sum from the largest class down, at the phase that meets the volume fraction
+// best; sizes stratified within their class and bent within it until the fraction is met. Shapes of entries
+// with shape −1 are drawn evenly by probability. Particles of `start` (may be null) whose class has room are
+// kept. Throws Error "bad-distribution", "no-particles", "box-too-small", "too-many-particles",
+// "impossible-density".
 Population populate(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                     const PopulationOptions& options);
 

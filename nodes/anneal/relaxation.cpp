@@ -7,10 +7,20 @@
 
 namespace terrazzo::anneal {
 
+namespace {
+constexpr double kSlack = 0.015;  // travel for which candidates are collected, in sizes
+}
+
 Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap)
-    : extra(packing.count(), 0.0), shapes_(shapes), packing_(packing), binder_gap_(binder_gap),
-      bodies_(packing.count()), travel_(packing.count(), 0.0), drift_(packing.count(), Vec3::Zero()),
-      velocity_(packing.count(), Vec3::Zero()), spin_(packing.count(), Vec3::Zero()),
+    : extra(packing.count(), 0.0),
+      shapes_(shapes),
+      packing_(packing),
+      binder_gap_(binder_gap),
+      bodies_(packing.count()),
+      travel_(packing.count(), 0.0),
+      drift_(packing.count(), Vec3::Zero()),
+      velocity_(packing.count(), Vec3::Zero()),
+      spin_(packing.count(), Vec3::Zero()),
       strain_(packing.count(), 0.0) {}
 
 double Relaxation::required_margin(std::size_t a, std::size_t b) const {
@@ -43,6 +53,9 @@ void Relaxation::rebuild(const Work& work) {
   pairs_ = near_pairs(packing_.box, packing_.position, radius, 2 * reach_, work);
   incidence_ = incidence_of(n, pairs_);
   contacts_.assign(pairs_.size(), Contact{});
+  candidates_.resize(pairs_.size());
+  for (auto& c : candidates_) c.known = false;
+  noted_.assign(pairs_.size(), 0.0);
   slack_.assign(pairs_.size(), -1.f);
   stamp_.assign(pairs_.size(), 0.0);
   stale_ = false;
@@ -69,13 +82,21 @@ Overlap Relaxation::find_contacts(const Work& work) {
           if (travelled - stamp_[k] < slack_[k]) continue;  // contacts_[k].depth is still 0
           const double margin = target_margin(p.a, p.b);
           const Vec3 offset = offset_of(p, packing_.box, packing_.position);
+          const double size = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
+          const double slack = kSlack * size;
+          Candidates& candidates = candidates_[k];
+          if (candidates.known && travelled - noted_[k] > 0.99 * slack) candidates.known = false;
+          if (!candidates.known) noted_[k] = travelled;
           contacts_[k] =
-              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin), fine);
-          slack_[k] = contacts_[k].depth > 0 ? -1.f : contacts_[k].gap;
+              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin), fine,
+                           candidates, static_cast<float>(slack));
+          // Elements that are no candidates may come as near as what is left of the slack.
+          const double left = candidates.known ? slack - (travelled - noted_[k]) : 1e300;
+          slack_[k] =
+              contacts_[k].depth > 0 ? -1.f : static_cast<float>(std::min<double>(contacts_[k].gap, left));
           stamp_[k] = travelled;
           if (contacts_[k].depth > 0) {
-            const double unit = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
-            const double depth = (contacts_[k].depth - (margin - required_margin(p.a, p.b))) / unit;
+            const double depth = (contacts_[k].depth - (margin - required_margin(p.a, p.b))) / size;
             sum.worst = std::max(sum.worst, depth);
             ++sum.touching;
             if (depth > 0) sum.energy += depth * depth, ++sum.pairs;
@@ -116,8 +137,10 @@ void Relaxation::move(const Work& work) {
             const Contact& c = contacts_[incidence_.entry[e] >> 1];
             if (!(c.depth > 0)) continue;
             const bool is_a = (incidence_.entry[e] & 1) == 0;
-            if (is_a) push += c.push, turn += c.turn_a, lever += c.lever_a;
-            else push -= c.push, turn += c.turn_b, lever += c.lever_b;
+            if (is_a)
+              push += c.push, turn += c.turn_a, lever += c.lever_a;
+            else
+              push -= c.push, turn += c.turn_b, lever += c.lever_b;
             deepest = std::max(deepest, c.depth);
             ++touching;
           }
@@ -125,8 +148,10 @@ void Relaxation::move(const Work& work) {
           Vec3 v = Vec3::Zero(), w = Vec3::Zero();
           if (touching > 0) {
             const double arm = bodies_[i].shape->gyration * bodies_[i].scale;
-            const Vec3 dx = push.cast<double>() * (step_length / touching);
-            const Vec3 dw = turn.cast<double>() * (step_length / (lever + 0.5 * arm * arm * touching));
+            // The mean of many contacts asks for too little, their sum for too much.
+            const double step = step_length / std::sqrt(static_cast<double>(touching));
+            const Vec3 dx = push.cast<double>() * step;
+            const Vec3 dw = turn.cast<double>() * (step * touching / (lever + 0.5 * arm * arm * touching));
             const bool on = velocity_[i].dot(dx) + spin_[i].dot(dw) * arm * arm > 0;
             v = dx + (on ? memory : 0.0) * velocity_[i];
             w = dw + (on ? memory : 0.0) * spin_[i];
@@ -178,10 +203,12 @@ Overlap Relaxation::measure(const Work& work) {
   return found;
 }
 
-void Relaxation::shake(double amplitude, std::uint64_t seed, std::uint64_t round, const Work& work) {
+void Relaxation::shake(double amplitude, std::uint64_t seed, std::uint64_t round, double above,
+                       const Work& work) {
   rest();
   work.parallel(packing_.count(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (strain_[i] <= above) continue;
       Random random(seed, mix64(0x7368616b65 + round), i);
       const auto direction = [&] {
         return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));

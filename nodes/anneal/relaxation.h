@@ -11,34 +11,35 @@ namespace terrazzo::anneal {
 
 // The bodies while they are packed. One entry a particle in every vector.
 struct Packing {
-  Vec3 box = Vec3::Zero();           // mm
-  std::vector<std::int32_t> shape;   // index into the contact shapes
-  std::vector<double> scale;         // of the mesh, as requested
-  std::vector<double> size;          // mm, as requested: the unit in which overlaps are told
-  std::vector<Vec3> position;        // [0, box)
+  Vec3 box = Vec3::Zero();          // mm
+  std::vector<std::int32_t> shape;  // index into the contact shapes
+  std::vector<double> scale;        // of the mesh, as requested
+  std::vector<double> size;         // mm, as requested: the unit in which overlaps are told
+  std::vector<Vec3> position;       // [0, box)
   std::vector<Quat> orientation;
-  double shrink = 1;                 // all bodies are this much smaller than requested
+  double shrink = 1;  // all bodies are this much smaller than requested
   std::size_t count() const { return position.size(); }
 };
 
 // Penetrations as the contact code sees them, in units of the smaller body's size.
 struct Overlap {
-  double worst = 0;    // deepest; ≤ 0: free
-  double energy = 0;   // Σ depth²
+  double worst = 0;          // deepest; ≤ 0: free
+  double energy = 0;         // Σ depth²
   std::size_t pairs = 0;     // that overlap
   std::size_t touching = 0;  // that are nearer than what is aimed for
 };
 
-// A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball): each body
-// takes the mean of what its contacts ask for. Every contact is found once, by one thread, and each body sums its own
-// in a fixed order, so that the result has the same bits for any number of threads.
+// A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball):
+// each body takes a step between the mean and the sum of what its contacts ask for. Every contact is found
+// once, by one thread, and each body sums its own in a fixed order, so that the result has the same bits for
+// any number of threads.
 class Relaxation {
  public:
   Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap);
 
   bool fine = true;        // all elements, or the coarse subset
   double surplus = 0.002;  // distance aimed for beyond what is asked, in sizes: makes the end finite
-  double step_length = 0.45, memory = 0.85;
+  double step_length = 0.6, memory = 0.87;
   std::vector<double> extra;  // further margin of each body, mm
 
   // One iteration. Returns the overlap found; moves nothing where it is no deeper than `enough`.
@@ -47,8 +48,9 @@ class Relaxation {
   Overlap measure(const Work& work);
   // Deepest contact of each body, in its own size, as of the last step or measure.
   const std::vector<double>& strain() const { return strain_; }
-  // Moves every body at random by up to amplitude · size, and turns it by up to 2 · amplitude radians.
-  void shake(double amplitude, std::uint64_t seed, std::uint64_t round, const Work& work);
+  // Moves bodies at random by up to amplitude · size, and turns them by up to 2 · amplitude radians: all, or
+  // those whose strain is above `above`.
+  void shake(double amplitude, std::uint64_t seed, std::uint64_t round, double above, const Work& work);
   // Call after changing packing.shrink, fine, surplus or extra from outside.
   void forget() { stale_ = true; }
   // Call after changing positions or orientations from outside.
@@ -64,10 +66,12 @@ class Relaxation {
   std::vector<Pair> pairs_;
   Incidence incidence_;
   std::vector<Contact> contacts_;
-  std::vector<float> slack_;       // of a pair, mm that both bodies may travel before they can touch
-  std::vector<double> stamp_;      // travel of both bodies when slack was measured
-  std::vector<double> travel_;     // of a body's surface, mm, summed
-  std::vector<Vec3> drift_;        // displacement since pairs_ was made
+  std::vector<Candidates> candidates_;
+  std::vector<double> noted_;   // travel of both bodies when the candidates were collected
+  std::vector<float> slack_;    // of a pair, mm that both bodies may travel before they can touch
+  std::vector<double> stamp_;   // travel of both bodies when slack was measured
+  std::vector<double> travel_;  // of a body's surface, mm, summed
+  std::vector<Vec3> drift_;     // displacement since pairs_ was made
   std::vector<Vec3> velocity_, spin_;
   std::vector<double> strain_;
   double reach_ = 0;

@@ -11,9 +11,15 @@ enum class Outcome { Free, Stalled, OutOfTime };
 
 class Schedule {
  public:
-  Schedule(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options, const Work& work)
-      : packing_(packing), options_(options), work_(work), quiet_(work.quiet()), relax_(shapes, packing, options.binder_gap) {
+  Schedule(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
+           const Work& work)
+      : packing_(packing),
+        options_(options),
+        work_(work),
+        quiet_(work.quiet()),
+        relax_(shapes, packing, options.binder_gap) {
     if (!options.extra.empty()) relax_.extra = options.extra;
+    limit_ = options.iterations;
   }
 
   AnnealResult run();
@@ -24,15 +30,17 @@ class Schedule {
   const Work& work_;
   Work quiet_;  // the loops within an iteration do not move the progress bar
   Relaxation relax_;
-  int used_ = 0;
+  std::uint64_t shakes_ = 0;
+  int used_ = 0, limit_ = 0;  // iterations
   Overlap last_;
   Packing best_;  // places and size of the densest free state
 
-  int left() const { return options_.iterations - used_; }
+  int left() const { return limit_ - used_; }
   void tell();
   Outcome relax(double tolerance, int most, double least_progress);
   void set(double shrink, bool fine, double surplus);
   void grow();
+  bool free_by_shrinking(double down);
   bool compact();
   void save();
   void restore();
@@ -40,9 +48,10 @@ class Schedule {
 
 void Schedule::tell() {
   if (used_ % 8 != 0) return;
-  const double f = static_cast<double>(used_) / options_.iterations;
+  const double f = static_cast<double>(used_) / limit_;
   char note[96];
-  std::snprintf(note, sizeof note, "penetration %.4f, size %.3f", std::max(last_.worst, 0.0), packing_.shrink);
+  std::snprintf(note, sizeof note, "penetration %.4f, size %.3f", std::max(last_.worst, 0.0),
+                packing_.shrink);
   work_.progress(f, note);
 }
 
@@ -53,9 +62,11 @@ void Schedule::set(double shrink, bool fine, double surplus) {
   relax_.forget();
 }
 
-// Iterates until no overlap is deeper than `tolerance`, or the energy falls by less than `least_progress` in 40 steps.
+// Iterates until no overlap is deeper than `tolerance`, or the energy falls by less than `least_progress` in
+// 40 steps.
 Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   double before = 1e300;
+  int kicks = 0;
   for (int k = 0; k < most; ++k) {
     if (left() <= 0) return Outcome::OutOfTime;
     last_ = relax_.step(tolerance, quiet_);
@@ -63,7 +74,15 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
     tell();
     if (last_.worst <= tolerance) return Outcome::Free;
     if (k % 40 == 39) {
-      if (last_.energy > before * (1 - least_progress)) return Outcome::Stalled;
+      if (last_.energy > before * (1 - least_progress)) {
+        // A few bodies caught in each other, in a packing that is free elsewhere, come loose by a kick.
+        if (relax_.fine == false || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
+          return Outcome::Stalled;
+        relax_.shake(0.01 * kicks, options_.seed, ++shakes_, std::max(relax_.surplus, 0.5 * last_.worst),
+                     quiet_);
+        before = 1e300;
+        continue;
+      }
       before = last_.energy;
     }
   }
@@ -99,20 +118,25 @@ void Schedule::restore() {
   relax_.rest();
 }
 
-// From a jammed state: shrink until free, then shake and grow by small steps. A step that fails is taken back and halved.
-bool Schedule::compact() {
-  double down = std::max(0.003, 0.5 * last_.worst);
+// Shrinks by `down` and more each time until no overlap is left.
+bool Schedule::free_by_shrinking(double down) {
   for (;;) {
-    used_ = std::min(used_, options_.iterations - 200);  // a free state comes first, whatever it costs
+    limit_ = std::max(limit_, used_ + 200);  // a free state comes first, whatever it costs
     set(packing_.shrink * (1 - down), true, 0.002 * packing_.shrink);
-    if (relax(0, 150, 0.3) == Outcome::Free) break;
+    if (relax(0, 150, 0.3) == Outcome::Free) return true;
     if (packing_.shrink < 0.05) return false;
     down = std::min(0.2, 1.3 * down);
   }
+}
+
+// From a jammed state: shrink until free, then shake and grow by small steps. A step that fails is taken back
+// and halved.
+bool Schedule::compact() {
+  if (!free_by_shrinking(std::max(0.003, 0.5 * last_.worst))) return false;
   save();
-  double up = 0.01, temperature = 0.01;
-  for (std::uint64_t round = 0; best_.shrink < 1 && left() > 0; ++round) {
-    relax_.shake(temperature, options_.seed, round, quiet_);
+  double up = 0.003, temperature = 0.01;
+  while (best_.shrink < options_.enough && left() > 0) {
+    relax_.shake(temperature, options_.seed, ++shakes_, -1, quiet_);
     const double gap = 1 - best_.shrink;
     const double step = std::min(up, gap);
     set(std::min(1.0, best_.shrink + step), true, std::clamp(0.2 * step, 1e-4, 0.002));
@@ -133,12 +157,17 @@ bool Schedule::compact() {
 AnnealResult Schedule::run() {
   AnnealResult result;
   if (packing_.count() == 0) return result.free = true, result;
-  grow();
-  if (packing_.shrink == 1) {
-    set(1, true, 0.002);
-    result.free = relax(0, 600, 0.1) == Outcome::Free;
+  if (options_.settle) {
+    set(packing_.shrink, true, 0.0005);
+    result.free = relax(0, 400, 0.1) == Outcome::Free || compact();
+  } else {
+    grow();
+    if (packing_.shrink == 1) {
+      set(1, true, 0.002);
+      result.free = relax(0, 600, 0.1) == Outcome::Free;
+    }
+    if (!result.free) result.free = compact();
   }
-  if (!result.free) result.free = compact();
   result.iterations = used_;
   result.overlap = last_;
   return result;
@@ -151,8 +180,8 @@ AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, con
   return Schedule(shapes, packing, options, work).run();
 }
 
-std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
-                              const Work& work) {
+std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing,
+                              const AnnealOptions& options, const Work& work) {
   Relaxation relaxation(shapes, packing, options.binder_gap);
   if (!options.extra.empty()) relaxation.extra = options.extra;
   relaxation.surplus = 0;
@@ -160,7 +189,8 @@ std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& 
   return relaxation.strain();
 }
 
-double coordination_number(const std::vector<ContactShape>& shapes, Packing& packing, double within, const Work& work) {
+double coordination_number(const std::vector<ContactShape>& shapes, Packing& packing, double within,
+                           const Work& work) {
   if (packing.count() == 0) return 0;
   Relaxation relaxation(shapes, packing, 0);
   relaxation.surplus = within;

@@ -1,8 +1,8 @@
 #include "nodes/anneal/statistics.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <Eigen/Eigenvalues>
 #include <numbers>
 
 #include "nodes/anneal/neighbours.h"
@@ -70,15 +70,16 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   return table;
 }
 
-Table size_table(const SizeDistribution& d, const std::vector<double>& expected, const std::vector<int>& size_class,
-                 const Vec3& box) {
+Table size_table(const SizeDistribution& d, const std::vector<double>& expected,
+                 const std::vector<int>& size_class, const Vec3& box) {
   Table table;
-  table.columns = {"size_low mm", "size_high mm", "requested", "achieved", "N_V_requested 1/mm³", "N_V_achieved 1/mm³"};
+  table.columns = {"size_low mm", "size_high mm",        "requested",
+                   "achieved",    "N_V_requested 1/mm³", "N_V_achieved 1/mm³"};
   std::vector<double> achieved(d.classes(), 0);
   for (int k : size_class) ++achieved[k];
   for (std::size_t k = 0; k < d.classes(); ++k)
-    table.rows.push_back({d.class_edges[k], d.class_edges[k + 1], expected[k], achieved[k], expected[k] / box.prod(),
-                          achieved[k] / box.prod()});
+    table.rows.push_back({d.class_edges[k], d.class_edges[k + 1], expected[k], achieved[k],
+                          expected[k] / box.prod(), achieved[k] / box.prod()});
   return table;
 }
 

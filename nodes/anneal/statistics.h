@@ -11,15 +11,16 @@ namespace terrazzo::anneal {
 
 double volume_fraction(const Shapes& shapes, const Particles& particles);
 
-// Largest eigenvalue of ⟨(3 u uᵀ − 1)/2⟩ over the particles' longest axes u (of the tensor of inertia): 1 where all are
-// parallel, about 1/√n where none are related. 0 without particles.
+// Largest eigenvalue of ⟨(3 u uᵀ − 1)/2⟩ over the particles' longest axes u (of the tensor of inertia): 1
+// where all are parallel, about 1/√n where none are related. 0 without particles.
 double nematic_order(const Shapes& shapes, const Particles& particles);
 
-// g(r) of the centres in `bins` rings up to half the smallest box edge, relative to an even spread: columns "r mm", "g".
+// g(r) of the centres in `bins` rings up to half the smallest box edge, relative to an even spread: columns
+// "r mm", "g".
 Table pair_correlation(const Particles& particles, int bins, const Work& work = {});
 
-// Requested and achieved particles and volume of each size class: columns "size_low mm", "size_high mm", "requested",
-// "achieved", "N_V_requested 1/mm³", "N_V_achieved 1/mm³".
+// Requested and achieved particles and volume of each size class: columns "size_low mm", "size_high mm",
+// "requested", "achieved", "N_V_requested 1/mm³", "N_V_achieved 1/mm³".
 Table size_table(const SizeDistribution& distribution, const std::vector<double>& expected,
                  const std::vector<int>& size_class, const Vec3& box);
 

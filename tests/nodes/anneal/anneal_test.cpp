@@ -13,11 +13,12 @@
 namespace terrazzo {
 namespace {
 
-using test::brute::overlaps;
 using test::run_node;
+using test::brute::overlaps;
 
-test::NodeRun pack(const Shapes& shapes, const SizeDistribution& d, std::map<std::string, std::string> parameters,
-                   int threads = 2, const Particles* start = nullptr) {
+test::NodeRun pack(const Shapes& shapes, const SizeDistribution& d,
+                   std::map<std::string, std::string> parameters, int threads = 2,
+                   const Particles* start = nullptr) {
   std::multimap<std::string, Value> inputs{{"shapes", Value::of<Shapes>(shapes)},
                                            {"distribution", Value::of<SizeDistribution>(d)}};
   if (start) inputs.emplace("start", Value::of<Particles>(*start));
@@ -128,7 +129,8 @@ TEST(Anneal, BoxOfThreeEdges) {
 
 TEST(Anneal, BinderGapKeepsDistance) {
   const auto shapes = test::shapes_of({test::icosphere(3)});
-  const auto run = pack(shapes, test::distribution(shapes, 1, 1.2, 0.3), {{"count", "150"}, {"binder_gap", "0.1"}});
+  const auto run =
+      pack(shapes, test::distribution(shapes, 1, 1.2, 0.3), {{"count", "150"}, {"binder_gap", "0.1"}});
   const auto& p = run.output<Particles>("particles");
   double least = 1e300;
   for (std::size_t i = 0; i < p.count(); ++i)
@@ -198,8 +200,9 @@ TEST(Anneal, VolumeFractionHoldsWhereShapesDisagree) {
   const auto run = pack(shapes, d, {{"count", "200"}});
   EXPECT_NEAR(run.metrics.at("packing_fraction"), 0.4, 0.004);
   EXPECT_EQ(run.warnings.size(), 1u);
-  EXPECT_NEAR(pack(shapes, d, {{"count", "200"}, {"conserve", "number_density"}}).metrics.at("packing_fraction"), 0.3,
-              0.003);
+  EXPECT_NEAR(
+      pack(shapes, d, {{"count", "200"}, {"conserve", "number_density"}}).metrics.at("packing_fraction"), 0.3,
+      0.003);
 }
 
 TEST(Anneal, BadInput) {

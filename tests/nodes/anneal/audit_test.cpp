@@ -71,10 +71,12 @@ TEST(AnnealAudit, AgreesWithBruteForce) {
     Particles p = two(Vec3(12, 12, 12), {6, 6, 6}, {6, 6, 6});
     for (int k = 0; k < 2; ++k) {
       p.shape[k] = static_cast<int>(random.below(3));
-      p.orientation[k] = Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+      p.orientation[k] =
+          Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
       p.scale[k] = random.uniform(0.5, 1.5);
     }
-    p.position[1] += 2.2 * random.uniform() * Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    p.position[1] +=
+        2.2 * random.uniform() * Vec3(random.normal(), random.normal(), random.normal()).normalized();
     const bool found = !audit(shapes, p).found.empty();
     EXPECT_EQ(found, test::brute::overlaps(shapes, p) > 0) << "trial " << trial;
     overlapping += found;
@@ -85,7 +87,9 @@ TEST(AnnealAudit, AgreesWithBruteForce) {
 
 TEST(AnnealAudit, TrianglePenetration) {
   const anneal::Corners flat{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
-  const auto spike = [](double tip) { return anneal::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)}; };
+  const auto spike = [](double tip) {
+    return anneal::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)};
+  };
   EXPECT_EQ(anneal::triangle_penetration(flat, spike(0.01)), -1);
   EXPECT_EQ(anneal::triangle_penetration(flat, spike(0)), 0);
   EXPECT_NEAR(anneal::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);

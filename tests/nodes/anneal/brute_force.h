@@ -1,5 +1,5 @@
-// Test shapes, and a check for overlap that has nothing in common with the node's: segments through triangles and the
-// parity of a ray, for all pairs and images.
+// Test shapes, and a check for overlap that has nothing in common with the node's: segments through triangles
+// and the parity of a ray, for all pairs and images.
 #pragma once
 
 #include <cmath>
@@ -16,11 +16,11 @@ namespace terrazzo::test {
 inline Mesh icosphere(int levels) {
   Mesh m;
   const double t = (1 + std::sqrt(5.0)) / 2;
-  m.vertices = {{-1, t, 0}, {1, t, 0}, {-1, -t, 0}, {1, -t, 0}, {0, -1, t}, {0, 1, t},
-                {0, -1, -t}, {0, 1, -t}, {t, 0, -1}, {t, 0, 1}, {-t, 0, -1}, {-t, 0, 1}};
-  m.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                 {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  m.vertices = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
+                {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
+  m.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (auto& v : m.vertices) v.normalize();
   for (int l = 0; l < levels; ++l) {
     std::map<std::pair<int, int>, int> middle;
@@ -86,13 +86,14 @@ inline Mesh peanut(int levels) {
 inline Shapes shapes_of(std::vector<Mesh> meshes) {
   Shapes s;
   for (auto& m : meshes)
-    s.shapes.push_back(
-        measure_shape("shape " + std::to_string(s.shapes.size()), std::move(m), 1.0 / static_cast<double>(meshes.size())));
+    s.shapes.push_back(measure_shape("shape " + std::to_string(s.shapes.size()), std::move(m),
+                                     1.0 / static_cast<double>(meshes.size())));
   return s;
 }
 
 // Sizes between low and high, filling `fraction` with any of the shapes.
-inline SizeDistribution distribution(const Shapes& shapes, double low, double high, double fraction, int classes = 4) {
+inline SizeDistribution distribution(const Shapes& shapes, double low, double high, double fraction,
+                                     int classes = 4) {
   SizeDistribution d;
   for (int k = 0; k <= classes; ++k) d.class_edges.push_back(low + (high - low) * k / classes);
   double unit = 0, cube = 0;
@@ -122,24 +123,26 @@ inline bool segment_hits(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3
   return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t <= 1;
 }
 
-inline bool meshes_overlap(const std::vector<Vec3>& p, const std::vector<Triangle>& tp, const std::vector<Vec3>& q,
-                           const std::vector<Triangle>& tq) {
+inline bool meshes_overlap(const std::vector<Vec3>& p, const std::vector<Triangle>& tp,
+                           const std::vector<Vec3>& q, const std::vector<Triangle>& tq) {
   Vec3 lo_p = p[0], hi_p = p[0], lo_q = q[0], hi_q = q[0];
   for (const auto& v : p) lo_p = lo_p.cwiseMin(v), hi_p = hi_p.cwiseMax(v);
   for (const auto& v : q) lo_q = lo_q.cwiseMin(v), hi_q = hi_q.cwiseMax(v);
   const Vec3 lo = lo_p.cwiseMax(lo_q), hi = hi_p.cwiseMin(hi_q);
   if (!((lo.array() <= hi.array()).all())) return false;
-  const auto crossed = [&](const std::vector<Vec3>& x, const std::vector<Triangle>& tx, const std::vector<Vec3>& y,
-                           const std::vector<Triangle>& ty) {
+  const auto crossed = [&](const std::vector<Vec3>& x, const std::vector<Triangle>& tx,
+                           const std::vector<Vec3>& y, const std::vector<Triangle>& ty) {
     std::vector<const Triangle*> near;
     for (const auto& b : ty) {
-      const Vec3 l = y[b[0]].cwiseMin(y[b[1]]).cwiseMin(y[b[2]]), h = y[b[0]].cwiseMax(y[b[1]]).cwiseMax(y[b[2]]);
+      const Vec3 l = y[b[0]].cwiseMin(y[b[1]]).cwiseMin(y[b[2]]),
+                 h = y[b[0]].cwiseMax(y[b[1]]).cwiseMax(y[b[2]]);
       if ((l.array() <= hi.array()).all() && (h.array() >= lo.array()).all()) near.push_back(&b);
     }
     for (const auto& a : tx)
       for (int k = 0; k < 3; ++k) {
         const Vec3 &s = x[a[k]], &e = x[a[(k + 1) % 3]];
-        if (!((s.cwiseMin(e).array() <= hi.array()).all() && (s.cwiseMax(e).array() >= lo.array()).all())) continue;
+        if (!((s.cwiseMin(e).array() <= hi.array()).all() && (s.cwiseMax(e).array() >= lo.array()).all()))
+          continue;
         for (const Triangle* b : near)
           if (segment_hits(s, e, y[(*b)[0]], y[(*b)[1]], y[(*b)[2]])) return true;
       }
@@ -148,7 +151,8 @@ inline bool meshes_overlap(const std::vector<Vec3>& p, const std::vector<Triangl
   if (crossed(p, tp, q, tq) || crossed(q, tq, p, tp)) return true;
   const auto inside = [](const Vec3& x, const std::vector<Vec3>& y, const std::vector<Triangle>& ty) {
     int hits = 0;
-    for (const auto& b : ty) hits += segment_hits(x, x + 1e3 * Vec3(.531, .283, .799), y[b[0]], y[b[1]], y[b[2]]);
+    for (const auto& b : ty)
+      hits += segment_hits(x, x + 1e3 * Vec3(.531, .283, .799), y[b[0]], y[b[1]], y[b[2]]);
     return hits % 2 == 1;
   };
   return inside(p[0], q, tq) || inside(q[0], p, tp);
@@ -168,7 +172,8 @@ inline int overlaps(const Shapes& shapes, const Particles& particles, int tiles 
       for (int x = 0; x < tiles; ++x)
         for (std::size_t i = 0; i < particles.count(); ++i) {
           const Mesh& mesh = shapes.shapes[particles.shape[i]].mesh;
-          Placed p{mesh.vertices, &mesh.triangles, particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box), 0};
+          Placed p{mesh.vertices, &mesh.triangles,
+                   particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box), 0};
           for (auto& v : p.v) {
             v = particles.orientation[i] * (particles.scale[i] * v) + p.center;
             p.radius = std::max(p.radius, (v - p.center).norm());
