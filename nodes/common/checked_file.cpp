@@ -10,9 +10,11 @@ namespace {
 
 Error failure(const char* doing, int reason) {
   return Error("write-failed",
-               (doing[0] ? std::string(doing) + ": " : std::string()) + (reason ? std::strerror(reason) : "unknown reason"),
-               reason == ENOSPC || reason == EFBIG || reason == EDQUOT ? "free some space or choose another folder"
-                                                                      : "check the folder and its permissions");
+               (doing[0] ? std::string(doing) + ": " : std::string()) +
+                   (reason ? std::strerror(reason) : "unknown reason"),
+               reason == ENOSPC || reason == EFBIG || reason == EDQUOT
+                   ? "free some space or choose another folder"
+                   : "check the folder and its permissions");
 }
 
 }  // namespace
@@ -33,7 +35,8 @@ void CheckedFile::fail() const { throw failure("the file is not whole", errno); 
 
 void write_bytes(const std::filesystem::path& path, std::string_view content) {
   CheckedFile file(path);
-  file.guard([&](std::ostream& out) { out.write(content.data(), static_cast<std::streamsize>(content.size())); });
+  file.guard(
+      [&](std::ostream& out) { out.write(content.data(), static_cast<std::streamsize>(content.size())); });
 }
 
 }  // namespace terrazzo

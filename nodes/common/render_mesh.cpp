@@ -18,7 +18,8 @@ RenderMesh render_mesh(const Shape& shape) {
   const auto n = static_cast<std::int64_t>(mesh.vertices.size());
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (!mesh.vertices[v].allFinite())
-      throw Error("bad-number", "vertex " + std::to_string(v) + " of shape '" + shape.name + "' is not finite");
+      throw Error("bad-number",
+                  "vertex " + std::to_string(v) + " of shape '" + shape.name + "' is not finite");
 
   RenderMesh out;
   if (shape.smooth) {
@@ -27,8 +28,9 @@ RenderMesh render_mesh(const Shape& shape) {
   }
   for (const Triangle& t : mesh.triangles) {
     for (const auto i : t)
-      if (i < 0 || i >= n) throw Error("bad-mesh", "a triangle of shape '" + shape.name + "' names vertex " +
-                                                       std::to_string(i) + " of " + std::to_string(n));
+      if (i < 0 || i >= n)
+        throw Error("bad-mesh", "a triangle of shape '" + shape.name + "' names vertex " + std::to_string(i) +
+                                    " of " + std::to_string(n));
     const Vec3 p[3] = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
     const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
     if (!(cross.squaredNorm() > 0)) continue;
@@ -45,7 +47,8 @@ RenderMesh render_mesh(const Shape& shape) {
     }
   }
   if (out.indices.empty()) throw Error("bad-mesh", "shape '" + shape.name + "' has no triangle with an area");
-  // A vertex that no triangle uses, or whose triangles cancel, points away from the origin: any unit vector will do.
+  // A vertex that no triangle uses, or whose triangles cancel, points away from the origin: any unit vector
+  // will do.
   for (std::size_t v = 0; v < out.normals.size(); ++v) {
     Vec3& normal = out.normals[v];
     if (normal.norm() < 1e-12) normal = out.positions[v];

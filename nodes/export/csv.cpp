@@ -57,8 +57,8 @@ std::string csv_of(const Table& table) {
 }
 
 std::string csv_of(const Profiles& profiles) {
-  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "color_r", "color_g",
-             "color_b"});
+  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "color_r",
+             "color_g", "color_b"});
   for (const auto& p : profiles.profiles) {
     out.integer(p.section), out.integer(p.cls), out.number(p.area), out.vector(p.centroid);
     out.integer(p.touches_border), out.number(p.weight), out.vector(p.color);
@@ -68,8 +68,8 @@ std::string csv_of(const Profiles& profiles) {
 }
 
 std::string csv_of(const Particles& particles) {
-  Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r", "color_g",
-             "color_b"});
+  Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
+             "color_g", "color_b"});
   for (std::size_t i = 0; i < particles.count(); ++i) {
     out.integer(static_cast<std::int64_t>(i)), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
     out.vector(particles.position[i]);
@@ -112,7 +112,8 @@ std::string csv_of(const Shapes& shapes) {
     out.word(s.name), out.number(s.probability);
     out.integer(static_cast<std::int64_t>(s.mesh.vertices.size()));
     out.integer(static_cast<std::int64_t>(s.mesh.triangles.size()));
-    out.number(s.volume), out.number(s.surface_area), out.number(s.mean_caliper), out.number(s.max_section_area);
+    out.number(s.volume), out.number(s.surface_area), out.number(s.mean_caliper),
+        out.number(s.max_section_area);
     out.end();
   }
   return out.take();

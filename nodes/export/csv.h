@@ -1,5 +1,5 @@
-// Values as comma-separated columns (RFC 4180, '\n' at line ends, a header first). Numbers are the shortest text that
-// reads back as the same number.
+// Values as comma-separated columns (RFC 4180, '\n' at line ends, a header first). Numbers are the shortest
+// text that reads back as the same number.
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@
 namespace terrazzo {
 
 std::string csv_of(const Table&);
-// section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g, color_b
+// section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g,
+// color_b
 std::string csv_of(const Profiles&);
 // id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b
 std::string csv_of(const Particles&);
@@ -22,7 +23,8 @@ std::string csv_of(const Particles&);
 std::string csv_of(const SizeDistribution&);
 // shape, profile_class, size_1 … size_n: a row of K a line; classes count from 1
 std::string csv_of(const KMatrix&);
-// name, probability, vertices, triangles, volume (mm³), surface_area (mm²), mean_caliper (mm), max_section_area (mm²)
+// name, probability, vertices, triangles, volume (mm³), surface_area (mm²), mean_caliper (mm),
+// max_section_area (mm²)
 std::string csv_of(const Shapes&);
 
 }  // namespace terrazzo

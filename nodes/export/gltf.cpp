@@ -67,7 +67,9 @@ class Packer {
     tinygltf::Accessor a;
     a.bufferView = view(data.data(), data.size() * sizeof(float), target);
     a.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
-    a.type = components == 1 ? TINYGLTF_TYPE_SCALAR : components == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
+    a.type = components == 1   ? TINYGLTF_TYPE_SCALAR
+             : components == 3 ? TINYGLTF_TYPE_VEC3
+                               : TINYGLTF_TYPE_VEC4;
     a.count = data.size() / components;
     if (bounds) {
       a.minValues.assign(data.begin(), data.begin() + components), a.maxValues = a.minValues;
@@ -164,8 +166,9 @@ void check(const Particles& particles, const Shapes& shapes) {
     const std::string who = "particle " + std::to_string(i);
     const auto s = particles.shape[i];
     if (s < 0 || static_cast<std::size_t>(s) >= shapes.shapes.size())
-      throw Error("no-such-shape", who + " has shape " + std::to_string(s) + ", but there are " +
-                                       std::to_string(shapes.shapes.size()) + " shapes",
+      throw Error("no-such-shape",
+                  who + " has shape " + std::to_string(s) + ", but there are " +
+                      std::to_string(shapes.shapes.size()) + " shapes",
                   "connect the shapes that the particles were packed with");
     if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) ||
         !particles.orientation[i].coeffs().allFinite() || !particles.color[i].allFinite() ||

@@ -28,8 +28,10 @@ std::string binary_ply(const Mesh& mesh) {
   for (const Vec3& v : mesh.vertices) body.bytes(v.data(), 3 * sizeof(double));
   for (const Triangle& t : mesh.triangles) body.pod<std::uint8_t>(3), body.pod(t);
   return fmt::format(
-             "ply\nformat binary_little_endian 1.0\ncomment Terrazzo, mm\nelement vertex {}\nproperty double x\n"
-             "property double y\nproperty double z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+             "ply\nformat binary_little_endian 1.0\ncomment Terrazzo, mm\nelement vertex {}\nproperty double "
+             "x\n"
+             "property double y\nproperty double z\nelement face {}\nproperty list uchar int "
+             "vertex_indices\nend_header\n",
              mesh.vertices.size(), mesh.triangles.size()) +
          std::string(body.buffer.begin(), body.buffer.end());
 }
@@ -61,7 +63,8 @@ void write_mesh(const std::filesystem::path& path, const Shapes& shapes) {
                 fmt::format("a {} file holds one mesh, but there are {} shapes", path.extension().string(),
                             shapes.shapes.size()),
                 "use .obj or .glb");
-  write_bytes(path, path.extension() == ".ply" ? binary_ply(shapes.shapes[0].mesh) : binary_stl(shapes.shapes[0].mesh));
+  write_bytes(path, path.extension() == ".ply" ? binary_ply(shapes.shapes[0].mesh)
+                                               : binary_stl(shapes.shapes[0].mesh));
 }
 
 }  // namespace terrazzo

@@ -68,7 +68,8 @@ std::map<std::string, Value> connected(const Context& c) {
   if (c.has("value")) {
     const Value& v = c.value("value");
     if (!values.emplace(v.type().name, v).second)
-      throw Error("two-inputs", "both 'value' and its own input give a " + v.type().name, "connect one of them");
+      throw Error("two-inputs", "both 'value' and its own input give a " + v.type().name,
+                  "connect one of them");
   }
   if (values.empty()) throw Error("no-input", "nothing is connected", "connect what is to be written");
   return values;
@@ -80,9 +81,10 @@ const Format& format_of(const std::string& path) {
     if (extension == f.extension) return f;
   std::vector<std::string> known;
   for (const Format& f : formats()) known.push_back(f.extension);
-  throw Error("unknown-format",
-              extension.empty() ? "the file name has no extension" : "no format is known for '" + extension + "'",
-              "use " + joined(known, "or"))
+  throw Error(
+      "unknown-format",
+      extension.empty() ? "the file name has no extension" : "no format is known for '" + extension + "'",
+      "use " + joined(known, "or"))
       .parameter("path");
 }
 
@@ -90,14 +92,17 @@ void check_fit(const Format& format, const std::map<std::string, Value>& values)
   if (format.types.empty()) return;
   std::vector<std::string> strangers;
   for (const auto& [type, value] : values)
-    if (std::find(format.types.begin(), format.types.end(), type) == format.types.end()) strangers.push_back(type);
+    if (std::find(format.types.begin(), format.types.end(), type) == format.types.end())
+      strangers.push_back(type);
   const std::string extension = format.extension;
   const std::string holds = "a " + extension + " file holds " + joined(format.types, "or");
   if (!strangers.empty())
-    throw Error("format-does-not-fit", holds + ", not " + joined(strangers, "and"), "change the extension or the input")
+    throw Error("format-does-not-fit", holds + ", not " + joined(strangers, "and"),
+                "change the extension or the input")
         .parameter("path");
   if (values.size() > 1 && extension != ".glb")
-    throw Error("format-does-not-fit", holds + ", one of them a file", "use one Export for each").parameter("path");
+    throw Error("format-does-not-fit", holds + ", one of them a file", "use one Export for each")
+        .parameter("path");
   if (extension == ".glb" && !values.count("Shapes"))
     throw Error("no-shapes", "particles are written as instances of their shapes, which are not connected",
                 "connect 'shapes' too");
@@ -126,7 +131,8 @@ std::string json_text(const std::map<std::string, Value>& values) {
 }
 
 // Writers know the temporary name only: failures of the disk are told with the name that the user wrote.
-void write_named(Context& c, const std::string& path, const std::function<void(const std::filesystem::path&)>& write) {
+void write_named(Context& c, const std::string& path,
+                 const std::function<void(const std::filesystem::path&)>& write) {
   c.write_file(path, [&](const std::filesystem::path& file) {
     try {
       write(file);
@@ -160,8 +166,10 @@ void compute(Context& c) {
   check_fit(format, values);
   const std::string extension = format.extension;
   const Value& first = values.begin()->second;
-  if (first.is<Image>() && extension != ".json") return write_sections(c, path, first.as<Image>(), write_picture);
-  if (first.is<Labels>() && extension != ".json") return write_sections(c, path, first.as<Labels>(), write_labels);
+  if (first.is<Image>() && extension != ".json")
+    return write_sections(c, path, first.as<Image>(), write_picture);
+  if (first.is<Labels>() && extension != ".json")
+    return write_sections(c, path, first.as<Labels>(), write_labels);
   write_named(c, path, [&](const std::filesystem::path& file) {
     if (extension == ".glb") {
       const Shapes& shapes = values.at("Shapes").as<Shapes>();
@@ -190,7 +198,8 @@ NodeType export_node() {
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
   return type.optional_input("value", {}, "A value of any of these types, in the place of its own input")
       .parameter(Parameter::output_path("path").doc_(
-          "The file: .glb (particles and shapes, or shapes), .vdb (volume), .png, .jpg, .tif, .exr, .hdr (images; a "
+          "The file: .glb (particles and shapes, or shapes), .vdb (volume), .png, .jpg, .tif, .exr, .hdr "
+          "(images; a "
           "stack as name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv (tables, profiles, "
           "particles, distributions, K, shapes), .json (anything), .obj, .ply, .stl (shapes)"))
       .writes_files_()

@@ -29,23 +29,27 @@ void verify(const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_picture(const std::filesystem::path& path, const Image& image, int section, const std::string& provenance) {
+void write_picture(const std::filesystem::path& path, const Image& image, int section,
+                   const std::string& provenance) {
   write_image(path, image, section, provenance);
   verify(path);
 }
 
-void write_labels(const std::filesystem::path& path, const Labels& labels, int section, const std::string& provenance) {
+void write_labels(const std::filesystem::path& path, const Labels& labels, int section,
+                  const std::string& provenance) {
   const std::size_t count = static_cast<std::size_t>(labels.width) * labels.height;
   if (count == 0 || section < 0 || section >= labels.sections ||
       labels.ids.size() != count * static_cast<std::size_t>(labels.sections))
-    throw Error("empty-labels", fmt::format("there is no section {} in labels of {} × {} pixels and {} sections", section,
-                                            labels.width, labels.height, labels.sections));
+    throw Error("empty-labels",
+                fmt::format("there is no section {} in labels of {} × {} pixels and {} sections", section,
+                            labels.width, labels.height, labels.sections));
   const std::int32_t* ids = labels.ids.data() + count * static_cast<std::size_t>(section);
   const auto [low, high] = std::minmax_element(ids, ids + count);
   if (*low < 0) throw Error("bad-labels", fmt::format("the labels hold the negative id {}", *low));
   const bool png = path.extension() == ".png";
   if (png && *high > 65535)
-    throw Error("too-many-labels", fmt::format("id {} does not fit the 16 bits of a .png", *high), "write .tif or .exr");
+    throw Error("too-many-labels", fmt::format("id {} does not fit the 16 bits of a .png", *high),
+                "write .tif or .exr");
 
   auto out = OIIO::ImageOutput::create(path.string());
   if (!out) throw incomplete(OIIO::geterror());
@@ -65,14 +69,16 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
     written = out->write_image(OIIO::TypeDesc::UINT32, wide.data());
   }
   if (!written || !out->close()) throw incomplete(out->geterror());
-  if (in_memory) write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
+  if (in_memory)
+    write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
   verify(path);
 }
 
 std::string section_name(const std::string& path, int section, int sections) {
   const std::filesystem::path p(path);
   const int digits = std::max<int>(3, static_cast<int>(std::to_string(std::max(sections - 1, 0)).size()));
-  return (p.parent_path() / fmt::format("{}_{:0{}}{}", p.stem().string(), section, digits, p.extension().string()))
+  return (p.parent_path() /
+          fmt::format("{}_{:0{}}{}", p.stem().string(), section, digits, p.extension().string()))
       .string();
 }
 

@@ -7,10 +7,12 @@
 namespace terrazzo {
 namespace {
 
-// The bytes that openvdb::io::File writes, to a stream of ours: File itself does not look whether the disk took them.
+// The bytes that openvdb::io::File writes, to a stream of ours: File itself does not look whether the disk
+// took them.
 class StreamArchive : public openvdb::io::Archive {
  public:
-  void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+  void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids,
+                const openvdb::MetaMap& metadata) const {
     write(out, grids, /*seekable=*/true, metadata);
   }
 

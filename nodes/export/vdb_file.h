@@ -8,9 +8,9 @@
 
 namespace terrazzo {
 
-// Metadata of the file: "creator", "provenance" (the JSON given, where not empty) and "period" (voxels, where the volume
-// is periodic). Grids keep name, class, transform (mm) and their own metadata.
-// Throws Error "no-grids", "write-failed".
+// Metadata of the file: "creator", "provenance" (the JSON given, where not empty) and "period" (voxels, where
+// the volume is periodic). Grids keep name, class, transform (mm) and their own metadata. Throws Error
+// "no-grids", "write-failed".
 void write_vdb(const std::filesystem::path&, const Volume&, const std::string& provenance = {});
 
 }  // namespace terrazzo

@@ -37,7 +37,9 @@ class Block : public Solid {
     s.albedo = sharp ? field_.sharp(voxel) : field_.at(voxel);
     return true;
   }
-  bool any(const Vec3f& origin, const Vec3f& direction) const override { return scene_->any(origin, direction); }
+  bool any(const Vec3f& origin, const Vec3f& direction) const override {
+    return scene_->any(origin, direction);
+  }
   Eigen::AlignedBox3f bounds() const override { return {Vec3f(Vec3f::Zero()), size_}; }
 
  private:
@@ -108,7 +110,8 @@ class Block : public Solid {
       rectangle(t, f, c, d);
     }
     if (has_cut_) {
-      faces_.push_back({0, 1, low_.x()}), faces_.push_back({1, -1, high_.y()}), faces_.push_back({2, 1, low_.z()});
+      faces_.push_back({0, 1, low_.x()}), faces_.push_back({1, -1, high_.y()}),
+          faces_.push_back({2, 1, low_.z()});
       for (int f = 6; f < 9; ++f) rectangle(t, f, low_, high_);
     }
     return t;

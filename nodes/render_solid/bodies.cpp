@@ -24,7 +24,8 @@ struct Body {
     const std::uint32_t* i = &triangles.indices[3 * static_cast<std::size_t>(hit.triangle)];
     const auto& p = triangles.positions;
     face = (p[i[1]] - p[i[0]]).cross(p[i[2]] - p[i[0]]).normalized();
-    normal = (normals[i[0]] * (1 - hit.u - hit.v) + normals[i[1]] * hit.u + normals[i[2]] * hit.v).normalized();
+    normal =
+        (normals[i[0]] * (1 - hit.u - hit.v) + normals[i[1]] * hit.u + normals[i[2]] * hit.v).normalized();
   }
 };
 
@@ -45,7 +46,9 @@ class Carved : public Solid {
     s.open = false;
     return true;
   }
-  bool any(const Vec3f& origin, const Vec3f& direction) const override { return scene_->any(origin, direction); }
+  bool any(const Vec3f& origin, const Vec3f& direction) const override {
+    return scene_->any(origin, direction);
+  }
   Eigen::AlignedBox3f bounds() const override { return scene_->bounds(); }
 
  private:
@@ -97,7 +100,9 @@ class Heap : public Solid {
     s.albedo = colors_[hit.instance].cwiseMax(0.0f).cwiseMin(1.0f);
     return true;
   }
-  bool any(const Vec3f& origin, const Vec3f& direction) const override { return scene_->any(origin, direction); }
+  bool any(const Vec3f& origin, const Vec3f& direction) const override {
+    return scene_->any(origin, direction);
+  }
   Eigen::AlignedBox3f bounds() const override { return scene_->bounds(); }
 
  private:
@@ -123,10 +128,11 @@ std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& 
                   "particle " + std::to_string(i) + " has shape " + std::to_string(s) + ", but there are " +
                       std::to_string(shapes.shapes.size()) + " shapes",
                   "connect the shapes that the particles were packed with");
-    if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) || !particles.color[i].allFinite() ||
-        !particles.orientation[i].coeffs().allFinite() || particles.orientation[i].norm() < 1e-9)
-      throw Error("bad-number",
-                  "particle " + std::to_string(i) + " has a position, orientation, scale or colour that is no number");
+    if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) ||
+        !particles.color[i].allFinite() || !particles.orientation[i].coeffs().allFinite() ||
+        particles.orientation[i].norm() < 1e-9)
+      throw Error("bad-number", "particle " + std::to_string(i) +
+                                    " has a position, orientation, scale or colour that is no number");
   }
   return std::make_unique<Heap>(particles, shapes);
 }

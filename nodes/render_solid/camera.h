@@ -6,11 +6,11 @@
 namespace terrazzo {
 
 struct Camera {
-  Vec3f position, forward, right, up;  // unit directions, image up and right
+  Vec3f position, forward, right, up;     // unit directions, image up and right
   float half_width = 0, half_height = 0;  // of the image plane at distance 1
 
-  // Looks at the box from `azimuth` (radians from +x towards +y) and `elevation`; the box fills `fill` of the tighter
-  // side of the image and is centred. `field` is the angle over the shorter side, radians.
+  // Looks at the box from `azimuth` (radians from +x towards +y) and `elevation`; the box fills `fill` of the
+  // tighter side of the image and is centred. `field` is the angle over the shorter side, radians.
   static Camera framing(const Eigen::AlignedBox3f& box, float azimuth, float elevation, int width, int height,
                         float field = 0.38f, float fill = 0.8f);
 

@@ -17,7 +17,8 @@ Error bad_color(std::size_t index, const Vec3i& n) {
 std::size_t voxel_count(const Vec3i& n) {
   if (n.minCoeff() <= 0) throw Error("empty-volume", "the volume has no voxels to show");
   const double count = double(n.x()) * n.y() * n.z();
-  if (count > 0x1p31) throw Error("too-large", "the volume has more than 2^31 voxels", "show a smaller part of it");
+  if (count > 0x1p31)
+    throw Error("too-large", "the volume has more than 2^31 voxels", "show a smaller part of it");
   return static_cast<std::size_t>(count);
 }
 
@@ -46,9 +47,11 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   const auto grid = volume.find<openvdb::Vec3SGrid>("Cd");
   if (!grid) {
     std::string names;
-    for (const auto& g : volume.grids) names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
-    throw Error("no-color", "the volume has no colour grid 'Cd' of three floats; it has " +
-                                (names.empty() ? std::string("no grids") : names),
+    for (const auto& g : volume.grids)
+      names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
+    throw Error("no-color",
+                "the volume has no colour grid 'Cd' of three floats; it has " +
+                    (names.empty() ? std::string("no grids") : names),
                 "connect a volume with colours, such as Voxelize's");
   }
   ColorField field;

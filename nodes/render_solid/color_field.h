@@ -14,16 +14,20 @@ struct Volume;
 
 class ColorField {
  public:
-  // `colors`: scene-linear, x fastest; clamped to [0, 1], as reflectance is. Throws Error "bad-colors" where one is NaN.
+  // `colors`: scene-linear, x fastest; clamped to [0, 1], as reflectance is. Throws Error "bad-colors" where
+  // one is NaN.
   ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic = true);
 
   // Copies the grid `Cd` over one period, or over its active voxels where the volume is not periodic.
-  // Throws Error "no-color" (no such grid), "empty-volume", "too-large" (more than 2^31 voxels), "bad-colors".
+  // Throws Error "no-color" (no such grid), "empty-volume", "too-large" (more than 2^31 voxels),
+  // "bad-colors".
   static ColorField of(const Volume&, const Work& = {});
 
   const Vec3i& resolution() const { return resolution_; }
   bool periodic() const { return periodic_; }
-  float clamped() const { return clamped_; }  // share of voxels whose colour was outside [0, 1] by more than 1 %
+  float clamped() const {
+    return clamped_;
+  }  // share of voxels whose colour was outside [0, 1] by more than 1 %
 
   // Trilinear between voxel centres at i + ½; repeats, or ends with the outermost voxels where not periodic.
   Vec3f at(const Vec3f& voxel) const;

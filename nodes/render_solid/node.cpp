@@ -27,7 +27,8 @@ void compute(Context& c) {
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
   const float elevation = degree * static_cast<float>(c.number("elevation"));
   RenderSettings settings;
-  settings.width = static_cast<int>(c.integer("width")), settings.height = static_cast<int>(c.integer("height"));
+  settings.width = static_cast<int>(c.integer("width")),
+  settings.height = static_cast<int>(c.integer("height"));
   settings.samples = static_cast<int>(c.integer("samples"));
   settings.gloss = static_cast<float>(c.number("gloss"));
   settings.seed = static_cast<std::uint64_t>(c.integer("seed"));
@@ -51,8 +52,8 @@ void compute(Context& c) {
     const Shapes& shapes = c.input<Shapes>("object");
     if (shapes.shapes.empty()) throw Error("no-shapes", "the object has no mesh");
     if (shapes.shapes.size() > 1)
-      c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" + shapes.shapes[0].name +
-             "', is shown");
+      c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" +
+             shapes.shapes[0].name + "', is shown");
     solid = object_solid(*field, shapes.shapes[0], repeat);
   } else {
     need(c, mode, "particles"), need(c, mode, "shapes");
@@ -69,29 +70,45 @@ void compute(Context& c) {
 
 NodeType render_solid_node() {
   return NodeType("RenderSolid", 1)
-      .doc_("A picture of the solid: a block with a corner cut out, a body carved from it, or its particles alone, "
-            "under one large lamp and a pale dome")
+      .doc_(
+          "A picture of the solid: a block with a corner cut out, a body carved from it, or its particles "
+          "alone, "
+          "under one large lamp and a pale dome")
       .source_("Path tracing with a control variate: what an unoccluded surface gets is added in closed form")
       .optional_input("volume", {"Volume"}, "The solid: a colour grid `Cd`, repeated periodically")
       .optional_input("particles", {"Particles"}, "A packing, shown without its binder")
       .optional_input("shapes", {"Shapes"}, "The particles' forms")
       .optional_input("object", {"Shapes"}, "A body to carve from the solid")
       .output("image", "Image", "Scene-linear and ready for display: 1 is white")
-      .parameter(Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
-      .parameter(Parameter::integer("height", 720).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
-      .parameter(Parameter::integer("samples", 32).range(1, 65536).doc_(
-          "Light paths per pixel: four times as many halve the noise; powers of two spread best"))
-      .parameter(Parameter::choice("mode", "auto", {"auto", "block", "cube", "object", "particles"})
-                     .doc_("block: a corner is cut out, which shows inner faces; cube: a whole block; object: carved "
-                           "from the solid; particles: without binder; auto: object where one is connected, else block, "
-                           "else particles"))
-      .parameter(Parameter::number("repeat", 1).range(0.05, 64).doc_(
-          "Periods of the volume along the longest edge of the block or object"))
-      .parameter(Parameter::number("cut", 0.5).range(0.05, 0.95).doc_("Share of each edge that the cut takes"))
-      .parameter(Parameter::number("azimuth", -41).unit_("degrees").range(-360, 360).doc_(
-          "Where the viewer stands, from +x towards +y; the cut corner is seen from −90 to 0"))
-      .parameter(Parameter::number("elevation", 30).unit_("degrees").range(3, 85).doc_("How high the viewer stands"))
-      .parameter(Parameter::number("gloss", 0.35).range(0, 1).doc_("0: matt; 1: mirrors as much as polished stone"))
+      .parameter(
+          Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
+      .parameter(
+          Parameter::integer("height", 720).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
+      .parameter(
+          Parameter::integer("samples", 32)
+              .range(1, 65536)
+              .doc_("Light paths per pixel: four times as many halve the noise; powers of two spread best"))
+      .parameter(
+          Parameter::choice("mode", "auto", {"auto", "block", "cube", "object", "particles"})
+              .doc_(
+                  "block: a corner is cut out, which shows inner faces; cube: a whole block; object: carved "
+                  "from the solid; particles: without binder; auto: object where one is connected, else "
+                  "block, "
+                  "else particles"))
+      .parameter(Parameter::number("repeat", 1)
+                     .range(0.05, 64)
+                     .doc_("Periods of the volume along the longest edge of the block or object"))
+      .parameter(
+          Parameter::number("cut", 0.5).range(0.05, 0.95).doc_("Share of each edge that the cut takes"))
+      .parameter(
+          Parameter::number("azimuth", -41)
+              .unit_("degrees")
+              .range(-360, 360)
+              .doc_("Where the viewer stands, from +x towards +y; the cut corner is seen from −90 to 0"))
+      .parameter(
+          Parameter::number("elevation", 30).unit_("degrees").range(3, 85).doc_("How high the viewer stands"))
+      .parameter(
+          Parameter::number("gloss", 0.35).range(0, 1).doc_("0: matt; 1: mirrors as much as polished stone"))
       .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the light paths"))
       .compute_(compute);
 }

@@ -55,7 +55,8 @@ RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Insta
     : handles_(std::make_unique<Handles>()) {
   handles_->device = rtcNewDevice(nullptr);
   if (!handles_->device)
-    throw Error("embree", std::string("the ray caster could not be set up: ") + words(rtcGetDeviceError(nullptr)));
+    throw Error("embree",
+                std::string("the ray caster could not be set up: ") + words(rtcGetDeviceError(nullptr)));
   RTCDevice device = handles_->device;
   tbb::task_arena alone(1);
   const auto commit = [&](RTCScene scene) { alone.execute([&] { rtcJoinCommitScene(scene); }); };
@@ -66,8 +67,8 @@ RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Insta
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
                                               m.positions.size());
-    void* indices =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, m.indices.size() / 3);
+    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                            m.indices.size() / 3);
     check(device);
     std::memcpy(positions, static_cast<const void*>(m.positions.data()), m.positions.size() * 12);
     std::memcpy(indices, m.indices.data(), m.indices.size() * 4);
@@ -125,7 +126,8 @@ bool RayScene::nearest(const Vec3f& origin, const Vec3f& direction, RayHit& out)
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(handles_->plain ? handles_->meshes[0] : handles_->top, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  out = {query.ray.tfar, handles_->plain ? 0 : query.hit.instID[0], query.hit.primID, query.hit.u, query.hit.v};
+  out = {query.ray.tfar, handles_->plain ? 0 : query.hit.instID[0], query.hit.primID, query.hit.u,
+         query.hit.v};
   return true;
 }
 

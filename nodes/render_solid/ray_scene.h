@@ -26,7 +26,8 @@ class RayScene {
     Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
     Vec3f offset = Vec3f::Zero();
   };
-  // Throws Error "embree" with the library's own words. The tree is built on one thread: always the same tree.
+  // Throws Error "embree" with the library's own words. The tree is built on one thread: always the same
+  // tree.
   RayScene(const std::vector<Triangles>& meshes, const std::vector<Instance>& instances);
   ~RayScene();
   RayScene(RayScene&&) noexcept;

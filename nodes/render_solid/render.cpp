@@ -17,7 +17,8 @@ class Paths {
 
   Vec3f from_camera(const Vec3f& origin, const Vec3f& direction, PixelSampler& random) const {
     SurfacePoint s;
-    if (may_meet_solid(origin, direction) && solid_.nearest(origin, direction, s, true)) return glossy(s, direction, random);
+    if (may_meet_solid(origin, direction) && solid_.nearest(origin, direction, s, true))
+      return glossy(s, direction, random);
     const float background = studio_.settings().background;
     Vec3f floor;
     if (!meets_floor(origin, direction, floor)) return Vec3f::Constant(background);
@@ -67,13 +68,15 @@ class Paths {
     SurfacePoint other;
     const Vec3f origin = s.position + lift * s.face;
     if (!s.open && mirror.dot(s.face) > 0 && solid_.nearest(origin, mirror, other))
-      seen = 0.7f * other.albedo * studio_.irradiance(other.normal);  // inner faces face each other: partly in shade
+      seen = 0.7f * other.albedo *
+             studio_.irradiance(other.normal);  // inner faces face each other: partly in shade
     else
       seen = Vec3f::Constant(studio_.mirrored(mirror));
     return (1 - f) * diffuse + f * seen;
   }
 
-  // Irradiance over π: in the open, less the lamp where it is hidden, plus the difference that other surfaces make.
+  // Irradiance over π: in the open, less the lamp where it is hidden, plus the difference that other surfaces
+  // make.
   Vec3f light(const SurfacePoint& s, PixelSampler& random, int depth) const {
     Vec3f sum = Vec3f::Constant(studio_.irradiance(s.normal));
     const Vec3f origin = s.position + lift * s.face;
@@ -104,7 +107,8 @@ class Paths {
     const Vec3f origin = point + Vec3f(0, 0, lift);
     float u, v;
     random.next(u, v);
-    if (const Vec3f d = studio_.to_lamp(u, v); studio_.lamp() > 0 && d.z() > 0 && may_meet_solid(origin, d) && solid_.any(origin, d))
+    if (const Vec3f d = studio_.to_lamp(u, v);
+        studio_.lamp() > 0 && d.z() > 0 && may_meet_solid(origin, d) && solid_.any(origin, d))
       sum.array() -= studio_.lamp() * d.z();
     random.next(u, v);
     const Vec3f d = cosine_direction(Vec3f::UnitZ(), u, v);
@@ -152,8 +156,9 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
           random.start(static_cast<std::uint32_t>(i));
           float u, v;
           random.next(u, v);
-          const Vec3f d = camera.direction(float(x) + 0.5f + 0.75f * tent(u), float(y) + 0.5f + 0.75f * tent(v),
-                                           settings.width, settings.height);
+          const Vec3f d =
+              camera.direction(float(x) + 0.5f + 0.75f * tent(u), float(y) + 0.5f + 0.75f * tent(v),
+                               settings.width, settings.height);
           sum += paths.from_camera(camera.position, d, random);
         }
         sum /= float(settings.samples);

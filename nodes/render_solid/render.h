@@ -23,12 +23,13 @@ struct RenderSettings {
 // The radiance of each pixel, scene-linear and display-referred: 1 is white. The
 // result does not depend on the number of threads.
 //
-// Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by sampling.
-// Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased (a control variate).
+// Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by
+// sampling. Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased
+// (a control variate).
 Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
 
-// Leaves values up to 0.85 as they are and bends those above towards 1; all channels by the same factor, so that the
-// hue stays.
+// Leaves values up to 0.85 as they are and bends those above towards 1; all channels by the same factor, so
+// that the hue stays.
 Vec3f tone_mapped(const Vec3f& linear);
 
 }  // namespace terrazzo

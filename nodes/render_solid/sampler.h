@@ -1,5 +1,5 @@
-// Well-spread random numbers of one pixel: Owen-scrambled Sobol' points, a fresh pair for each decision along a path.
-// Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020.
+// Well-spread random numbers of one pixel: Owen-scrambled Sobol' points, a fresh pair for each decision along
+// a path. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020.
 #pragma once
 
 #include <bit>
@@ -41,8 +41,8 @@ class PixelSampler {
       if (i & 1) r ^= v;
     return r;
   }
-  // Laine and Karras's hash: every bit is flipped or not by the bits below it. On reversed numbers: a nested uniform
-  // permutation.
+  // Laine and Karras's hash: every bit is flipped or not by the bits below it. On reversed numbers: a nested
+  // uniform permutation.
   static std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;

@@ -79,7 +79,8 @@ Studio Studio::furnace() {
 }
 
 float Studio::irradiance(const Vec3f& normal) const {
-  return interpolate(by_height_, normal.z()) + (lamp_ > 0 ? lamp_ * interpolate(by_angle_, normal.dot(direction_)) : 0);
+  return interpolate(by_height_, normal.z()) +
+         (lamp_ > 0 ? lamp_ * interpolate(by_angle_, normal.dot(direction_)) : 0);
 }
 
 float Studio::mirrored(const Vec3f& direction) const {

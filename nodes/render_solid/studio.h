@@ -1,6 +1,6 @@
-// The light in which solids are shown: a pale dome, one large soft lamp, a pale floor. All of it is neutral, so that a
-// grey solid stays grey, and its strength is such that a white surface facing up is white: radiances are in units of
-// what an unshadowed white floor would send back.
+// The light in which solids are shown: a pale dome, one large soft lamp, a pale floor. All of it is neutral,
+// so that a grey solid stays grey, and its strength is such that a white surface facing up is white:
+// radiances are in units of what an unshadowed white floor would send back.
 #pragma once
 
 #include <array>
@@ -13,13 +13,13 @@ class Studio {
  public:
   struct Settings {
     float lamp_share = 0.65f;      // of the light that a surface facing up gets
-    float lamp_azimuth = -1.67f;       // radians from +x towards +y
+    float lamp_azimuth = -1.67f;   // radians from +x towards +y
     float lamp_elevation = 0.95f;  // radians
-    float lamp_sharpness = 30;     // κ of the lamp's von Mises–Fisher lobe: its radius is about 1/√κ radians
+    float lamp_sharpness = 30;  // κ of the lamp's von Mises–Fisher lobe: its radius is about 1/√κ radians
     float horizon = 0.85f, zenith = 1.15f;  // the dome's radiance, relative
-    float floor = 0.34f;       // radiance of the unshadowed floor as a light on the solid
-    float background = 0.82f;  // radiance of the unshadowed floor as the camera sees it
-    bool has_floor = true;    // else the dome goes on below, with radiance `floor`, and nothing is shadowed
+    float floor = 0.34f;                    // radiance of the unshadowed floor as a light on the solid
+    float background = 0.82f;               // radiance of the unshadowed floor as the camera sees it
+    bool has_floor = true;  // else the dome goes on below, with radiance `floor`, and nothing is shadowed
   };
   explicit Studio(const Settings&);
   // Radiance 1 from everywhere, no lamp, no floor: a convex body then shows its albedo exactly.
@@ -34,7 +34,8 @@ class Studio {
   }
   // Radiance with the lamp, for mirror reflections.
   float mirrored(const Vec3f& direction) const;
-  // A direction to the lamp, distributed as its light; a surface gets lamp() · cos θ from it (irradiance over π).
+  // A direction to the lamp, distributed as its light; a surface gets lamp() · cos θ from it (irradiance over
+  // π).
   Vec3f to_lamp(float u, float v) const;
   float lamp() const { return lamp_; }
 

@@ -26,16 +26,19 @@ Shell shell(const std::string& command) {
   FILE* pipe = ::popen(command.c_str(), "r");
   if (!pipe) return result;
   std::array<char, 4096> buffer;
-  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe)) result.out.append(buffer.data(), n);
+  while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), pipe))
+    result.out.append(buffer.data(), n);
   const int status = ::pclose(pipe);
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;
 }
 
-bool has(const std::string& program) { return shell("command -v " + program + " >/dev/null 2>&1").exit_code == 0; }
+bool has(const std::string& program) {
+  return shell("command -v " + program + " >/dev/null 2>&1").exit_code == 0;
+}
 
-// A folder with the check and its packages, outside the source tree; made once and kept for later runs. Empty where it
-// cannot be made.
+// A folder with the check and its packages, outside the source tree; made once and kept for later runs. Empty
+// where it cannot be made.
 fs::path gltf_check() {
   const fs::path source = fs::path(TERRAZZO_SOURCE) / "tests/integration/gltf_check";
   const fs::path folder = fs::temp_directory_path() / "terrazzo-gltf-check";
@@ -45,7 +48,8 @@ fs::path gltf_check() {
     fs::copy_file(source / name, folder / name, fs::copy_options::overwrite_existing, error);
   const std::string in = "cd '" + folder.string() + "' && ";
   if (shell(in + "npm ls >/dev/null 2>&1").exit_code != 0 &&
-      shell(in + "timeout 120 npm install --no-audit --no-fund --no-package-lock >/dev/null 2>&1").exit_code != 0)
+      shell(in + "timeout 120 npm install --no-audit --no-fund --no-package-lock >/dev/null 2>&1")
+              .exit_code != 0)
     return {};
   return folder;
 }
@@ -104,9 +108,11 @@ fs::path some_vdb() {
   auto id = openvdb::Int32Grid::create(-1);
   id->setName("id");
   density->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(9)), 1.0f);
-  color->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(15)), openvdb::Vec3s(0.5f, 0.25f, 0.125f));
+  color->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(15)),
+                   openvdb::Vec3s(0.5f, 0.25f, 0.125f));
   id->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(9)), 42);
-  for (const openvdb::GridBase::Ptr& g : {openvdb::GridBase::Ptr(density), openvdb::GridBase::Ptr(color), openvdb::GridBase::Ptr(id)})
+  for (const openvdb::GridBase::Ptr& g :
+       {openvdb::GridBase::Ptr(density), openvdb::GridBase::Ptr(color), openvdb::GridBase::Ptr(id)})
     g->setTransform(voxel_transform(0.25)), v.grids.push_back(g);
   const fs::path file = test::temporary_folder() / "v.vdb";
   write_vdb(file, v, R"({"graph": "a.yaml"})");
@@ -125,12 +131,13 @@ TEST(ExportedVdb, OpensInPython) {
   if (shell("/usr/bin/python3 -c 'import pyopenvdb' >/dev/null 2>&1").exit_code != 0)
     GTEST_SKIP() << "python3-openvdb is not installed";
   // Debian's pyopenvdb knows no integer grids: `id` is read by vdb_print and by other programs.
-  const Shell run = shell("/usr/bin/python3 -c \"\nimport pyopenvdb as vdb, json\nf = '" + some_vdb().string() +
-                          "'\ndensity, color = vdb.read(f, 'density'), vdb.read(f, 'Cd')\n"
-                          "print(json.dumps(dict(meta=vdb.readMetadata(f), active=density.activeVoxelCount(), "
-                          "fog=density.gridClass, size=list(color.transform.voxelSize()), "
-                          "centre=list(color.transform.indexToWorld((0, 0, 0))), "
-                          "color=list(color.getConstAccessor().getValue((3, 4, 5))))))\n\" 2>&1");
+  const Shell run =
+      shell("/usr/bin/python3 -c \"\nimport pyopenvdb as vdb, json\nf = '" + some_vdb().string() +
+            "'\ndensity, color = vdb.read(f, 'density'), vdb.read(f, 'Cd')\n"
+            "print(json.dumps(dict(meta=vdb.readMetadata(f), active=density.activeVoxelCount(), "
+            "fog=density.gridClass, size=list(color.transform.voxelSize()), "
+            "centre=list(color.transform.indexToWorld((0, 0, 0))), "
+            "color=list(color.getConstAccessor().getValue((3, 4, 5))))))\n\" 2>&1");
   ASSERT_EQ(run.exit_code, 0) << run.out;
   const auto j = nlohmann::json::parse(run.out, nullptr, false);
   ASSERT_TRUE(j.is_object()) << run.out;
