@@ -92,8 +92,12 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
         out->write_image(OIIO::TypeDesc::UINT8, quantise<std::uint8_t>(pixels, count, 255, true).data());
   if (!written) throw unwritable(path, out->geterror());
   if (!out->close()) throw unwritable(path, out->geterror());
-  if (in_memory)
+  if (!in_memory) return;
+  try {
     write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
+  } catch (const Error& e) {
+    throw unwritable(path, e.diagnostic().message);
+  }
 }
 
 }  // namespace terrazzo
