@@ -17,7 +17,7 @@ double max_area(const AreaRange& r) {
 DepthSweep::DepthSweep(const Mesh& mesh)
     : mesh_(mesh),
       order_(mesh),
-      flat_(1e-4 * mesh_bounding_radius(mesh)),
+      flat_(1e-4 * mesh_bounding_radius(mesh, mesh.vertices.empty() ? Vec3(Vec3::Zero()) : mesh.vertices[0])),
       difference_(mesh.vertices.size()),
       ranges_(mesh.vertices.empty() ? 0 : mesh.vertices.size() - 1) {}
 

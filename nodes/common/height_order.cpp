@@ -4,7 +4,12 @@
 
 namespace terrazzo {
 
-HeightOrder::HeightOrder(const Mesh& mesh) : mesh_(mesh) {
+HeightOrder::HeightOrder(const Mesh& mesh) : mesh_(mesh), middle_(Vec3::Zero()) {
+  if (!mesh.vertices.empty()) {
+    Vec3 low = mesh.vertices[0], high = low;
+    for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    middle_ = (low + high) / 2;
+  }
   const std::size_t n = mesh.vertices.size();
   point_.resize(n), order_.resize(n), rank_.resize(n), bucket_.resize(n + 2), height_.resize(n);
 }
@@ -14,9 +19,9 @@ void HeightOrder::set(const Vec3& direction) {
   const std::int32_t n = count();
   if (n == 0) return;
   const Vec3 u = direction.normalized(), a = u.unitOrthogonal(), b = u.cross(a);
-  double lo = u.dot(mesh_.vertices[0]), hi = lo;
+  double lo = u.dot(mesh_.vertices[0] - middle_), hi = lo;
   for (std::int32_t v = 0; v < n; ++v) {
-    const Vec3& x = mesh_.vertices[v];
+    const Vec3 x = mesh_.vertices[v] - middle_;
     point_[v] = {a.dot(x), b.dot(x), u.dot(x)};
     lo = std::min(lo, point_[v].z()), hi = std::max(hi, point_[v].z());
   }

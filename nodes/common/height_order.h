@@ -23,6 +23,7 @@ class HeightOrder {
 
  private:
   const Mesh& mesh_;
+  Vec3 middle_;  // the origin of the coordinates: areas of a body far from it would lose digits
   std::vector<Vec3> point_;
   std::vector<std::int32_t> order_, rank_, bucket_;
   std::vector<double> height_;

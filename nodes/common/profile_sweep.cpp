@@ -10,7 +10,10 @@
 namespace terrazzo {
 
 ProfileSweep::ProfileSweep(const Mesh& mesh)
-    : mesh_(mesh), order_(mesh), flat_(1e-4 * mesh_bounding_radius(mesh)), sides_(mesh.triangles.size()) {
+    : mesh_(mesh),
+      order_(mesh),
+      flat_(1e-4 * mesh_bounding_radius(mesh, mesh.vertices.empty() ? Vec3(Vec3::Zero()) : mesh.vertices[0])),
+      sides_(mesh.triangles.size()) {
   struct Side {
     std::int32_t low, high;
     std::size_t triangle;

@@ -20,8 +20,13 @@ struct Candidate {
 };
 
 double largest(DepthSweep& sweep, const Vec3& direction) {
-  double best = 0;
-  for (const AreaRange& r : sweep.sweep(direction)) best = std::max(best, max_area(r));
+  // Ranges as thin as rounding (where a face lies in the plane) hold no area that their neighbours do not
+  // reach.
+  const auto& ranges = sweep.sweep(direction);
+  double extent = 0, best = 0;
+  for (const AreaRange& r : ranges) extent += r.thickness;
+  for (const AreaRange& r : ranges)
+    if (r.thickness > 1e-9 * extent) best = std::max(best, max_area(r));
   return best;
 }
 

@@ -98,7 +98,7 @@ Vec3 fit_ellipsoid(const Shape& shape) {
   const double filled = shape.volume / (4 * std::numbers::pi / 3 * axes.prod());
   if (!(filled >= 0.9))
     throw refuse(fmt::format("it fills {:.0f} % of the one through its vertices", 100 * filled));
-  return axes;
+  return axes * std::cbrt(filled);
 }
 
 }  // namespace terrazzo

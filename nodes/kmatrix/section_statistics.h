@@ -30,9 +30,9 @@ SectionStatistics slice_statistics(const Shape&, int classes, std::size_t orient
 // t/A₀), directions by quadrature. Semi-axes, mm, in any order.
 SectionStatistics ellipsoid_statistics(const Vec3& semi_axes);
 
-// The semi-axes of the ellipsoid that a mesh is a tessellation of, largest first: all vertices within 0.1 %
-// of it and 90 % or more of its volume filled (which a cube or an icosahedron, whose corners lie on a sphere
-// too, do not reach). Throws Error "not-an-ellipsoid" otherwise.
+// The semi-axes of the ellipsoid that a mesh is a tessellation of, largest first, scaled to the shape's
+// volume: all vertices lie within 0.1 % of it, and it is filled to 90 % or more (which a cube or an
+// icosahedron, whose corners lie on a sphere too, are not). Throws Error "not-an-ellipsoid" otherwise.
 Vec3 fit_ellipsoid(const Shape&);
 
 }  // namespace terrazzo

@@ -10,7 +10,7 @@
 namespace terrazzo {
 namespace {
 
-constexpr std::size_t kMostOrientations = 65536, kFirstOrientations = 256;
+constexpr std::size_t kMostOrientations = 65536;
 constexpr double kTolerance = 1e-3;
 
 // R2 sequence (Roberts 2018) on the half sphere: any prefix is evenly spread, so that directions can be
@@ -117,7 +117,10 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
 
   SectionStatistics s;
   const bool adaptive = orientations == 0;
-  std::size_t half = adaptive ? kFirstOrientations : std::max<std::size_t>(1, orientations / 2);
+  // The fewer the triangles, the sharper the peaks over directions, and the cheaper each direction.
+  const std::size_t first =
+      std::clamp<std::size_t>(8192 * 500 / std::max<std::size_t>(1, shape.mesh.triangles.size()), 256, 8192);
+  std::size_t half = adaptive ? first : std::max<std::size_t>(1, orientations / 2);
   Histogram sum = run(0, half, work.part(0, adaptive ? 0.1 : 0.5));
   for (s.orientations = half;;) {
     const std::size_t all = adaptive ? 2 * half : std::max<std::size_t>(orientations, 2);

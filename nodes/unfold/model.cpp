@@ -62,9 +62,10 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
         "lower it")
         .parameter("smallest_visible");
   while (m.edges[m.first + 1] <= smallest_visible) ++m.first;
-  std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
+  // Smaller particles show nothing, so none are made up: their class begins where sight does.
+  m.edges[m.first] = std::max(m.edges[m.first], smallest_visible);
+  const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
-  m.profile_edges[0] = std::max(m.profile_edges[0], smallest_visible);
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);
   double total = 0, unit = 0;
   for (const auto& e : k.shapes)

@@ -13,7 +13,7 @@ namespace terrazzo {
 // al. 2004, eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left
 // out.
 struct UnfoldModel {
-  std::vector<double> edges;          // n + 1, mm
+  std::vector<double> edges;          // n + 1, mm; that of `first` raised to smallest_visible
   int first = 0;                      // first visible class
   std::vector<double> profile_edges;  // of the visible classes; the first starts at smallest_visible
   Eigen::MatrixXd matrix;  // N_A (per mm²) of visible classes = matrix (mm) · N_V (per mm³) of those

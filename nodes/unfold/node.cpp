@@ -73,6 +73,9 @@ void compute(Context& c) {
         fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: nnls "
                     "constrains them instead",
                     100 * negative));
+  if (std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
+    c.warn(fmt::format("the densities fill {:.3g} of the volume, but profiles cover {:.3g} of the section",
+                       r.distribution.volume_fraction, fraction));
   if (static_cast<int>(r.observations.used) < r.model.visible())
     c.warn(fmt::format("{} profiles for {} classes: use fewer classes or a larger picture",
                        r.observations.used, r.model.visible()));

@@ -135,9 +135,15 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
     r.fits.push_back(std::move(fit));
   }
   out.goodness_of_fit = chi2 / std::max(freedom, 1);
-  // What lies below the smallest visible size is not known to be there.
-  if (m.profile_edges[0] > out.class_edges[static_cast<std::size_t>(m.first)])
-    out.class_edges[static_cast<std::size_t>(m.first)] = m.profile_edges[0];
+  if (!(out.volume_fraction < 1))
+    throw Error(
+        "unstable",
+        fmt::format(
+            "the densities found would fill {:.3g} times the volume: with a condition number of {:.2g} "
+            "the counting errors are blown up",
+            out.volume_fraction, r.condition),
+        options.method == "inverse" ? "use fewer classes, or method: nnls" : "use fewer classes")
+        .parameter("classes");
   return r;
 }
 

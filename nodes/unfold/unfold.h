@@ -49,7 +49,8 @@ double estimate_d_max(const Observations&, const KMatrix&, int classes, double s
 // finds the densities ≥ 0 of least squared error, every class weighted by the counting error of its profiles,
 // with one row more: the volume fraction Σ N_V·V equals the area fraction of the profiles (V_V = A_A), which
 // is known far better than any class. Throws Error "no-profiles", "bad-profiles", "no-observed-area",
-// "bad-kmatrix", "too-few-profiles", "singular", "nothing-visible".
+// "bad-kmatrix", "too-few-profiles", "singular", "unstable" (more than full), "nothing-visible", "too-small"
+// (d_max).
 UnfoldResult unfold(const Profiles&, const KMatrix&, const UnfoldOptions&, const Work&);
 
 }  // namespace terrazzo

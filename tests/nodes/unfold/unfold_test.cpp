@@ -74,7 +74,7 @@ TEST(Unfold, EstimatesTheLargestSize) {
 }
 
 TEST(Unfold, FullnessFollowsTheAreaFractionEvenOfAFewProfiles) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Profiles p = section(2, 10, 0.001, 10000, seed);
     const UnfoldResult r = unfold(p, spheres(), {}, {});
     EXPECT_NEAR(r.distribution.volume_fraction / p.area_fraction, 1, 0.03)
@@ -145,6 +145,86 @@ TEST(Unfold, BadInputIsNamed) {
   Profiles equal = good;
   for (auto& q : equal.profiles) q.area = 10;
   EXPECT_EQ(code(equal), "none");
+}
+
+TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
+  // The inverse for angular bodies blows counting errors up by orders of magnitude.
+  const auto solid =
+      test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
+  const KMatrix k = make_kmatrix(solid.as<Shapes>(), {.classes = 14, .orientations = 500});
+  UnfoldOptions o;
+  o.method = "inverse", o.d_max = 12, o.smallest_visible = 0;
+  try {
+    unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
+    FAIL() << "a density of particles that do not fit";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.diagnostic().code, "unstable") << e.what();
+    EXPECT_EQ(e.diagnostic().parameter, "classes");
+  }
+  o.method = "nnls";
+  const UnfoldResult r = unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
+  EXPECT_LT(r.distribution.volume_fraction, 1);
+}
+
+TEST(Unfold, MissingFinesAreNotTakenForNone) {
+  // A picture that shows nothing below 3 mm of particles between 1 and 10 mm.
+  Profiles p = section(1, 10, 0.001, 1e6, 8);
+  std::erase_if(p.profiles, [](const Profile& q) { return q.area < std::numbers::pi / 4 * 9; });
+  UnfoldOptions o;
+  o.d_max = 10, o.smallest_visible = 3;
+  const UnfoldResult blind = unfold(p, spheres(), o, {});
+  EXPECT_NEAR(number(blind.distribution, 4, 10) / (0.001 * 6 / 9), 1, 0.1);
+  EXPECT_EQ(number(blind.distribution, 0, 3), 0);
+  EXPECT_EQ(blind.distribution.class_edges[static_cast<std::size_t>(blind.model.first)], 3);
+}
+
+TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
+  KMatrix two = spheres();
+  two.shapes[0].probability = 3;
+  two.shapes.push_back(two.shapes[0]);
+  two.shapes[1].probability = 1;  // the same body twice: nothing but the shares may change
+  const Profiles p = section(5, 10, 0.001, 4e5, 3);
+  const UnfoldResult one = unfold(p, spheres(), {}, {}), both = unfold(p, two, {}, {});
+  ASSERT_EQ(both.distribution.shapes.size(), 2u);
+  for (std::size_t j = 0; j < 10; ++j) {
+    EXPECT_NEAR(both.distribution.shapes[0].N_V[j], 0.75 * one.distribution.shapes[0].N_V[j], 1e-9);
+    EXPECT_NEAR(both.distribution.shapes[1].N_V[j], 0.25 * one.distribution.shapes[0].N_V[j], 1e-9);
+  }
+}
+
+TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
+  // Discs of equal spheres in a window so small that its border cuts a third of them.
+  Random random(21);
+  const double side = 40, d = 8, n_v = 0.002;
+  Profiles p;
+  p.window = {side, side};
+  const int windows = 400;
+  p.sections = windows, p.observed_area = windows * side * side;
+  double covered = 0;
+  for (int w = 0; w < windows; ++w) {
+    const double reach = side + d;
+    const auto n = static_cast<int>(n_v * d * reach * reach + random.uniform());
+    for (int i = 0; i < n; ++i) {
+      const double h = random.uniform(0, d / 2), r = std::sqrt(d * d / 4 - h * h);
+      const double x = random.uniform(-d / 2, side + d / 2), y = random.uniform(-d / 2, side + d / 2);
+      if (x + r < 0 || y + r < 0 || x - r > side || y - r > side) continue;
+      Profile q;
+      q.section = w, q.area = std::numbers::pi * r * r;
+      q.touches_border = x < r || y < r || x > side - r || y > side - r;
+      q.weight = q.touches_border ? 0 : side * side / ((side - 2 * r) * (side - 2 * r));
+      if (!q.touches_border) covered += q.weight * q.area;
+      p.profiles.push_back(q);
+    }
+  }
+  p.area_fraction = covered / p.observed_area;
+  const auto n_a = [&](Border border) {
+    UnfoldOptions o;
+    o.border = border, o.d_max = d, o.smallest_visible = 0;
+    return unfold(p, spheres(), o, {}).fits[0].observed.sum() / (n_v * d);
+  };
+  EXPECT_NEAR(n_a(Border::Weights), 1, 0.02);
+  EXPECT_GT(n_a(Border::All), 1.15);
+  EXPECT_LT(n_a(Border::Inside), 0.85);
 }
 
 TEST(Unfold, SameBitsOnAnyNumberOfThreads) {
