@@ -213,7 +213,7 @@ void accumulate(Contact& contact, const Probe& probe, const Body& field, bool el
 }  // namespace
 
 Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
-                     Candidates& candidates, float slack) {
+                     ContactCandidates& candidates, float slack) {
   Contact contact;
   const bool ball_a = a.shape->field.kind() == DistanceField::Kind::Sphere;
   const bool ball_b = b.shape->field.kind() == DistanceField::Kind::Sphere;

@@ -24,7 +24,7 @@ struct Contact {
 
 // Elements that may touch while the bodies move no farther than the slack they were collected with: few of
 // many, so that most iterations need no search.
-struct Candidates {
+struct ContactCandidates {
   std::vector<std::int32_t> of_a, of_b;
   bool known = false;
 };
@@ -34,6 +34,6 @@ struct Candidates {
 // those that enter deeper count more. `candidates` are probed where known; else they are collected for
 // `slack` mm of further travel.
 Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
-                     Candidates& candidates, float slack);
+                     ContactCandidates& candidates, float slack);
 
 }  // namespace terrazzo::anneal

@@ -84,7 +84,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
           const Vec3 offset = offset_of(p, packing_.box, packing_.position);
           const double size = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
           const double slack = kSlack * size;
-          Candidates& candidates = candidates_[k];
+          ContactCandidates& candidates = candidates_[k];
           if (candidates.known && travelled - noted_[k] > 0.99 * slack) candidates.known = false;
           if (!candidates.known) noted_[k] = travelled;
           contacts_[k] =

@@ -66,7 +66,7 @@ class Relaxation {
   std::vector<Pair> pairs_;
   Incidence incidence_;
   std::vector<Contact> contacts_;
-  std::vector<Candidates> candidates_;
+  std::vector<ContactCandidates> candidates_;
   std::vector<double> noted_;   // travel of both bodies when the candidates were collected
   std::vector<float> slack_;    // of a pair, mm that both bodies may travel before they can touch
   std::vector<double> stamp_;   // travel of both bodies when slack was measured

@@ -61,7 +61,8 @@ void compute(Context& c) {
   const Work& work = c.work();
   const auto edge = static_cast<int>(c.integer("edge"));
   const ResidualImage residual =
-      residual_image(image, c.input<Labels>("labels"), edge, c.number("specks"), work.part(0, 0.05));
+      residual_image(as_displayed(image, work.part(0, 0.01)), c.input<Labels>("labels"), edge,
+                     c.number("specks"), work.part(0.01, 0.05));
   if (residual.edge < edge)
     c.warn(fmt::format("outlines are left out by {} pixels instead of {}: little else would be left",
                        residual.edge, edge));
@@ -92,7 +93,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType residual_synth_node() {
-  return NodeType("ResidualSynth", 1)
+  return NodeType("ResidualSynth", 2)
       .doc_(
           "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
           "binder, at the "
@@ -101,7 +102,7 @@ NodeType residual_synth_node() {
       .input("image", "Image", "the photograph, one or more sections")
       .input("labels", "Labels", "its profiles; all zero for a picture without particles")
       .output("volume", "Volume",
-              "grid residual: scene-linear colour offsets of mean 0, one voxel a pixel, periodic")
+              "grid residual: offsets of mean 0 to the sRGB-encoded colour, one voxel a pixel, periodic")
       .parameter(
           Parameter::ints("size", {128})
               .count(1, 3)

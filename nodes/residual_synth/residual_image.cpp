@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "nodes/common/color.h"
+
 namespace terrazzo {
 namespace {
 
@@ -140,6 +142,14 @@ void fill(Vec3f* pixels, const std::vector<std::uint8_t>& valid, int w, int h) {
 }
 
 }  // namespace
+
+Image as_displayed(const Image& image, const Work& work) {
+  Image out = image;
+  work.parallel(out.pixels.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) out.pixels[i] = linear_to_srgb(out.pixels[i]);
+  });
+  return out;
+}
 
 ResidualImage residual_image(const Image& image, const Labels& labels, int edge, double specks,
                              const Work& work) {

@@ -14,6 +14,10 @@ struct ResidualImage {
   int edge = 0;       // the band left out, pixels: less than asked for where too little would have been left
 };
 
+// The picture in the encoded values of a display (sRGB), in which the paper's residuals are differences: in
+// linear light the grain of bright particles would swamp dark ones.
+Image as_displayed(const Image&, const Work& = {});
+
 // Each pixel less the mean of its profile, binder pixels less their section's mean. Pixels within `edge` of
 // another label belong to neither side (antialiasing, halos, misplaced outlines): they take no part in means
 // and are filled by mirroring the residual at the nearest pixel that does. The band shrinks until a tenth of

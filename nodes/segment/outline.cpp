@@ -126,7 +126,7 @@ class Contour {
 
 }  // namespace
 
-std::vector<Outline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
+std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
                               int width, int height, int count, const Work& work) {
   std::vector<Window> windows(count);
   for (int y = 0; y < height; ++y)
@@ -137,12 +137,12 @@ std::vector<Outline> outlines(const std::vector<std::int32_t>& labels, const std
       w.left = std::min(w.left, x), w.right = std::max(w.right, x);
       w.top = std::min(w.top, y), w.bottom = std::max(w.bottom, y);
     }
-  std::vector<Outline> out(count);
+  std::vector<LabelOutline> out(count);
   work.parallel(count, 16, [&](std::size_t b, std::size_t e) {
     for (std::size_t k = b; k < e; ++k) {
       if (windows[k].right < 0) continue;
       Contour contour(labels, coverage, width, height, static_cast<std::int32_t>(k + 1), windows[k]);
-      Outline& o = out[k];
+      LabelOutline& o = out[k];
       Vec2 moment = Vec2::Zero();
       double largest = 0;
       for (auto& loop : contour.loops()) {

@@ -9,7 +9,7 @@
 
 namespace terrazzo {
 
-struct Outline {
+struct LabelOutline {
   std::vector<Vec2>
       points;       // pixels, y up from the lower left corner of the picture, counter-clockwise, not repeated
   double area = 0;  // pixels, of all loops of the label, holes subtracted
@@ -20,7 +20,7 @@ struct Outline {
 // Cline 1987 in two dimensions) of the covered share inside the label, of what the binder pixels around
 // share, and of 0 beyond. Diagonal neighbours of one label are joined. `points` is the longest loop; ids
 // without pixels give an empty outline.
-std::vector<Outline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
+std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
                               int width, int height, int count, const Work&);
 
 }  // namespace terrazzo

@@ -12,10 +12,10 @@ namespace terrazzo {
 class Detail {
  public:
   Detail() = default;  // none: zero everywhere
-  // Takes the grid `residual` (Vec3SGrid, linear colour offsets, one period in `resolution`). Each edge of
-  // the box holds a whole number of periods, at the scale closest to the residual's own. Lanczos kernels (a =
-  // 3, widened where voxels grow), periodic; where voxels fall on voxels values are copied. Throws Error
-  // "no-residual", "bad-residual".
+  // Takes the grid `residual` (Vec3SGrid, offsets of sRGB-encoded colours, one period in `resolution`). Each
+  // edge of the box holds a whole number of periods, at the scale closest to the residual's own. Lanczos
+  // kernels (a = 6, widened where voxels grow), periodic; where voxels fall on voxels values are copied.
+  // Throws Error "no-residual", "bad-residual".
   Detail(const Volume& residual, const Lattice& lattice, const Work& work);
 
   bool empty() const { return field_.empty(); }

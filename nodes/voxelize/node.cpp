@@ -41,12 +41,12 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType voxelize_node() {
-  return NodeType("Voxelize", 1)
+  return NodeType("Voxelize", 2)
       .doc_("Particles, binder and fine detail as OpenVDB grids that tile: density, surface, Cd and id.")
       .input("particles", "Particles", "in their periodic box")
       .input("shapes", "Shapes", "the particles' meshes")
       .optional_input("residual", {"Volume"},
-                      "grid residual of ResidualSynth: linear colour offsets, added everywhere")
+                      "grid residual of ResidualSynth: offsets of sRGB-encoded colours, added everywhere")
       .output("volume", "Volume",
               "density (1 inside, antialiased), surface (level set, mm), Cd (scene-linear colour), id (index "
               "of the "

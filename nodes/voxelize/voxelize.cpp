@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
+#include "nodes/common/color.h"
 #include "nodes/common/mesh.h"
 #include "nodes/voxelize/detail.h"
 #include "nodes/voxelize/slab.h"
@@ -155,6 +157,10 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
         static_cast<openvdb::GridBase*>(color.get()), static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
 
+  std::vector<double> mesh_volumes, volumes;
+  for (const auto& s : shapes.shapes) mesh_volumes.push_back(mesh_volume(s.mesh));
+  for (std::size_t p = 0; p < particles.count(); ++p)
+    volumes.push_back(mesh_volumes[particles.shape[p]] * std::pow(particles.scale[p], 3));
   std::vector<CellBox> boxes;
   for (std::size_t p = 0; p < particles.count(); ++p)
     boxes.push_back(reach(particles, shapes.shapes[particles.shape[p]], p, voxel));
@@ -182,10 +188,13 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
                   c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
             }
             if (!detail.empty()) {
-              detail.add_plane(z0 + static_cast<int>(k), &slab.color[k * plane]);
-              // Light is not negative, however dark the grain.
-              for (std::size_t i = k * plane; i < (k + 1) * plane; ++i)
-                slab.color[i] = slab.color[i].cwiseMax(0.0f);
+              // In encoded values, as the residual was taken; light is not negative, however dark the grain.
+              Vec3f* colors = &slab.color[k * plane];
+              const Vec3f binder = linear_to_srgb(particles.binder_color);
+              for (std::size_t i = 0; i < plane; ++i)
+                colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
+              detail.add_plane(z0 + static_cast<int>(k), colors);
+              for (std::size_t i = 0; i < plane; ++i) colors[i] = srgb_to_linear(colors[i].cwiseMax(0.0f));
             }
           }
           return sum;
@@ -216,10 +225,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   }
   const double voxels = static_cast<double>(plane) * n.z();
   report.volume_fraction = covered / voxels, report.overlap_fraction = overlap / voxels;
-  double volume = 0;
-  for (std::size_t p = 0; p < particles.count(); ++p)
-    volume += mesh_volume(shapes.shapes[particles.shape[p]].mesh) * std::pow(particles.scale[p], 3);
-  report.exact_volume_fraction = volume / particles.box.prod();
+  report.exact_volume_fraction = std::accumulate(volumes.begin(), volumes.end(), 0.0) / particles.box.prod();
   report.without_voxel = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 0));
 
   Volume out;

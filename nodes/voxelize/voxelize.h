@@ -18,11 +18,11 @@ struct VoxelReport {
   Vec3 detail_scale = Vec3::Ones();
 };
 
-// Grids density (float, share of each voxel inside particles: exact along x, 3 to 15 lines a voxel in y and
-// z), surface (float level set of the union, mm, 3 voxels wide, sign exact at voxel centres), Cd (vec3s,
-// scene-linear; particles' and binder's colours by coverage, plus the detail), id (int32, index of the
-// particle that holds the voxel's centre, the smaller where two do; −1 outside). `residual` may be null.
-// Throws Error "bad-particles", "open-mesh".
+// Grids density (float, share of each voxel inside particles: the mean over
+// 13 to 89 lines along x), surface (float level set of the union, mm, 3 voxels wide, sign exact at voxel
+// centres), Cd (vec3s, scene-linear; particles' and binder's colours by coverage, plus the detail in
+// sRGB-encoded values), id (int32, index of the particle that holds the voxel's centre, the smaller where two
+// do; −1 outside). `residual` may be null. Throws Error "bad-particles", "open-mesh".
 Volume voxelize(const Particles&, const Shapes&, const Volume* residual, const Lattice&, VoxelReport&,
                 const Work& = {});
 

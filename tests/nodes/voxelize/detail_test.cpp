@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "nodes/common/color.h"
 #include "nodes/voxelize/voxelize.h"
 #include "tests/nodes/voxelize/bodies.h"
 
@@ -112,9 +113,28 @@ TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
   EXPECT_EQ(b->activeVoxelCount(), 4096u);
   EXPECT_LT(a->activeVoxelCount(), 4096u);
   for (auto it = b->cbeginValueOn(); it; ++it) {
-    const auto expected = a->tree().getValue(it.getCoord()) + r->tree().getValue(it.getCoord());
-    for (int c = 0; c < 3; ++c) ASSERT_NEAR((*it)[c], std::max(0.0f, expected[c]), 1e-5);
+    const auto mean = a->tree().getValue(it.getCoord()), offset = r->tree().getValue(it.getCoord());
+    const Vec3f shown = linear_to_srgb({mean[0], mean[1], mean[2]}) + Vec3f(offset[0], offset[1], offset[2]);
+    const Vec3f expected = srgb_to_linear(shown.cwiseMax(0.0f));
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR((*it)[c], expected[c], 1e-4 * std::max(1.0f, expected[c]));
   }
+}
+
+TEST(Detail, DarkParticlesStayDark) {
+  Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 1.2);
+  p.color[0] = Vec3f::Constant(0.02f), p.binder_color = Vec3f::Constant(0.6f);
+  Volume v = noise(32, 0.05);
+  auto scaled = v.find<openvdb::Vec3SGrid>("residual")->deepCopy();
+  for (auto it = scaled->beginValueOn(); it; ++it) it.setValue(*it * 0.04f);
+  v.grids = {scaled};
+  VoxelReport report;
+  const Volume made =
+      voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
+  const auto density = made.find<openvdb::FloatGrid>("density");
+  double dark = 0, n = 0;
+  for (auto it = made.find<openvdb::Vec3SGrid>("Cd")->cbeginValueOn(); it; ++it)
+    if (density->tree().getValue(it.getCoord()) == 1) dark += (*it)[0], ++n;
+  EXPECT_NEAR(dark / n, 0.02, 0.003);  // added and clipped in linear light: 0.03
 }
 
 TEST(Detail, BadResidualsAreSaid) {

@@ -1,0 +1,31 @@
+// Two types of one name in one namespace link without a word and crash when run: no two headers may define the same.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+
+TEST(Names, NoTwoHeadersDefineOneType) {
+  const std::regex definition("^(?:struct|class) ([A-Z][A-Za-z0-9]*)(?: final)?(?: :[^:].*)? \\{");
+  std::map<std::string, std::string> where;
+  for (const auto* layer : {"graph", "runtime", "nodes"})
+    for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / layer)) {
+      if (e.path().extension() != ".h") continue;
+      std::ifstream in(e.path());
+      std::smatch match;
+      for (std::string line; std::getline(in, line);)
+        if (std::regex_search(line, match, definition)) {
+          const auto [it, fresh] = where.emplace(match[1], e.path().string());
+          EXPECT_TRUE(fresh) << match[1] << " is defined in " << it->second << " and in " << e.path();
+        }
+    }
+  EXPECT_GT(where.size(), 50u);
+}
+
+}  // namespace
+}  // namespace terrazzo
