@@ -60,7 +60,10 @@ std::optional<double> number_in(std::string cell, char delimiter) {
 }
 
 // "Area (µm²)" → "area", "Equivalent diameter [um]" → "equivalentdiameter".
-std::string plain_name(const std::string& name) {
+std::string plain_name(std::string name) {
+  for (const auto& [sign, letter] : {std::pair{"²", "2"}, {"µ", "u"}, {"μ", "u"}})
+    for (auto at = name.find(sign); at != std::string::npos; at = name.find(sign))
+      name.replace(at, std::string(sign).size(), letter);
   std::string plain;
   for (const char c : name) {
     if (c == '(' || c == '[') break;

@@ -44,7 +44,7 @@ double score_of(const std::vector<Coarse>& sections, const std::vector<bool>& is
     for (const auto& p :
          measure_pieces(split_at_necks(particles, s.width, s.height, split, work), s.width, s.height)) {
       if (p.area < 8) continue;
-      const double open = p.outline / std::max(1.0, p.outline + p.contact);
+      const double open = p.outline / std::max(1.0, p.outline + p.contact + p.at_border);
       score += p.area * (p.solidity() * open - ordinary);
     }
     area += static_cast<double>(s.cluster.size());

@@ -38,6 +38,10 @@ void compute(Context& c) {
   options.split.min_area = c.keyword("min_area").empty() ? c.number("min_area") : -1;
   options.color_classes =
       c.keyword("color_classes").empty() ? static_cast<int>(c.integer("color_classes")) : 0;
+  const std::string method = c.text("method");
+  options.method = method == "clusters"  ? Method::Clusters
+                   : method == "regions" ? Method::Regions
+                                         : Method::Auto;
   options.seed = static_cast<std::uint64_t>(c.integer("seed"));
 
   const Image& image = c.input<Image>("image");
@@ -51,6 +55,7 @@ void compute(Context& c) {
   c.metric("at_border", static_cast<double>(at_border));
   c.metric("area_fraction", s.profiles.area_fraction);
   if (!given) {
+    c.metric("by_regions", s.method == Method::Regions);
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
     c.metric("min_area", s.min_area);
@@ -58,6 +63,11 @@ void compute(Context& c) {
     c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
     c.metric("holes_filled", static_cast<double>(s.holes));
   }
+  if (!given && method == "auto" && s.method == Method::Regions)
+    c.warn(
+        "colours stand no further apart than the texture: particles were taken by edge and shape, and some "
+        "are missed; "
+        "give labels where that matters");
   if (at_border == s.profiles.profiles.size())
     c.warn(
         "every profile touches the border of the picture: none has a weight, so nothing can be unfolded from "
@@ -75,7 +85,9 @@ NodeType segment_node() {
           "Finds the particles of a section in its photograph: patches of even colour, which of them are "
           "binder, where "
           "particles touch; measures each profile.")
-      .source_("Jagnow, Dorsey, Rushmeier 2004, section 5; the means are our own, see the README")
+      .source_(
+          "Profiles as Jagnow, Dorsey, Rushmeier 2004 need them, which were drawn by hand there; methods in "
+          "the README")
       .input("image", "Image", "photograph, or a stack of them")
       .optional_input("labels", {"Labels"}, "measured instead of segmenting")
       .output("labels", "Labels", "the particle of each pixel, 0 in the binder")
@@ -104,6 +116,10 @@ NodeType segment_node() {
               .range(1, 32)
               .doc_("Classes of profiles by their mean colour (k-means), the most frequent first; auto: by "
                     "silhouette, 2 to 8"))
+      .parameter(
+          Parameter::choice("method", "auto", {"auto", "clusters", "regions"})
+              .doc_("clusters: colour tells particles from binder; regions: edge and shape do, for "
+                    "photographs of rough faces; auto: by how far colours stand apart against the texture"))
       .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991.0).doc_("Of the starts of k-means"))
       .compute_(compute);
 }

@@ -126,8 +126,9 @@ class Contour {
 
 }  // namespace
 
-std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
-                              int width, int height, int count, const Work& work) {
+std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
+                                   const std::vector<float>& coverage, int width, int height, int count,
+                                   const Work& work) {
   std::vector<Window> windows(count);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

@@ -20,7 +20,8 @@ struct LabelOutline {
 // Cline 1987 in two dimensions) of the covered share inside the label, of what the binder pixels around
 // share, and of 0 beyond. Diagonal neighbours of one label are joined. `points` is the longest loop; ids
 // without pixels give an empty outline.
-std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage,
-                              int width, int height, int count, const Work&);
+std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
+                                   const std::vector<float>& coverage, int width, int height, int count,
+                                   const Work&);
 
 }  // namespace terrazzo

@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/image_file.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+std::string code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.diagnostic().code;
+  }
+  return "";
+}
+
+TEST(LoadImage, StackInTheOrderOfNames) {
+  const auto folder = test::temporary_folder();
+  for (const int i : {2, 0, 1})
+    write_image(folder / ("s" + std::to_string(i) + ".exr"), Image(5, 4, 1, 1, Vec3f::Constant(0.25f * i)));
+  const auto run =
+      test::run_node("LoadImage", {}, {{"path", (folder / "s*.exr").string()}, {"pixel_size", "0.05"}});
+  const auto& image = run.output<Image>("image");
+  ASSERT_EQ(image.sections, 3);
+  EXPECT_EQ(image.width, 5);
+  EXPECT_EQ(image.height, 4);
+  EXPECT_EQ(image.pixel_size, 0.05);
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(image.at(4, 3, i)[1], 0.25f * i);
+}
+
+TEST(LoadImage, Errors) {
+  const auto folder = test::temporary_folder();
+  write_image(folder / "a1.png", Image(5, 4, 1, 1, Vec3f::Ones()));
+  write_image(folder / "a2.png", Image(4, 5, 1, 1, Vec3f::Ones()));
+  EXPECT_EQ(code_of([&] {
+              test::run_node("LoadImage", {}, {{"path", (folder / "a*.png").string()}});
+            }),
+            "unequal-sections");
+  const std::string one = (folder / "a1.png").string();
+  EXPECT_EQ(code_of([&] {
+              test::run_node("LoadImage", {}, {{"path", one}, {"colorspace", "nonsense"}});
+            }),
+            "unknown-colorspace");
+  EXPECT_EQ(code_of([&] {
+              test::run_node("LoadImage", {}, {{"path", one}, {"color_config", "another"}});
+            }),
+            "color-config");
+  EXPECT_NE(code_of([&] { test::run_node("LoadImage", {}, {{"path", one}, {"pixel_size", "0"}}); }), "");
+  EXPECT_NE(code_of([&] {
+              test::run_node("LoadImage", {}, {{"path", (folder / "none.png").string()}});
+            }),
+            "");
+}
+
+}  // namespace
+}  // namespace terrazzo
