@@ -7,7 +7,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -168,4 +168,4 @@ std::vector<double> knots(const Arc& arc, int spans) {
   return k;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -5,7 +5,7 @@
 
 #include "nodes/shape_estimate/outline.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 // A piece of an outline, both ends included.
 struct Arc {
@@ -32,4 +32,4 @@ Vec2 cut_center(const Outline&, const std::vector<double>& angles);
 // `spans` + 1 parameters from 0 to 1: evenly spaced, but drawn to the arc's strongest corners.
 std::vector<double> knots(const Arc&, int spans);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

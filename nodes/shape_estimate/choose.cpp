@@ -11,11 +11,12 @@
 #include "graph/diagnostic.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
 using Features = std::array<double, 4>;
+constexpr std::size_t kConvexity = 2;
 
 constexpr std::size_t kMost = 1500;  // candidates; choosing is quadratic in them
 
@@ -75,10 +76,13 @@ std::vector<int> medoids(const std::vector<Features>& f, const std::vector<doubl
                          std::uint64_t seed, const Work& work) {
   std::vector<int> all(f.size());
   std::iota(all.begin(), all.end(), 0);
+  // Profiles that ran together or frayed in segmentation are among the least convex of any material.
+  std::stable_sort(all.begin(), all.end(), [&](int a, int b) { return f[a][kConvexity] > f[b][kConvexity]; });
+  all.resize(std::max(k, all.size() - all.size() / 3));
   const int common = medoid(f, weight, all, work);
   std::stable_sort(all.begin(), all.end(),
                    [&](int a, int b) { return distance(f[a], f[common]) < distance(f[b], f[common]); });
-  all.resize(std::max(k, all.size() - all.size() / 5));
+  all.resize(std::max(k, all.size() - all.size() / 8));
   // Starting points by k-means++, so that one crowd does not take them all.
   Random r(seed, 201);
   std::vector<int> chosen{all[r.below(all.size())]};
@@ -252,4 +256,4 @@ std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>& outlin
   return hands;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -9,7 +9,7 @@
 #include "nodes/shape_estimate/outline.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 // Profiles fit to be drawn on, and why the others are not.
 struct Candidates {
@@ -23,7 +23,7 @@ struct CandidateOptions {
   // Of the √area that a tenth of the whole profiles exceed: smaller sections seldom pass near a particle's
   // centre.
   double smallest = 0.4;
-  double crease = 40;  // degrees
+  double crease = 30;  // degrees
 };
 
 // Whole, simple contours of enough size. Where contours are as fine as pixels' (half of the larger ones have
@@ -37,12 +37,12 @@ std::vector<Outline> outlines_by_id(const Profiles&, const std::vector<std::int6
 
 // `shapes` times `each` indices into the candidates. `rule`: "largest", from the largest down;
 // "representative", the medoids of as many clusters in circularity, aspect ratio, convexity and corners,
-// weighted by √area, once the fifth that is least like the common profile has been left out (where that
-// leaves enough); "diverse", each as unlike those before as can be. Dealt so that every shape gets rounder
-// and longer ones, by lots drawn from `seed`. Profiles serve several shapes only where there are fewer than
-// places.
+// weighted by √area, once the least convex third (what ran together or frayed in segmentation) and the eighth
+// least like the common profile have been left out, where that leaves enough; "diverse", each as unlike those
+// before as can be. Dealt so that every shape gets rounder and longer ones, by lots drawn from `seed`.
+// Profiles serve several shapes only where there are fewer than places.
 std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>&, const std::string& rule,
                                               std::size_t shapes, std::size_t each, std::uint64_t seed,
                                               const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

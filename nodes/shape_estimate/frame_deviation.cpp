@@ -6,7 +6,7 @@
 #include "nodes/common/mesh_section.h"
 #include "nodes/shape_estimate/morph_frame.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -75,4 +75,4 @@ double frame_deviation(const MorphFrame& frame, const Mesh& mesh) {
   return worst;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

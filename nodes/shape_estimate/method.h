@@ -10,7 +10,7 @@
 #include "nodes/shape_estimate/outline.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 struct EstimateRequest {
   std::vector<Outline> chosen;                // of this shape, at least the method's `least` many
@@ -43,4 +43,4 @@ const std::vector<EstimateMethod>& estimate_methods();
 // Jagnow et al. 2008, section 3.4.
 Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -1,6 +1,6 @@
 #include "nodes/shape_estimate/method.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 const std::vector<EstimateMethod>& estimate_methods() {
   static const std::vector<EstimateMethod> methods{
@@ -10,4 +10,4 @@ const std::vector<EstimateMethod>& estimate_methods() {
   return methods;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

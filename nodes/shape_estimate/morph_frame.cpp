@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -95,4 +95,4 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
   return frame;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

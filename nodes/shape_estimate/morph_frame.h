@@ -8,7 +8,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/shape_estimate/arcs.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 // The base curve lies in z = 0. Sector j runs from the half-plane at angle j·π/(n − 1) to the next one, n
 // being the number of profiles; half-plane j holds one half of a morph curve, that meets the base at its
@@ -38,4 +38,4 @@ std::vector<std::vector<Vec2>> frame_curves(const MorphFrame&);
 // curve's diameter. 1 where the plane misses the mesh.
 double frame_deviation(const MorphFrame&, const Mesh&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -5,7 +5,7 @@
 #include "nodes/shape_estimate/morph_frame.h"
 #include "nodes/shape_estimate/subdivide.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -146,4 +146,4 @@ Estimate morphed_generalized_cylinder(const EstimateRequest& request, const Work
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -15,6 +15,8 @@ namespace terrazzo {
 
 namespace {
 
+using namespace shape_estimate;  // the methods' own names; other nodes have an Outline too
+
 const EstimateMethod& method_of(const std::string& name) {
   const auto& all = estimate_methods();
   return *std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
@@ -208,7 +210,7 @@ NodeType shape_estimate_node() {
                            "shapes; upright, "
                            "for elongated ones; or in turn"))
       .parameter(
-          Parameter::number("crease", 40)
+          Parameter::number("crease", 30)
               .unit_("degrees")
               .range(10, 180)
               .doc_("a turn of the outline of at least this makes a sharp edge; 180: everything is smooth"))

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -273,4 +273,4 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   return o;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -7,7 +7,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 // A closed simple curve about its centroid, the long principal axis of its area along x (Jagnow et al.
 // 2008, 3.2).
@@ -39,4 +39,4 @@ std::string outline_fault(const std::vector<Vec2>& contour);
 // are measured is halved, so that a tight bend is none.
 Outline make_outline(int id, const std::vector<Vec2>& contour, double crease);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

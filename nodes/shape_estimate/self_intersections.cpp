@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -85,4 +85,4 @@ std::int64_t self_intersections(const Mesh& mesh, const Work& work) {
       [](std::int64_t a, std::int64_t b) { return a + b; });
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

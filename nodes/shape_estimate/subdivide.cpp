@@ -8,7 +8,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 namespace {
 
@@ -110,4 +110,4 @@ Mesh interpolating_surface(const ControlMesh& mesh, int level, int iterations, c
   return surface.tessellation(control);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

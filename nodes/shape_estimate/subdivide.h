@@ -7,7 +7,7 @@
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_estimate {
 
 struct ControlMesh {
   std::vector<Vec3> vertices;           // points that the surface is to pass through
@@ -22,4 +22,4 @@ struct ControlMesh {
 // `iterations` times.
 Mesh interpolating_surface(const ControlMesh&, int level, int iterations = 20, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape_estimate

@@ -8,7 +8,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/random.h"
 
-namespace terrazzo::test {
+namespace terrazzo::shape_estimate::test {
 
 using Contour = std::vector<Vec2>;
 
@@ -110,4 +110,4 @@ inline Profiles profiles_of(const std::vector<Contour>& contours) {
   return p;
 }
 
-}  // namespace terrazzo::test
+}  // namespace terrazzo::shape_estimate::test
