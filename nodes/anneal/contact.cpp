@@ -70,12 +70,13 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   End lo = sample(-1), hi = sample(1);
   End best = lo.value <= hi.value ? lo : hi;
   float bound = best.value;
+  const bool convex = field.kind() != DistanceField::Kind::Grid;  // else the tangents bound nothing
   for (int step = 0; step < 6 && lo.slope < 0 && hi.slope > 0; ++step) {
     // Crossing of the two tangents: the least that a convex function can be there.
     const float at = (hi.value - lo.value + lo.slope * lo.at - hi.slope * hi.at) / (lo.slope - hi.slope);
     if (!(at > lo.at && at < hi.at)) break;
     bound = lo.value + lo.slope * (at - lo.at);
-    if (bound > threshold) break;
+    if (convex && bound > threshold) break;
     const End mid = sample(at);
     if (mid.value < best.value) best = mid;
     if (mid.value - bound < 1e-3f * length || step == 5) {
@@ -90,8 +91,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
     (mid.slope < 0 ? lo : hi) = mid;
   }
   if (best.value >= threshold) {
-    // The tangents' bound holds for convex fields; a grid may dip between them by a little.
-    const float low = std::max(std::min(bound, best.value), threshold);
+    const float low = std::max(convex ? std::min(bound, best.value) : best.value, threshold);
     probe.gap = std::min(probe.gap, low);
     return low;
   }

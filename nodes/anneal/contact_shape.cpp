@@ -10,7 +10,7 @@ namespace terrazzo::anneal {
 namespace {
 
 constexpr int kCells = 40;  // of the grid across the shape
-constexpr int kCoarse = 96, kFine = 640;
+constexpr int kCoarse = 96, kFine = 1000;
 constexpr int kLeaf = 4;
 
 Element point_element(const Vec3& p) {
@@ -108,7 +108,7 @@ Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covere
     const auto& need = static_cast<int>(choice.order.size()) < spread ? distance : protrusion;
     const auto worst = std::max_element(need.begin(), need.end());
     if (worst == need.end()) break;
-    if (&need == &protrusion && *worst < 2e-4 * radius) break;
+    if (&need == &protrusion && *worst < 1e-4 * radius) break;
     if (!(*worst > 0)) break;
     const std::size_t k = static_cast<std::size_t>(worst - need.begin());
     choice.order.push_back(candidates[k]);
@@ -221,13 +221,17 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
     return s;
   }
   std::vector<bool> covered(mesh.vertices.size(), false);
+  std::vector<Vec3> sharp;
   for (const auto& [a, b] : convex_edges(mesh, 0.5)) {
     const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b];
-    const int pieces = std::max(1, static_cast<int>(std::ceil((q - p).norm() / (0.25 * r))));
+    const int pieces = std::max(1, static_cast<int>(std::ceil((q - p).norm() / (0.12 * r))));
     for (int k = 0; k < pieces; ++k)
       segments.push_back(segment_element(p + (q - p) * k / pieces, p + (q - p) * (k + 1) / pieces));
     covered[a] = covered[b] = true;
+    const int steps = 1 + static_cast<int>((q - p).norm() / (0.01 * r));
+    for (int k = 0; k <= steps; ++k) sharp.push_back(p + (q - p) * k / steps);
   }
+  s.field.include(sharp);
   if (segments.size() > 1200) segments.clear(), std::fill(covered.begin(), covered.end(), false);
   const Choice choice = choose_vertices(mesh, r, covered, work);
   std::vector<Element> coarse = segments, fine = segments;

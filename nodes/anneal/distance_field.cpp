@@ -95,4 +95,25 @@ void DistanceField::make_grid(const Mesh& mesh, int cells, const Work& work) {
   });
 }
 
+void DistanceField::include(const std::vector<Vec3>& points) {
+  if (kind_ != Kind::Grid) return;
+  std::vector<float> lower(grid_.size(), 0);
+  for (const Vec3& point : points) {
+    const Vec3f p = point.cast<float>();
+    const float outside = value(p.data());
+    if (!(outside > 0)) continue;
+    std::size_t corner = 0;
+    for (int a = 2; a >= 0; --a) {
+      const int c = std::clamp(static_cast<int>((p[a] - origin_[a]) * inverse_cell_), 0, n_[a] - 2);
+      corner = corner * n_[a] + c;
+    }
+    const std::size_t sy = n_[0], sz = static_cast<std::size_t>(n_[0]) * n_[1];
+    for (int k = 0; k < 8; ++k) {
+      float& l = lower[corner + (k & 1) + (k >> 1 & 1) * sy + (k >> 2) * sz];
+      l = std::max(l, outside);
+    }
+  }
+  for (std::size_t k = 0; k < grid_.size(); ++k) grid_[k] -= lower[k];
+}
+
 }  // namespace terrazzo::anneal

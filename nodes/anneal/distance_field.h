@@ -19,6 +19,9 @@ class DistanceField {
   // Sphere where the mesh is one to 1.5 % of its radius (then the circumscribed one), planes where it is
   // convex with at most 40 distinct faces, else a grid of about cells³ over the mesh's volume.
   static DistanceField of(const Mesh& mesh, int cells, const Work& work = {});
+  // Interpolation rounds sharp edges off. Lowers the grid around these points of the surface until none lies
+  // outside.
+  void include(const std::vector<Vec3>& points);
 
   Kind kind() const { return kind_; }
   float radius() const { return radius_; }  // of a sphere

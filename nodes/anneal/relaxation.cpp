@@ -12,8 +12,7 @@ constexpr double kSlack = 0.015;  // travel for which candidates are collected, 
 }
 
 Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap)
-    : extra(packing.count(), 0.0),
-      shapes_(shapes),
+    : shapes_(shapes),
       packing_(packing),
       binder_gap_(binder_gap),
       bodies_(packing.count()),
@@ -23,14 +22,11 @@ Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing
       spin_(packing.count(), Vec3::Zero()),
       strain_(packing.count(), 0.0) {}
 
-double Relaxation::required_margin(std::size_t a, std::size_t b) const {
-  return binder_gap_ + extra[a] + extra[b] +
-         packing_.shrink * (shapes_[packing_.shape[a]].error * packing_.scale[a] +
-                            shapes_[packing_.shape[b]].error * packing_.scale[b]);
-}
-
-double Relaxation::target_margin(std::size_t a, std::size_t b) const {
-  return required_margin(a, b) + surplus * std::min(packing_.size[a], packing_.size[b]);
+double Relaxation::required_margin(std::size_t pair) const {
+  const Pair& p = pairs_[pair];
+  return binder_gap_ + extra_[pair] +
+         packing_.shrink * (shapes_[packing_.shape[p.a]].error * packing_.scale[p.a] +
+                            shapes_[packing_.shape[p.b]].error * packing_.scale[p.b]);
 }
 
 void Relaxation::rebuild(const Work& work) {
@@ -44,14 +40,23 @@ void Relaxation::rebuild(const Work& work) {
     bodies_[i].scale = static_cast<float>(packing_.scale[i] * packing_.shrink);
     bodies_[i].rotation = packing_.orientation[i].toRotationMatrix().cast<float>();
     // Half of each pair's margin belongs to each body; the smaller size bounds the surplus of a pair.
-    radius[i] = shape.bounding_radius * packing_.scale[i] * packing_.shrink + 0.5 * binder_gap_ + extra[i] +
-                shape.error * packing_.scale[i] + 0.5 * surplus * packing_.size[i];
+    radius[i] = shape.bounding_radius * packing_.scale[i] * packing_.shrink + 0.5 * binder_gap_ +
+                shape.error * packing_.scale[i] + 0.5 * (surplus + extra.all) * packing_.size[i];
     mean += radius[i];
     drift_[i].setZero();
   }
+  for (const auto& [pair, margin] : extra.of_pair)
+    radius[pair.first] += margin, radius[pair.second] += margin;
   reach_ = 0.15 * mean / static_cast<double>(std::max<std::size_t>(n, 1));
   pairs_ = near_pairs(packing_.box, packing_.position, radius, 2 * reach_, work);
   incidence_ = incidence_of(n, pairs_);
+  extra_.resize(pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const Pair& p = pairs_[k];
+    extra_[k] = extra.all * std::min(packing_.size[p.a], packing_.size[p.b]);
+    if (extra.of_pair.empty()) continue;
+    if (const auto at = extra.of_pair.find({p.a, p.b}); at != extra.of_pair.end()) extra_[k] += at->second;
+  }
   contacts_.assign(pairs_.size(), Contact{});
   candidates_.resize(pairs_.size());
   for (auto& c : candidates_) c.known = false;
@@ -80,7 +85,8 @@ Overlap Relaxation::find_contacts(const Work& work) {
           const Pair& p = pairs_[k];
           const double travelled = travel_[p.a] + travel_[p.b];
           if (travelled - stamp_[k] < slack_[k]) continue;  // contacts_[k].depth is still 0
-          const double margin = target_margin(p.a, p.b);
+          const double required = required_margin(k);
+          const double margin = required + surplus * std::min(packing_.size[p.a], packing_.size[p.b]);
           const Vec3 offset = offset_of(p, packing_.box, packing_.position);
           const double size = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
           const double slack = kSlack * size;
@@ -96,7 +102,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
               contacts_[k].depth > 0 ? -1.f : static_cast<float>(std::min<double>(contacts_[k].gap, left));
           stamp_[k] = travelled;
           if (contacts_[k].depth > 0) {
-            const double depth = (contacts_[k].depth - (margin - required_margin(p.a, p.b))) / size;
+            const double depth = (contacts_[k].depth - (margin - required)) / size;
             sum.worst = std::max(sum.worst, depth);
             ++sum.touching;
             if (depth > 0) sum.energy += depth * depth, ++sum.pairs;

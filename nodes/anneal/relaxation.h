@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "nodes/anneal/contact.h"
@@ -29,6 +31,12 @@ struct Overlap {
   std::size_t touching = 0;  // that are nearer than what is aimed for
 };
 
+// Further distance between surfaces, where contacts are known to be missed.
+struct Margins {
+  double all = 0;                                                   // of every pair, in the smaller size
+  std::map<std::pair<std::int32_t, std::int32_t>, double> of_pair;  // mm; the lower index first
+};
+
 // A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball):
 // each body takes a step between the mean and the sum of what its contacts ask for. Every contact is found
 // once, by one thread, and each body sums its own in a fixed order, so that the result has the same bits for
@@ -40,7 +48,7 @@ class Relaxation {
   bool fine = true;        // all elements, or the coarse subset
   double surplus = 0.002;  // distance aimed for beyond what is asked, in sizes: makes the end finite
   double step_length = 0.6, memory = 0.87;
-  std::vector<double> extra;  // further margin of each body, mm
+  Margins extra;
 
   // One iteration. Returns the overlap found; moves nothing where it is no deeper than `enough`.
   Overlap step(double enough, const Work& work);
@@ -56,8 +64,6 @@ class Relaxation {
   // Call after changing positions or orientations from outside.
   void rest();
 
-  double required_margin(std::size_t a, std::size_t b) const;
-
  private:
   const std::vector<ContactShape>& shapes_;
   Packing& packing_;
@@ -66,6 +72,7 @@ class Relaxation {
   std::vector<Pair> pairs_;
   Incidence incidence_;
   std::vector<Contact> contacts_;
+  std::vector<double> extra_;  // of a pair, mm
   std::vector<ContactCandidates> candidates_;
   std::vector<double> noted_;   // travel of both bodies when the candidates were collected
   std::vector<float> slack_;    // of a pair, mm that both bodies may travel before they can touch
@@ -77,7 +84,7 @@ class Relaxation {
   double reach_ = 0;
   bool stale_ = true;
 
-  double target_margin(std::size_t a, std::size_t b) const;
+  double required_margin(std::size_t pair) const;
   void rebuild(const Work& work);
   Overlap find_contacts(const Work& work);
   void move(const Work& work);

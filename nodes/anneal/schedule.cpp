@@ -18,7 +18,7 @@ class Schedule {
         work_(work),
         quiet_(work.quiet()),
         relax_(shapes, packing, options.binder_gap) {
-    if (!options.extra.empty()) relax_.extra = options.extra;
+    relax_.extra = options.extra;
     limit_ = options.iterations;
   }
 
@@ -183,7 +183,7 @@ AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, con
 std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing,
                               const AnnealOptions& options, const Work& work) {
   Relaxation relaxation(shapes, packing, options.binder_gap);
-  if (!options.extra.empty()) relaxation.extra = options.extra;
+  relaxation.extra = options.extra;
   relaxation.surplus = 0;
   relaxation.measure(work);
   return relaxation.strain();

@@ -12,7 +12,7 @@ struct AnnealOptions {
   double start_shrink = 0.6;  // size at which growth begins
   bool settle = false;        // only mend a packing that is almost free, at the size it has
   double enough = 1;          // where the bodies jam, a size at which to stop growing
-  std::vector<double> extra;  // further margin of single bodies, mm; empty: none
+  Margins extra;
 };
 
 struct AnnealResult {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "graph/diagnostic.h"
@@ -84,6 +85,21 @@ TEST(Anneal, NonConvexMixturesDoNotOverlap) {
   const auto& p = run.output<Particles>("particles");
   const auto first = std::count(p.shape.begin(), p.shape.end(), 0);
   EXPECT_NEAR(static_cast<double>(first) / static_cast<double>(p.count()), 0.5, 0.05);
+}
+
+TEST(Anneal, SharpNonConvexShapesDoNotOverlap) {
+  const auto shapes = test::shapes_of({test::angle()});
+  expect_sound(shapes, pack(shapes, test::distribution(shapes, 1, 2, 0.42), {{"count", "250"}}), 0.42);
+}
+
+TEST(Anneal, StopsWhenCancelled) {
+  const auto shapes = test::shapes_of({test::ellipsoid(2)});
+  const std::atomic<bool> cancel{true};
+  anneal::PackOptions options;
+  options.population.count = 300;
+  EXPECT_THROW(anneal::pack_particles(test::distribution(shapes, 1, 2, 0.5), shapes, nullptr, options,
+                                      Work(&cancel, nullptr)),
+               Cancelled);
 }
 
 TEST(Anneal, SizesAreTheRequestedOnes) {
