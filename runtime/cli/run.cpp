@@ -64,8 +64,11 @@ int run(const Program& program, const RunOptionsText& o) {
   }
   if (const std::string trouble = cache.store.trouble(); !trouble.empty())
     std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
-  if (!o.report.empty())
-    write_text_atomically(o.report, report_json(graph, result, options.threads).dump(2) + "\n");
+  // Beside the files that a run wrote, unless somebody names another place.
+  std::string report = o.report;
+  for (const auto& node : result.nodes)
+    if (report.empty() && !node.files.empty()) report = (std::filesystem::path(o.out) / "report.json").string();
+  if (!report.empty()) write_text_atomically(report, report_json(graph, result, options.threads).dump(2) + "\n");
   if (result.cancelled()) {
     std::cerr << "interrupted; what was finished is cached\n";
     return interrupted;
@@ -83,7 +86,7 @@ void add_run(CLI::App& app, const Program& program, int& exit_code) {
   command->add_option("--target", o->targets, "NODE or NODE.PORT to evaluate (default: every sink)")
       ->take_all()
       ->expected(1);
-  command->add_option("--report", o->report, "Write a JSON report to this file");
+  command->add_option("--report", o->report, "Write a JSON report to this file (default: report.json beside the files written)");
   command->add_flag("--dry-run", o->dry_run, "Tell what would run, and run nothing");
   command->add_flag("--quiet", o->quiet, "Errors only");
   command->callback([o, &program, &exit_code] { exit_code = run(program, *o); });
