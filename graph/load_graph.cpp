@@ -89,7 +89,6 @@ class Linker {
   }
 
   // --- parameters
-  // -------------------------------------------------------------------------------------------
 
   // Replaces ${name}. A value that is nothing but one reference keeps the type and origin of what it names.
   Given substitute(const Scope& scope, const RawValue& raw) {
@@ -181,7 +180,6 @@ class Linker {
   }
 
   // --- scopes
-  // -----------------------------------------------------------------------------------------------
 
   Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
               std::map<std::string, Given> given) {
@@ -265,7 +263,6 @@ class Linker {
   }
 
   // --- wires
-  // ------------------------------------------------------------------------------------------------
 
   // Follows a reference through subgraphs to the node that makes the value. Mistakes are reported once, where
   // written.

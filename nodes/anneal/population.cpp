@@ -1,4 +1,5 @@
 #include "nodes/anneal/population.h"
+#include "nodes/common/size_kernel.h"
 
 #include <fmt/format.h>
 
@@ -29,8 +30,6 @@ double bounding_diameter(const Shape& s) {  // of a particle of unit size
   for (const auto& v : s.mesh.vertices) r = std::max(r, v.norm());
   return 2 * r / s.size();
 }
-
-double mean_cube(double lo, double hi) { return (lo * lo + hi * hi) * (lo + hi) / 4; }  // E[s³], s uniform
 
 void check(const SizeDistribution& d, const Shapes& shapes) {
   const auto bad = [](const std::string& what) {
