@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/random.h"
-
 namespace terrazzo {
 namespace {
 
@@ -25,11 +23,13 @@ double quantile(std::vector<double>& values, double q) {
 
 }  // namespace
 
-Intervals bootstrap(
-    const Observation& q, int sections, int repetitions, std::uint64_t seed, std::uint64_t stream,
-    const std::function<Eigen::VectorXd(const std::vector<double>& weights, double area_ratio)>& estimate,
-    const Work& work) {
+Intervals bootstrap(const Observation& q, int sections, int repetitions, std::uint64_t seed,
+                    std::uint64_t stream,
+                    const std::function<Eigen::VectorXd(const std::vector<double>& weights, double area_ratio,
+                                                        Random&)>& estimate,
+                    const Work& work) {
   const bool by_section = sections >= 10;
+  const double again = static_cast<double>(sections) / std::max(1, sections - 1);
   double area = 0;
   for (std::size_t i = 0; i < q.size.size(); ++i) area += q.weight[i] * q.size[i] * q.size[i];
   std::vector<Eigen::VectorXd> results(repetitions);
@@ -41,15 +41,16 @@ Intervals bootstrap(
       Random random(seed, stream, r);
       if (by_section) {
         std::fill(times.begin(), times.end(), 0);
-        for (int s = 0; s < sections; ++s) ++times[random.below(static_cast<std::uint64_t>(sections))];
+        for (int s = 0; s + 1 < sections; ++s) ++times[random.below(static_cast<std::uint64_t>(sections))];
       }
       double drawn = 0;
       for (std::size_t i = 0; i < weight.size(); ++i) {
-        const int n = by_section ? times[std::clamp(q.section[i], 0, sections - 1)] : poisson_1(random);
+        const double n = by_section ? again * times[std::clamp(q.section[i], 0, sections - 1)]
+                                    : static_cast<double>(poisson_1(random));
         weight[i] = n * q.weight[i];
         drawn += weight[i] * q.size[i] * q.size[i];
       }
-      results[r] = estimate(weight, area > 0 ? drawn / area : 1);
+      results[r] = estimate(weight, area > 0 ? drawn / area : 1, random);
     }
   });
   Intervals intervals;

@@ -65,20 +65,32 @@ void compute(Context& c) {
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = static_cast<std::uint64_t>(c.integer("seed"));
   UnfoldResult r = unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
-  double fraction = 0, negative = 0;
+  double fraction = 0, negative = 0, freedom = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;
-  for (const auto& f : r.fits) negative = std::max(negative, f.negative);
+  for (const auto& f : r.fits) negative = std::max(negative, f.negative), freedom += f.freedom;
   if (negative > 0)
     c.warn(
-        fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: nnls "
+        fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: em "
                     "constrains them instead",
                     100 * negative));
-  if (std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
+  if (!r.observations.relative && std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
     c.warn(fmt::format("the densities fill {:.3g} of the volume, but profiles cover {:.3g} of the section",
                        r.distribution.volume_fraction, fraction));
+  const int asked = c.input<KMatrix>("kmatrix").classes;
+  if (o.classes == 0 && r.model.classes() < asked)
+    c.warn(fmt::format(
+        "{} profiles tell {} classes apart, not the {} of the K matrix; set classes to have another "
+        "number",
+        r.observations.used, r.model.classes(), asked));
+  if (r.observations.relative)
+    c.warn(
+        "the area observed is unknown: densities are relative, their sum is 1; set observed_area where the "
+        "profiles are loaded, or area_fraction here");
   if (static_cast<int>(r.observations.used) < r.model.visible())
     c.warn(fmt::format("{} profiles for {} classes: use fewer classes or a larger picture",
                        r.observations.used, r.model.visible()));
+  c.metric("classes", r.model.classes());
+  c.metric("freedom", freedom);
   c.metric("profiles_used", static_cast<double>(r.observations.used));
   c.metric("area_fraction", fraction);
   c.metric("volume_fraction", r.distribution.volume_fraction);
@@ -94,11 +106,11 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 1)
+  return NodeType("Unfold", 2)
       .doc_(
           "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
           "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")
-      .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12; Silverman et al. 1990 (em)")
       .input("profiles", "Profiles", "What sections show; with the area observed")
       .input("kmatrix", "KMatrix", "Section statistics of the particles' shapes")
       .output("distribution", "SizeDistribution",
@@ -106,13 +118,19 @@ NodeType unfold_node() {
       .output("table", "Table", "N_A observed and refitted, N_V with its interval, by class")
       .output("figure", "Image", "The same as bars")
       .parameter(
-          Parameter::choice("method", "nnls", {"nnls", "inverse"})
-              .doc_("nnls: densities of at least zero and least squared error, each class weighted by its "
-                    "counting error, with the volume fraction held to the profiles' area fraction. inverse: "
-                    "the paper's K⁻¹; negative densities are reported and set to zero"))
+          Parameter::choice("method", "em", {"em", "nnls", "inverse"})
+              .doc_(
+                  "em: maximum likelihood of the counts with densities that vary as smoothly as the counts "
+                  "ask "
+                  "for. nnls: densities of at least zero and least squared error, each class weighted by its "
+                  "counting error. Both hold the volume fraction to the profiles' area fraction. inverse: "
+                  "the "
+                  "paper's K⁻¹; negative densities are reported and set to zero"))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "classes", "auto")
                      .range(1, 200)
-                     .doc_("Equal size classes from 0 to d_max; auto: as many as the K matrix has"))
+                     .doc_("Equal size classes from 0 to d_max; auto: as many as the K matrix has, but no "
+                           "more than 2·n^⅓ for n "
+                           "profiles"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest_visible", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
@@ -135,7 +153,7 @@ NodeType unfold_node() {
       .parameter(Parameter::integer("bootstrap", 100)
                      .range(0, 100000)
                      .doc_("Repetitions for the 90 % intervals: profiles drawn again, from ten sections on "
-                           "whole sections; 0: none"))
+                           "whole sections; em draws what smoothing hides too; 0: none"))
       .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the bootstrap"))
       .compute_(compute);
 }

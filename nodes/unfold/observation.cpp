@@ -76,13 +76,9 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
 
   const double known_fraction = area_fraction > 0 ? area_fraction : profiles.area_fraction;
   o.area = profiles.observed_area;
-  if (!(o.area > 0)) {
-    if (!(known_fraction > 0))
-      throw Error("no-observed-area",
-                  "the area on which the profiles were seen is unknown, so they have no density",
-                  "set observed_area where they are loaded, or area_fraction here");
-    o.area = all / known_fraction;
-  }
+  o.relative = !(o.area > 0) && !(known_fraction > 0);
+  if (!(o.area > 0)) o.area = all / (o.relative ? 1 : known_fraction);
+  if (o.relative) return o;
   // Cut profiles belong to the area fraction, whatever is done with their number.
   for (int c = 0; c < classes; ++c)
     o.classes[c].area_fraction =

@@ -22,7 +22,8 @@ struct Observation {           // one colour class
 };
 
 struct Observations {
-  double area = 0;  // mm² observed
+  double area = 0;        // mm² observed
+  bool relative = false;  // the area is unknown and made up: densities tell ratios only
   int sections = 1;
   std::vector<Observation> classes;
   std::size_t used = 0, cut = 0,
@@ -31,7 +32,7 @@ struct Observations {
 };
 
 // `area_fraction` (0: unknown) stands in where observed_area is unknown: observed = Σ areas / area_fraction.
-// Throws Error "no-profiles", "bad-profiles", "no-observed-area".
+// Where neither is known densities are relative. Throws Error "no-profiles", "bad-profiles".
 Observations observe(const Profiles&, Border, double smallest_visible, double area_fraction);
 
 }  // namespace terrazzo

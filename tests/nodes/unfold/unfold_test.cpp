@@ -55,7 +55,7 @@ double number(const SizeDistribution& d, double lo, double hi) {
 
 TEST(Unfold, RecoversUniformSpheres) {
   const Profiles p = section(5, 10, 0.001, 4e6, 3);
-  for (const auto* method : {"nnls", "inverse"}) {
+  for (const auto* method : {"em", "nnls", "inverse"}) {
     UnfoldOptions o;
     o.method = method, o.d_max = 10, o.smallest_visible = 0;
     const UnfoldResult r = unfold(p, spheres(), o, {});
@@ -134,9 +134,6 @@ TEST(Unfold, BadInputIsNamed) {
   p = good;
   p.profiles.resize(1);
   EXPECT_EQ(code(p), "too-few-profiles");
-  p = good;
-  p.observed_area = 0, p.area_fraction = 0;
-  EXPECT_EQ(code(p), "no-observed-area");
   EXPECT_EQ(code(good, {.smallest_visible = 100}), "no-profiles");
   EXPECT_EQ(code(good, {.d_max = 1}), "too-small");
   KMatrix empty = spheres();
@@ -161,9 +158,11 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
     EXPECT_EQ(e.diagnostic().code, "unstable") << e.what();
     EXPECT_EQ(e.diagnostic().parameter, "classes");
   }
-  o.method = "nnls";
-  const UnfoldResult r = unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
-  EXPECT_LT(r.distribution.volume_fraction, 1);
+  for (const auto* method : {"nnls", "em"}) {
+    o.method = method;
+    const UnfoldResult r = unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
+    EXPECT_LT(r.distribution.volume_fraction, 1);
+  }
 }
 
 TEST(Unfold, MissingFinesAreNotTakenForNone) {
@@ -176,6 +175,52 @@ TEST(Unfold, MissingFinesAreNotTakenForNone) {
   EXPECT_NEAR(number(blind.distribution, 4, 10) / (0.001 * 6 / 9), 1, 0.1);
   EXPECT_EQ(number(blind.distribution, 0, 3), 0);
   EXPECT_EQ(blind.distribution.class_edges[static_cast<std::size_t>(blind.model.first)], 3);
+}
+
+TEST(Unfold, WithoutAnAreaDensitiesAreRelative) {
+  Profiles p = section(5, 10, 0.001, 1e5, 3);
+  const UnfoldResult known = unfold(p, spheres(), {.d_max = 10, .bootstrap = 10}, {});
+  p.observed_area = 0, p.area_fraction = 0;
+  for (const auto* method : {"em", "nnls", "inverse"}) {
+    const UnfoldResult r = unfold(p, spheres(), {.method = method, .d_max = 10}, {});
+    EXPECT_TRUE(r.observations.relative);
+    double sum = 0;
+    for (const double v : r.distribution.shapes[0].N_V) sum += v;
+    EXPECT_NEAR(sum, 1, 1e-12) << method;
+    EXPECT_EQ(r.distribution.volume_fraction, 0) << method;
+  }
+  const auto& absolute = known.distribution.shapes[0].N_V;
+  const auto relative = unfold(p, spheres(), {.d_max = 10}, {}).distribution.shapes[0].N_V;
+  double sum = 0;
+  for (const double v : absolute) sum += v;
+  for (std::size_t j = 0; j < absolute.size(); ++j) EXPECT_NEAR(relative[j], absolute[j] / sum, 0.01);
+  const auto warned = test::run_node(
+      "Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(spheres())}}, {{"bootstrap", "0"}});
+  EXPECT_EQ(warned.warnings.size(), 1u);
+}
+
+TEST(Unfold, FewProfilesGetFewerClassesAndAWarning) {
+  Profiles p = section(5, 10, 0.001, 1e5, 3);
+  p.profiles.resize(40);
+  p.area_fraction = 0, p.observed_area = 1e4;
+  const auto classes_and_warnings = [&](const std::string& classes) {
+    const auto run = test::run_node("Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(spheres())}},
+                                    {{"bootstrap", "0"}, {"classes", classes}});
+    return std::pair(run.output<SizeDistribution>("distribution").classes(), run.warnings.size());
+  };
+  EXPECT_EQ(classes_and_warnings("auto"), std::pair(std::size_t{6}, std::size_t{1}));
+  EXPECT_EQ(classes_and_warnings("10"), std::pair(std::size_t{10}, std::size_t{0}));
+  EXPECT_EQ(classes_and_warnings("60").second, 1u);  // fewer profiles than classes
+}
+
+TEST(Unfold, EqualProfilesGiveSizesNearTheirs) {
+  Profiles p;
+  p.observed_area = 1e5;
+  p.profiles.resize(300);
+  for (auto& q : p.profiles) q.area = std::numbers::pi / 4 * 36;
+  p.area_fraction = 300 * p.profiles[0].area / p.observed_area;
+  const UnfoldResult r = unfold(p, spheres(), {.smallest_visible = 0, .d_max = 10}, {});
+  EXPECT_GT(number(r.distribution, 5, 8), 0.95 * number(r.distribution, 0, 10));
 }
 
 TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
