@@ -17,6 +17,7 @@ std::string Diagnostic::text() const {
   if (!node.empty()) out += node + (parameter.empty() ? "" : "." + parameter) + ": ";
   out += message;
   if (!hint.empty()) out += " (" + hint + ")";
+  for (const auto& p : through) out += "\n  in the graph used at " + p.text();
   return out;
 }
 

@@ -27,8 +27,10 @@ struct Diagnostic {
   Place place;
   std::string node;       // path of the node, "asset/pack", may be empty
   std::string parameter;  // may be empty
+  // Where the subgraphs around the place are used, innermost first.
+  std::vector<Place> through = {};
 
-  // "file:line:column: error: node.parameter: message (hint)"
+  // "file:line:column: error: node.parameter: message (hint)", and a line for each place in `through`
   std::string text() const;
 };
 

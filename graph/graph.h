@@ -31,6 +31,7 @@ struct GraphNode {
   Place place;
   std::map<std::string, SetParameter> parameters;   // written ones only
   std::map<std::string, std::vector<Wire>> inputs;  // connected ones only
+  std::vector<Place> through;                       // where the subgraphs around it are used, innermost first
   bool in_subgraph() const { return path.find('/') != std::string::npos; }
 };
 
@@ -62,10 +63,13 @@ struct Graph {
   std::vector<int> sinks() const;
 };
 
-// What the command line changes: "asset/pack.seed" = "2", "photo" = "x.png".
+// What is changed without touching the file: "asset/pack.seed" = "2", "photo" = "x.png".
 struct Overrides {
   std::vector<std::pair<std::string, std::string>> set;
   std::vector<std::pair<std::string, std::string>> parameters;
+  // Input "asset/pack.shapes" ← outputs {"shape.shapes"}, in the place of what the file connects; none
+  // disconnects.
+  std::vector<std::pair<std::string, std::vector<std::string>>> wires = {};
 };
 
 // Reads a graph file and checks everything: every mistake ends up in `found`, with its place. The result can

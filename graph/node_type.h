@@ -28,7 +28,8 @@ struct NodeType {
   std::vector<Port> inputs;
   std::vector<Port> outputs;
   std::vector<Parameter> parameters;
-  bool writes_files = false;  // its results are files under the output folder
+  std::vector<std::string> former_names;  // still read in graph files, with a note
+  bool writes_files = false;              // its results are files under the output folder
   void (*compute)(Context&) = nullptr;
 
   NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
@@ -39,12 +40,13 @@ struct NodeType {
   NodeType& input_list(std::string name, std::vector<std::string> types, std::string doc);
   NodeType& output(std::string name, std::string type, std::string doc);
   NodeType& parameter(Parameter);
+  NodeType& was(std::string former_name);
   NodeType& writes_files_();
   NodeType& compute_(void (*fn)(Context&));
 
   const Port* find_input(const std::string&) const;
   const Port* find_output(const std::string&) const;
-  const Parameter* find_parameter(const std::string&) const;
+  const Parameter* find_parameter(const std::string&) const;  // by its name of today
 };
 
 }  // namespace terrazzo

@@ -91,6 +91,7 @@ Parameter& Parameter::above(double lo) { return min = lo, min_open = true, *this
 Parameter& Parameter::count(std::size_t lo, std::size_t hi) { return min_count = lo, max_count = hi, *this; }
 Parameter& Parameter::keyword(std::string w) { return keywords.push_back(std::move(w)), *this; }
 Parameter& Parameter::required() { return value.reset(), *this; }
+Parameter& Parameter::was(std::string former) { return former_names.push_back(std::move(former)), *this; }
 
 namespace {
 

@@ -49,6 +49,7 @@ struct Parameter {
   std::vector<std::string> choices;   // of a Choice
   std::vector<std::string> keywords;  // words allowed beside the kind's own values, such as "auto"
   std::size_t min_count = 1, max_count = 1u << 20;  // of lists
+  std::vector<std::string> former_names;            // still read in graph files, with a note
 
   // Declaration in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
   static Parameter boolean(std::string name, bool value);
@@ -72,6 +73,7 @@ struct Parameter {
   Parameter& count(std::size_t lo, std::size_t hi);  // length of a list
   Parameter& keyword(std::string word);              // one more allowed word
   Parameter& required();                             // no default
+  Parameter& was(std::string former_name);
 };
 
 // Reads a written value. Returns the value, or says what is wrong in `why` (with the nearest valid word).

@@ -183,8 +183,8 @@ class DocumentReader {
     RawNode node;
     node.name = name;
     node.place = node.kind_place = place(key.Mark());
-    if (name.empty() || name.find_first_of("./ ") != std::string::npos)
-      fail("bad-name", fmt::format("'{}' cannot name a node: dots, slashes and blanks are not allowed", name),
+    if (name.empty() || name.find_first_of(". ") != std::string::npos)
+      fail("bad-name", fmt::format("'{}' cannot name a node: dots and blanks are not allowed", name),
            node.place);
     each_key(
         v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",

@@ -63,6 +63,13 @@ const NodeType* Registry::find(const std::string& name) const {
   return it == types_.end() ? nullptr : &it->second;
 }
 
+const NodeType* Registry::find_former(const std::string& name) const {
+  for (const auto& [today, type] : types_)
+    for (const auto& former : type.former_names)
+      if (former == name) return &type;
+  return nullptr;
+}
+
 std::vector<const NodeType*> Registry::all() const {
   std::vector<const NodeType*> out;
   for (const auto& [name, type] : types_) out.push_back(&type);

@@ -15,6 +15,8 @@ class Registry {
   // whole.
   void add(NodeType);
   const NodeType* find(const std::string& name) const;
+  // The type that once had this name, or null.
+  const NodeType* find_former(const std::string& name) const;
   std::vector<const NodeType*> all() const;  // by name
   std::vector<std::string> names() const;
 

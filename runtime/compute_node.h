@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "runtime/context.h"
-#include "runtime/store.h"
+#include "runtime/value.h"
 
 namespace terrazzo {
 

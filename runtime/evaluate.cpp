@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "graph/write_graph.h"
 #include "runtime/compute_node.h"
 
 namespace terrazzo {
@@ -57,64 +58,35 @@ std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targe
   return needed;
 }
 
-InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
-  InputFiles out;
-  for (const auto& p : node.type->parameters) {
-    const auto written = node.parameters.find(p.name);
-    if (p.kind != ParameterKind::InputPath || written == node.parameters.end()) continue;
-    const std::string& pattern = std::get<std::string>(written->second.value);
-    auto& paths = out.paths[p.name] = expand_glob(pattern);
-    if (paths.empty())
-      throw Error("no-file", "there is no file '" + pattern + "'",
-                  "paths in a graph are relative to the graph file")
-          .parameter(p.name);
-    for (const auto& path : paths) {
-      const auto hash = hashes.hash(path);
-      if (!hash) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
-      // Readers choose the format by extension, so it belongs to the content.
-      out.hashes[p.name].push_back(hash_of(hash->text() + path.extension().string()));
-    }
-  }
-  return out;
-}
-
-Hash action_key(const GraphNode& node, const std::map<std::string, std::vector<Hash>>& files,
-                const std::map<std::string, std::vector<OutputRecord>>& inputs) {
-  HashWriter w;
-  w.text(node.type->name);
-  w.pod(node.type->version);
-  for (const auto& p : node.type->parameters) {
-    w.text(p.name);
-    if (const auto f = files.find(p.name); f != files.end()) {
-      for (const auto& h : f->second) w.text(h.text());
-      continue;
-    }
-    const auto it = node.parameters.find(p.name);
-    w.text(it != node.parameters.end() ? canonical(it->second.value) : p.value ? canonical(*p.value) : "");
-  }
-  for (const auto& port : node.type->inputs) {
-    w.text(port.name);
-    const auto it = inputs.find(port.name);
-    w.pod<std::uint64_t>(it == inputs.end() ? 0 : it->second.size());
-    if (it != inputs.end())
-      for (const auto& r : it->second) w.text(r.content.text());
-  }
-  return w.hash();
-}
-
-namespace {
-
 Diagnostic placed(const Error& e, const GraphNode& node) {
   Diagnostic d = e.diagnostic();
+  if (!d.node.empty()) return d;  // placed already, where a source was computed again
   d.node = node.path;
   if (d.place.file.empty()) {
     const auto it = node.parameters.find(d.parameter);
     d.place = it != node.parameters.end() ? it->second.place : node.place;
+    if (d.place.file == node.place.file) d.through = node.through;
   }
   return d;
 }
 
-}  // namespace
+bool Evaluator::begin(const Hash& key, const std::function<std::function<void()>()>& later) {
+  const std::lock_guard lock(mutex_);
+  const auto [it, mine] = busy_.try_emplace(key);
+  if (!mine) it->second.push_back(later());
+  return mine;
+}
+
+void Evaluator::end(const Hash& key) {
+  std::vector<std::function<void()>> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = busy_.find(key);
+    waiting = std::move(it->second);
+    busy_.erase(it);
+  }
+  for (const auto& resume : waiting) resume();
+}
 
 // One run: every node a task that starts when its sources are done.
 class Run {
@@ -146,18 +118,21 @@ class Run {
     // More threads than cores are allowed where somebody asks for them.
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(std::max(threads, 1)));
-    tbb::task_arena arena(std::max(threads, 1));
-    arena.execute([&] {
+    arena_.initialize(std::max(threads, 1));
+    arena_.execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
       group_.wait();
     });
+    for (std::size_t i = 0; i < states_.size(); ++i)
+      if (states_[i].seconds_again > 0)
+        result_.nodes[i].status = Status::Computed, result_.nodes[i].seconds = states_[i].seconds_again;
     result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return std::move(result_);
   }
 
   // For Evaluator::value: a finished run's value.
-  static Value fetch(Evaluator& e, const Graph& graph, const RunResult& result, const Wire& wire) {
-    RunOptions options;
+  static Value fetch(Evaluator& e, const Graph& graph, const RunResult& result, const Wire& wire,
+                     const RunOptions& options) {
     Run again(e, graph, options);
     again.result_ = result;
     return again.value_of(wire);
@@ -170,6 +145,7 @@ class Run {
     std::vector<int> consumers;
     std::map<std::string, Value> values;  // kept while anybody may ask
     std::mutex mutex;                     // of values and of computing again
+    double seconds_again = 0;             // of computing a lost value again
     InputFiles files;
   };
 
@@ -179,7 +155,7 @@ class Run {
 
   void visit(int i) {
     try {
-      evaluate(i);
+      if (!evaluate(i)) return;  // visited again once another node or run is done with the same key
     } catch (const Cancelled&) {
       result(i).status = Status::Cancelled;
     } catch (const Error& error) {
@@ -200,9 +176,19 @@ class Run {
       if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
   }
 
-  void evaluate(int i) {
+  bool cancelled(int i) const {
+    return (options_.cancel && *options_.cancel) ||
+           (options_.cancel_node && (*options_.cancel_node)[static_cast<std::size_t>(i)]);
+  }
+  Work work(int i, const Work::Report* report) const {
+    return Work(options_.cancel, report,
+                options_.cancel_node ? &(*options_.cancel_node)[static_cast<std::size_t>(i)] : nullptr);
+  }
+
+  // False where the key is being computed elsewhere.
+  bool evaluate(int i) {
     NodeResult& r = result(i);
-    if (options_.cancel && *options_.cancel) throw Cancelled();
+    if (cancelled(i)) throw Cancelled();
     std::map<std::string, std::vector<OutputRecord>> inputs;
     for (const auto& [port, wires] : node(i).inputs)
       for (const auto& w : wires) {
@@ -210,19 +196,26 @@ class Run {
         if (source.status == Status::Cancelled) throw Cancelled();
         if (source.status == Status::Failed || source.status == Status::Skipped) {
           r.status = Status::Skipped;
-          return;
+          return true;
         }
         inputs[port].push_back(source.outputs.at(w.port));
       }
     state(i).files = input_files(node(i), e_.hashes_);
     r.key = action_key(node(i), state(i).files.hashes, inputs);
-    if (use_cached(i)) return;
-    // Two nodes of one graph can ask for the same key: the second waits for the first and takes its result.
-    const std::shared_ptr<std::mutex> one = one_at_a_time(r.key);
-    tbb::this_task_arena::isolate([&] {
-      const std::lock_guard lock(*one);
-      if (!use_cached(i)) compute(i);
-    });
+    if (use_cached(i)) return true;
+    const auto later = [&]() -> std::function<void()> {
+      auto handle = std::make_shared<tbb::task_handle>(group_.defer([this, i] { visit(i); }));
+      return [this, handle] { arena_.enqueue(std::move(*handle)); };
+    };
+    if (!e_.begin(r.key, later)) return false;
+    struct End {
+      Evaluator& e;
+      const Hash key;
+      ~End() { e.end(key); }
+    } end{e_, r.key};
+    // Between the first look and begin() another may have finished.
+    if (!use_cached(i)) compute(i, std::move(inputs));
+    return true;
   }
 
   bool use_cached(int i) {
@@ -236,8 +229,7 @@ class Run {
       const auto now = e_.hashes_.hash(options_.output_folder / f.path);
       if (!now || *now != f.content) return false;
     }
-    for (const auto& [port, o] : record->outputs)
-      if (!e_.store_.has_value(o)) return false;
+    // A value that the store has lost is computed again only when somebody needs it.
     r.status = tier == Tier::Memory ? Status::Memory : Status::Disk;
     r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
     r.files = record->files;
@@ -245,37 +237,52 @@ class Run {
     return true;
   }
 
-  void compute(int i) {
+  void compute(int i, std::map<std::string, std::vector<OutputRecord>> inputs) {
     NodeResult& r = result(i);
     if (options_.observer) {
       const std::lock_guard lock(observer_mutex_);
       options_.observer->started(i);
     }
     const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
     const Work::Report report = [this, i](double fraction, const std::string& note) {
       if (!options_.observer) return;
       const std::lock_guard lock(observer_mutex_);
       options_.observer->progress(i, fraction, note);
     };
-    ComputeResult computed = compute_node(request(i, Work(options_.cancel, &report)));
-    ActionRecord record;
+    auto record = std::make_shared<ActionRecord>();
+    ComputeRequest q = request(i, work(i, &report));
+    record->type = q.type->name, record->version = q.type->version, record->parameters = q.parameters;
+    for (const auto& [name, paths] : state(i).files.paths)
+      for (std::size_t k = 0; k < paths.size(); ++k)
+        record->input_files[name].push_back({paths[k].string(), state(i).files.hashes.at(name)[k]});
+    record->inputs = std::move(inputs);
+    ComputeResult computed = compute_node(std::move(q));
     for (auto& [port, value] : computed.outputs) {
-      record.outputs[port] = e_.store_.put_value(value);
-      const std::lock_guard lock(state(i).mutex);
-      state(i).values[port] = std::move(value);
+      record->outputs[port] = e_.store_.put_value(value, seconds());
+      keep(i, port, std::move(value));
     }
     for (const auto& f : computed.files) {
       const auto hash = e_.hashes_.hash(options_.output_folder / f);
       if (!hash) throw Error("write-failed", "the file '" + f + "' is gone right after it was written");
-      record.files.push_back({f, *hash});
+      record->files.push_back({f, *hash});
     }
-    record.metrics = std::move(computed.metrics), record.warnings = std::move(computed.warnings);
-    r.seconds = record.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    r.outputs = record.outputs, r.metrics = record.metrics, r.warnings = record.warnings,
-    r.files = record.files;
+    record->metrics = std::move(computed.metrics), record->warnings = std::move(computed.warnings);
+    r.seconds = record->seconds = seconds();
+    r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
+    r.files = record->files;
     r.status = Status::Computed;
-    e_.store_.put_action(r.key, record);
+    e_.store_.put_action(r.key, std::move(record));
+  }
+
+  // A value that cannot be read back from the disk stays here while anybody may ask for it; the others are
+  // the store's, within its budget.
+  void keep(int i, const std::string& port, Value value) {
+    if (e_.store_.keeps_on_disk()) return;
+    const std::lock_guard lock(state(i).mutex);
+    state(i).values[port] = std::move(value);
   }
 
   ComputeRequest request(int i, Work work) {
@@ -293,23 +300,26 @@ class Run {
     return q;
   }
 
-  // What the caller says of the graph, and the keys of all nodes upstream.
+  // What the caller says of the graph, the keys of all nodes upstream, and a graph that makes this again.
   std::string provenance(int i) {
     nlohmann::json all =
         options_.provenance.empty() ? nlohmann::json::object() : nlohmann::json::parse(options_.provenance);
     const auto upstream = needed_nodes(graph_, {i});
     for (std::size_t k = 0; k < upstream.size(); ++k)
       if (upstream[k]) all["keys"][graph_.nodes[k].path] = result_.nodes[k].key.text();
+    all["document"] = write_graph(graph_, upstream, options_.output_folder);
     return all.dump();
   }
 
   Value value_of(const Wire& w) {
     State& s = state(w.node);
+    const NodeResult& r = result(w.node);
+    const OutputRecord& wanted = r.outputs.at(w.port);
     {
       const std::lock_guard lock(s.mutex);
       if (const auto it = s.values.find(w.port); it != s.values.end()) return it->second;
     }
-    if (Value v = e_.store_.get_value(result(w.node).outputs.at(w.port))) return v;
+    if (Value v = e_.store_.get_value(wanted, r.cached_seconds)) return v;
     // The record is known but the value is lost or damaged: compute the source again. Isolated, so that this
     // thread cannot meanwhile take a task that waits for the same source.
     Value v;
@@ -319,23 +329,37 @@ class Run {
         v = it->second;
         return;
       }
-      s.files = input_files(node(w.node), e_.hashes_);
-      ComputeResult again = compute_node(request(w.node, Work(options_.cancel, nullptr)));
-      for (auto& [port, value] : again.outputs) {
-        e_.store_.put_value(value);
-        s.values[port] = std::move(value);
-      }
+      if ((v = e_.store_.get_value(wanted, r.cached_seconds))) return;
+      compute_again(w.node);
       v = s.values.at(w.port);
     });
     return v;
   }
 
-  std::shared_ptr<std::mutex> one_at_a_time(const Hash& key) {
-    const std::lock_guard lock(keys_mutex_);
-    auto& m = keys_[key];
-    if (!m) m = std::make_shared<std::mutex>();
-    return m;
+  void compute_again(int i) {
+    State& s = state(i);
+    const NodeResult& r = result(i);
+    if (options_.observer) {
+      const std::lock_guard lock(observer_mutex_);
+      options_.observer->started(i);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    s.files = input_files(node(i), e_.hashes_);
+    ComputeResult again = compute_node(request(i, work(i, nullptr)));
+    s.seconds_again = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (auto& [port, value] : again.outputs) {
+      if (e_.store_.put_value(value, s.seconds_again) != r.outputs.at(port)) {
+        e_.store_.drop_action(r.key);
+        throw placed_error(
+            Error("not-deterministic", "computed again, " + port + " differs from what the cache says it was",
+                  "the cached result is forgotten: run again"),
+            node(i));
+      }
+      s.values[port] = std::move(value);
+    }
   }
+
+  static Error placed_error(const Error& e, const GraphNode& node) { return Error(placed(e, node)); }
 
   Evaluator& e_;
   const Graph& graph_;
@@ -343,16 +367,17 @@ class Run {
   std::vector<State> states_;
   RunResult result_;
   tbb::task_group group_;
-  std::mutex observer_mutex_, keys_mutex_;
-  std::map<Hash, std::shared_ptr<std::mutex>> keys_;
+  tbb::task_arena arena_;
+  std::mutex observer_mutex_;
 };
 
 RunResult Evaluator::run(const Graph& graph, const RunOptions& options) {
   return Run(*this, graph, options).run();
 }
 
-Value Evaluator::value(const Graph& graph, const RunResult& result, const Wire& wire) {
-  return Run::fetch(*this, graph, result, wire);
+Value Evaluator::value(const Graph& graph, const RunResult& result, const Wire& wire,
+                       const RunOptions& options) {
+  return Run::fetch(*this, graph, result, wire, options);
 }
 
 }  // namespace terrazzo

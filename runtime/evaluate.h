@@ -2,13 +2,18 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "graph/graph.h"
+#include "runtime/action_key.h"
 #include "runtime/files.h"
 #include "runtime/store.h"
 
@@ -41,6 +46,7 @@ struct Observer {
   virtual ~Observer() = default;
   virtual void started(int /*node*/) {}
   virtual void progress(int /*node*/, double /*fraction*/, const std::string& /*note*/) {}
+  // Once a node. A cached node whose value is lost and asked for later is started again without it.
   virtual void finished(int /*node*/, const NodeResult&) {}
 };
 
@@ -49,39 +55,43 @@ struct RunOptions {
   std::filesystem::path output_folder = "out";
   int threads = 0;  // 0: as many as the machine has
   const std::atomic<bool>* cancel = nullptr;
+  const std::deque<std::atomic<bool>>* cancel_node = nullptr;  // one a node: stops that node alone
   Observer* observer = nullptr;
-  std::string provenance;  // JSON, handed to nodes that write files
+  std::string provenance;  // JSON object, handed to nodes that write files
 };
-
-// The key of a node's computation: type, version, canonical parameters, content of files and inputs. Nothing
-// else.
-Hash action_key(const GraphNode&, const std::map<std::string, std::vector<Hash>>& files,
-                const std::map<std::string, std::vector<OutputRecord>>& inputs);
-
-// A path parameter's files and their content. Throws Error "no-file" with the parameter.
-struct InputFiles {
-  std::map<std::string, std::vector<std::filesystem::path>> paths;
-  std::map<std::string, std::vector<Hash>> hashes;  // of content and extension
-};
-InputFiles input_files(const GraphNode&, FileHashes&);
 
 class Evaluator {
  public:
   Evaluator(const ValueTypes& types, Store& store, FileHashes& hashes)
       : types_(types), store_(store), hashes_(hashes) {}
 
+  // Several runs may go on at once, from several threads: no key is computed twice at a time.
   RunResult run(const Graph&, const RunOptions&);
   // A value of a finished run; computed again where the store has lost it.
-  Value value(const Graph&, const RunResult&, const Wire&);
+  Value value(const Graph&, const RunResult&, const Wire&, const RunOptions& = {});
+
+  const ValueTypes& types() const { return types_; }
+  Store& store() { return store_; }
+  FileHashes& hashes() { return hashes_; }
 
  private:
   friend class Run;
+  // True: the key is the caller's until end(). False: somebody is at it, and what `later` makes is called
+  // then.
+  bool begin(const Hash& key, const std::function<std::function<void()>()>& later);
+  void end(const Hash& key);
+
   const ValueTypes& types_;
   Store& store_;
   FileHashes& hashes_;
+  std::mutex mutex_;
+  std::unordered_map<Hash, std::vector<std::function<void()>>> busy_;
 };
 
 // Nodes that the targets need, themselves included.
 std::vector<bool> needed_nodes(const Graph&, const std::vector<int>& targets);
+
+// A node's error with its path and place.
+Diagnostic placed(const Error&, const GraphNode&);
 
 }  // namespace terrazzo

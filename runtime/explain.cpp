@@ -51,6 +51,29 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
   }
 }
 
+std::uint64_t bytes_of(const ActionRecord& r) {
+  std::uint64_t sum = 0;
+  for (const auto& [port, o] : r.outputs) sum += o.bytes;
+  return sum;
+}
+
+// A cached node runs all the same where a node that runs needs its value and the cache has lost that.
+void add_lost_values(const Graph& graph, Store& store, const std::vector<NodeResult>& results, Plan& plan) {
+  for (std::size_t i = graph.nodes.size(); i-- > 0;) {  // consumers stand after their sources
+    const Step step = plan.nodes[i].step;
+    if (step != Step::Compute && step != Step::Perhaps) continue;
+    for (const auto& [port, wires] : graph.nodes[i].inputs)
+      for (const auto& w : wires) {
+        const auto source = static_cast<std::size_t>(w.node);
+        Plan::Node& p = plan.nodes[source];
+        if (p.step != Step::Cached || store.has_value(results[source].outputs.at(w.port))) continue;
+        p.step = step;
+        p.reasons.push_back(
+            fmt::format("its {} was evicted from the cache, and {} needs it", w.port, graph.nodes[i].path));
+      }
+  }
+}
+
 }  // namespace
 
 Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileHashes& hashes,
@@ -84,7 +107,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
         if (!out.reasons.empty()) out.step = Step::Compute;
         Tier tier;
         if (const auto record = store.find_action(Hash::parse(before->key), tier))
-          out.seconds = record->seconds;
+          out.seconds = record->seconds, out.bytes = bytes_of(*record);
       } else {
         out.step = Step::Compute;
         out.reasons.push_back("never computed here");
@@ -105,16 +128,13 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     const auto record = store.find_action(key, tier);
     out.step = Step::Cached;
     if (record) {
-      out.seconds = record->seconds;
+      out.seconds = record->seconds, out.bytes = bytes_of(*record);
       for (const auto& f : record->files) {
         const auto now = hashes.hash(options.output_folder / f.path);
         if (!now || *now != f.content)
           out.reasons.push_back(fmt::format("the file '{}' {}", (options.output_folder / f.path).string(),
                                             now ? "was changed" : "is missing"));
       }
-      for (const auto& [port, o] : record->outputs)
-        if (!store.has_value(o))
-          out.reasons.push_back(fmt::format("the value of {} was evicted from the cache", port));
       if (out.reasons.empty()) {
         results[i].outputs = record->outputs;
         continue;
@@ -127,6 +147,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     }
     out.step = Step::Compute;
   }
+  add_lost_values(graph, store, results, plan);
   return plan;
 }
 

@@ -20,6 +20,7 @@ struct Plan {
     Step step = Step::Unneeded;
     std::vector<std::string> reasons;  // a line each
     double seconds = 0;                // that it took when it was last computed; 0 where unknown
+    std::uint64_t bytes = 0;           // of its outputs then
   };
   std::vector<Node> nodes;  // as in Graph::nodes
 };

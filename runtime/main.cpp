@@ -6,5 +6,5 @@ int main(int argc, char** argv) {
   terrazzo::register_nodes(registry);
   terrazzo::ValueTypes types;
   terrazzo::register_value_types(types);
-  return terrazzo::run_command_line(argc, argv, registry, types);
+  return terrazzo::run_command_line(argc, argv, {registry, types});
 }

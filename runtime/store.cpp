@@ -1,6 +1,8 @@
 #include "runtime/store.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -48,51 +50,53 @@ class FileWriter : public Writer {
   HashWriter hash_;
 };
 
-json to_json(const ActionRecord& r) {
-  json outputs = json::object(), files = json::array();
-  for (const auto& [port, o] : r.outputs)
-    outputs[port] = {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
-  for (const auto& f : r.files) files.push_back({{"path", f.path}, {"content", f.content.text()}});
-  json metrics = json::object();
-  for (const auto& [name, v] : r.metrics)
-    metrics[name] = fmt::format("{}", v);  // keeps infinities and every digit
-  return {{"outputs", outputs},
-          {"metrics", metrics},
-          {"warnings", r.warnings},
-          {"files", files},
-          {"seconds", r.seconds}};
-}
-
-ActionRecord from_json(const json& j) {
-  ActionRecord r;
-  for (const auto& [port, o] : j.at("outputs").items())
-    r.outputs[port] = {o.at("type"), Hash::parse(o.at("content").get<std::string>()), o.at("bytes")};
-  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = std::stod(v.get<std::string>());
-  r.warnings = j.at("warnings").get<std::vector<std::string>>();
-  for (const auto& f : j.at("files"))
-    r.files.push_back({f.at("path"), Hash::parse(f.at("content").get<std::string>())});
-  r.seconds = j.at("seconds");
-  return r;
-}
-
 fs::path two_level(const fs::path& base, const Hash& h) {
   const std::string name = h.text();
   return base / name.substr(0, 2) / name;
 }
 
+// Renews a file's time of last use, at most once an hour: what is long unused is collected first.
+void touch(const fs::path& path) {
+  struct stat s;
+  struct timespec now;
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  if (::stat(path.c_str(), &s) == 0 && now.tv_sec - s.st_mtim.tv_sec > 3600)
+    ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
+}
+
 }  // namespace
 
-Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t budget)
-    : types_(types), folder_(std::move(folder)), budget_(budget) {
+fs::path action_path(const fs::path& folder, const Hash& h) { return two_level(folder / "actions", h); }
+fs::path value_path(const fs::path& folder, const Hash& h) { return two_level(folder / "values", h); }
+
+std::shared_ptr<const ActionRecord> parse_action(const std::string& text) {
+  // First line: hash of the rest.
+  if (text.find('\n') != 32 || Hash::parse(text.substr(0, 32)) != hash_of(text.data() + 33, text.size() - 33))
+    return {};
+  try {
+    return std::make_shared<const ActionRecord>(
+        action_record_from_json(json::parse(text.begin() + 33, text.end())));
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+std::string_view value_payload(const std::string& text, const Hash& content) {
+  constexpr std::size_t head = sizeof value_magic;
+  if (text.size() <= head || text.compare(0, head, value_magic, head) != 0 ||
+      hash_of(text.data() + head, text.size() - head) != content)
+    return {};
+  return std::string_view(text).substr(head);
+}
+
+Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t memory)
+    : types_(types), folder_(std::move(folder)), memory_(memory) {
   if (folder_.empty()) return;
   std::error_code error;
   fs::create_directories(folder_ / "actions", error);
   if (!error) fs::create_directories(folder_ / "values", error);
   if (error) note_trouble("cannot use the cache folder '" + folder_.string() + "': " + error.message());
 }
-
-fs::path Store::action_path(const Hash& h) const { return two_level(folder_ / "actions", h); }
-fs::path Store::value_path(const Hash& h) const { return two_level(folder_ / "values", h); }
 
 void Store::note_trouble(const std::string& what) {
   const std::lock_guard lock(mutex_);
@@ -104,47 +108,53 @@ std::string Store::trouble() const {
   return trouble_;
 }
 
-std::optional<ActionRecord> Store::find_action(const Hash& key, Tier& from) {
+std::shared_ptr<const ActionRecord> Store::find_action(const Hash& key, Tier& from) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto it = actions_.find(key); it != actions_.end()) return from = Tier::Memory, it->second;
   }
   from = Tier::None;
   if (folder_.empty()) return {};
-  const fs::path path = action_path(key);
+  const fs::path path = action_path(folder_, key);
   const auto text = read_file(path);
   if (!text) return {};
-  // First line: hash of the rest. Whatever does not hold is a miss, and is removed so that it is written
-  // anew.
-  const auto line = text->find('\n');
-  if (line == 32 && Hash::parse(text->substr(0, 32)) == hash_of(text->data() + 33, text->size() - 33)) try {
-      ActionRecord r = from_json(json::parse(text->begin() + 33, text->end()));
-      const std::lock_guard lock(mutex_);
-      actions_.emplace(key, r);
-      from = Tier::Disk;
-      return r;
-    } catch (const std::exception&) {
-    }
+  if (auto record = parse_action(*text)) {
+    touch(path);
+    const std::lock_guard lock(mutex_);
+    actions_.emplace(key, record);
+    from = Tier::Disk;
+    return record;
+  }
+  // Whatever does not hold is a miss, and is removed so that it is written anew.
   std::error_code ignored;
   fs::remove(path, ignored);
   return {};
 }
 
-void Store::put_action(const Hash& key, const ActionRecord& r) {
+void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
   {
     const std::lock_guard lock(mutex_);
     actions_[key] = r;
   }
   if (folder_.empty()) return;
-  const std::string body = to_json(r).dump();
+  const std::string body = to_json(*r).dump();
   try {
-    write_text_atomically(action_path(key), hash_of(body).text() + "\n" + body);
+    write_text_atomically(action_path(folder_, key), hash_of(body).text() + "\n" + body);
   } catch (const Error& e) {
     note_trouble(e.diagnostic().message);
   }
 }
 
-OutputRecord Store::put_value(const Value& v) {
+void Store::drop_action(const Hash& key) {
+  {
+    const std::lock_guard lock(mutex_);
+    actions_.erase(key);
+  }
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove(action_path(folder_, key), ignored);
+}
+
+OutputRecord Store::put_value(const Value& v, double seconds) {
   OutputRecord record{v.type().name, {}, 0};
   bool on_disk = false;
   const auto encode = [&](Writer& w) {
@@ -166,14 +176,15 @@ OutputRecord Store::put_value(const Value& v) {
       });
       record.content = content, record.bytes = size;
       std::error_code error;
-      fs::create_directories(value_path(content).parent_path(), error);
-      fs::rename(place, value_path(content), error);
+      fs::create_directories(value_path(folder_, content).parent_path(), error);
+      fs::rename(place, value_path(folder_, content), error);
       if (error) {
         std::error_code ignored;
         fs::remove(place, ignored);
         throw Error("cache-write", "cannot write to the cache: " + error.message());
       }
       on_disk = true;
+      written_ += size;
     } catch (const Error& e) {
       note_trouble(e.diagnostic().message);
     }
@@ -182,24 +193,30 @@ OutputRecord Store::put_value(const Value& v) {
     encode(w);
     record.content = w.hash(), record.bytes = w.size();
   }
-  keep_in_memory(record.content, v, record.bytes);
+  keep_in_memory(record.content, v, record.bytes, seconds);
   return record;
 }
 
-void Store::keep_in_memory(const Hash& content, const Value& v, std::uint64_t bytes) {
+void Store::keep_in_memory(const Hash& content, const Value& v, std::uint64_t bytes, double seconds) {
   const std::lock_guard lock(mutex_);
-  if (const auto it = values_.find(content); it != values_.end()) {
-    ages_.splice(ages_.end(), ages_, it->second.age);
-    return;
+  auto [it, fresh] = values_.try_emplace(content);
+  Kept& kept = it->second;
+  if (fresh) {
+    kept.value = v, kept.bytes = bytes;
+    kept.per_byte = seconds / static_cast<double>(bytes + 1);
+    used_ += bytes;
+  } else {
+    by_worth_.erase({kept.worth, content});
   }
-  ages_.push_back(content);
-  values_[content] = {v, bytes, std::prev(ages_.end())};
-  used_ += bytes;
-  while (used_ > budget_ && ages_.size() > 1) {
-    const auto old = values_.find(ages_.front());
-    used_ -= old->second.bytes;
-    values_.erase(old);
-    ages_.pop_front();
+  kept.worth = left_worth_ + kept.per_byte;
+  by_worth_.insert({kept.worth, content});
+  while (used_ > memory_ && !by_worth_.empty()) {
+    const auto least = *by_worth_.begin();
+    left_worth_ = least.first;
+    const auto out = values_.find(least.second);
+    used_ -= out->second.bytes;
+    values_.erase(out);
+    by_worth_.erase(by_worth_.begin());
   }
 }
 
@@ -209,30 +226,31 @@ bool Store::has_value(const OutputRecord& r) {
     if (values_.count(r.content)) return true;
   }
   std::error_code error;
-  return !folder_.empty() && fs::exists(value_path(r.content), error);
+  return !folder_.empty() && fs::exists(value_path(folder_, r.content), error);
 }
 
-Value Store::get_value(const OutputRecord& r) {
+Value Store::get_value(const OutputRecord& r, double seconds) {
   {
     const std::lock_guard lock(mutex_);
     if (const auto it = values_.find(r.content); it != values_.end()) {
-      ages_.splice(ages_.end(), ages_, it->second.age);
-      return it->second.value;
+      Kept& kept = it->second;
+      by_worth_.erase({kept.worth, r.content});
+      kept.worth = left_worth_ + kept.per_byte;
+      by_worth_.insert({kept.worth, r.content});
+      return kept.value;
     }
   }
   const ValueType* type = types_.find(r.type);
   if (folder_.empty() || !type) return {};
-  const fs::path path = value_path(r.content);
+  const fs::path path = value_path(folder_, r.content);
   const auto data = read_file(path);
   if (!data) return {};
-  constexpr std::size_t head = sizeof value_magic;
-  if (data->size() > head && data->compare(0, head, value_magic, head) == 0 &&
-      hash_of(data->data() + head, data->size() - head) == r.content)
-    try {
-      Reader reader(data->data() + head, data->size() - head);
+  if (const auto payload = value_payload(*data, r.content); !payload.empty()) try {
+      Reader reader(payload.data(), payload.size());
       if (reader.text() == r.type) {
         Value v(type, type->decode(reader));
-        keep_in_memory(r.content, v, r.bytes);
+        touch(path);
+        keep_in_memory(r.content, v, r.bytes, seconds);
         return v;
       }
     } catch (const Error&) {  // written by another version of the codec: recomputed

@@ -2,81 +2,80 @@
 // disk.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
-#include <list>
-#include <map>
+#include <memory>
 #include <mutex>
-#include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
-#include <vector>
 
-#include "runtime/hash.h"
+#include "runtime/action_record.h"
 #include "runtime/value.h"
 
 namespace terrazzo {
-
-struct OutputRecord {
-  std::string type;
-  Hash content;  // of type and encoded value
-  std::uint64_t bytes = 0;
-  bool operator==(const OutputRecord&) const = default;
-};
-
-struct FileRecord {
-  std::string path;  // relative to the output folder
-  Hash content;
-};
-
-// All that is known of one computation.
-struct ActionRecord {
-  std::map<std::string, OutputRecord> outputs;  // by port
-  std::map<std::string, double> metrics;
-  std::vector<std::string> warnings;
-  std::vector<FileRecord> files;
-  double seconds = 0;
-};
 
 enum class Tier { None, Memory, Disk };
 
 class Store {
  public:
-  // Without a folder everything stays in memory. `budget`: bytes of values kept in memory beyond those in
-  // use.
-  Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t budget = 2ull << 30);
+  static constexpr std::uint64_t default_memory = 2ull << 30;
 
-  std::optional<ActionRecord> find_action(const Hash& key, Tier& from);
-  void put_action(const Hash& key, const ActionRecord&);
+  // Without a folder everything stays in memory. `memory`: bytes of values kept there beyond those in use.
+  Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = default_memory);
 
-  // Hashes the value and keeps it. The record names it from now on.
-  OutputRecord put_value(const Value&);
+  // Null where there is none.
+  std::shared_ptr<const ActionRecord> find_action(const Hash& key, Tier& from);
+  void put_action(const Hash& key, std::shared_ptr<const ActionRecord>);
+  // Forgets a record that turned out wrong.
+  void drop_action(const Hash& key);
+
+  // Hashes the value and keeps it. `seconds`: what computing it took; the least seconds per byte leave memory
+  // first.
+  OutputRecord put_value(const Value&, double seconds = 0);
   // An empty Value where it is gone or damaged (damaged files are removed).
-  Value get_value(const OutputRecord&);
+  Value get_value(const OutputRecord&, double seconds = 0);
   bool has_value(const OutputRecord&);
 
   const std::filesystem::path& folder() const { return folder_; }
+  // Values written can be read back later: there is a folder and nothing went wrong with it.
+  bool keeps_on_disk() const { return !folder_.empty() && trouble().empty(); }
   // The first thing that went wrong with the disk, or "": results were not kept, the run goes on.
   std::string trouble() const;
+  // Bytes written to the disk by this store.
+  std::uint64_t written() const { return written_; }
 
  private:
-  std::filesystem::path action_path(const Hash&) const;
-  std::filesystem::path value_path(const Hash&) const;
-  void keep_in_memory(const Hash&, const Value&, std::uint64_t bytes);
+  void keep_in_memory(const Hash&, const Value&, std::uint64_t bytes, double seconds);
   void note_trouble(const std::string&);
 
   const ValueTypes& types_;
   std::filesystem::path folder_;
-  std::uint64_t budget_, used_ = 0;
+  std::uint64_t memory_, used_ = 0;
+  std::atomic<std::uint64_t> written_{0};
   mutable std::mutex mutex_;
+  // Greedy dual: a value's worth is seconds per byte above the worth of what left last, renewed at each use.
+  // So both what is cheap and what is long unused leave first.
   struct Kept {
     Value value;
     std::uint64_t bytes;
-    std::list<Hash>::iterator age;
+    double per_byte, worth;
   };
+  double left_worth_ = 0;
   std::unordered_map<Hash, Kept> values_;
-  std::list<Hash> ages_;  // least recently used first
-  std::unordered_map<Hash, ActionRecord> actions_;
+  std::set<std::pair<double, Hash>> by_worth_;
+  std::unordered_map<Hash, std::shared_ptr<const ActionRecord>> actions_;
   std::string trouble_;
 };
+
+// Where the entries of a cache folder lie.
+std::filesystem::path action_path(const std::filesystem::path& folder, const Hash&);
+std::filesystem::path value_path(const std::filesystem::path& folder, const Hash&);
+
+// A record file's content: null where it is damaged or foreign.
+std::shared_ptr<const ActionRecord> parse_action(const std::string& text);
+// The encoded value in a value file's content (type name first): empty where it is damaged, foreign or not
+// `content`.
+std::string_view value_payload(const std::string& text, const Hash& content);
 
 }  // namespace terrazzo

@@ -18,11 +18,13 @@ class Work {
   using Report = std::function<void(double fraction, const std::string& note)>;
 
   Work() = default;
-  Work(const std::atomic<bool>* cancel, const Report* report) : cancel_(cancel), report_(report) {}
+  // `also`: a second flag, for what stops this node alone.
+  Work(const std::atomic<bool>* cancel, const Report* report, const std::atomic<bool>* also = nullptr)
+      : cancel_(cancel), also_(also), report_(report) {}
 
   // Throws Cancelled once the user asked to stop. Call it at least every 50 ms in loops of your own.
   void check() const;
-  bool cancelled() const { return cancel_ && cancel_->load(std::memory_order_relaxed); }
+  bool cancelled() const { return set(cancel_) || set(also_); }
 
   // Tells how far this work is, 0 to 1, and what it is at ("overlap 0.03").
   void progress(double fraction, const std::string& note = {}) const;
@@ -30,7 +32,8 @@ class Work {
   // The share [from, to] of this work's progress, for a stage of it.
   Work part(double from, double to) const;
 
-  // The same loops and cancellation without reports: for the many short loops within one step of an iteration.
+  // The same loops and cancellation without reports: for the many short loops within one step of an
+  // iteration.
   Work quiet() const {
     Work w = *this;
     w.report_ = nullptr;
@@ -54,7 +57,10 @@ class Work {
   }
 
  private:
+  static bool set(const std::atomic<bool>* flag) { return flag && flag->load(std::memory_order_relaxed); }
+
   const std::atomic<bool>* cancel_ = nullptr;
+  const std::atomic<bool>* also_ = nullptr;
   const Report* report_ = nullptr;
   double from_ = 0, to_ = 1;
 };

@@ -30,8 +30,9 @@ void add_check(CLI::App& app, const Program& program, int& exit_code) {
   auto o = std::make_shared<GraphOptions>();
   add_graph_options(*command, *o);
   command->callback([o, &program, &exit_code] {
-    Graph graph;
-    const bool ok = open_graph(program, *o, graph);
+    Session session(program.registry, program.types);
+    const bool ok = open_graph(session, *o);
+    const Graph& graph = *session.graph();
     const Diagnostics missing = ok ? missing_files(graph) : Diagnostics{};
     print(missing);
     exit_code = ok && missing.empty() ? done : wrong_usage;

@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "runtime/cli/commands.h"
+#include "runtime/provenance.h"
 
 namespace terrazzo {
 namespace cli {
@@ -16,10 +17,20 @@ void add_graph_options(CLI::App& app, GraphOptions& o) {
 }
 
 void add_cache_options(CLI::App& app, GraphOptions& o) {
-  app.add_option("--out", o.out, "Folder for the files written")->capture_default_str();
-  app.add_option("--threads", o.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024));
   auto* cache = app.add_option("--cache", o.cache, "Cache folder (default: the user's)");
   app.add_flag("--no-cache", o.no_cache, "Neither read nor keep results on disk")->excludes(cache);
+  app.add_option("--cache-limit", o.cache_limit, "Bytes that the cache may take on disk: 500M, 20G")
+      ->transform(CLI::AsSizeValue(true))
+      ->capture_default_str();
+}
+
+void add_run_options(CLI::App& app, GraphOptions& o) {
+  app.add_option("--out", o.out, "Folder for the files written")->capture_default_str();
+  app.add_option("--threads", o.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024));
+  app.add_option("--memory", o.memory, "Bytes of results to keep in memory beyond those in use: 500M, 4G")
+      ->transform(CLI::AsSizeValue(true))
+      ->capture_default_str();
+  add_cache_options(app, o);
 }
 
 std::vector<int> target_nodes(const Graph& graph, const GraphOptions& o) {
@@ -33,11 +44,10 @@ std::vector<int> target_nodes(const Graph& graph, const GraphOptions& o) {
 
 }  // namespace cli
 
-int run_command_line(int argc, char** argv, const Registry& registry, const ValueTypes& types) {
-  const cli::Program program{registry, types};
+int run_command_line(int argc, char** argv, const Program& program) {
   CLI::App app{"Terrazzo: from flat pictures of materials to solid ones", "terrazzo"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", "terrazzo 0.1.0");
+  app.set_version_flag("--version", std::string("terrazzo ") + program_version);
   int exit_code = cli::done;
   cli::add_run(app, program, exit_code);
   cli::add_check(app, program, exit_code);
@@ -46,6 +56,9 @@ int run_command_line(int argc, char** argv, const Registry& registry, const Valu
   cli::add_graph(app, program, exit_code);
   cli::add_nodes(app, program, exit_code);
   cli::add_schema(app, program, exit_code);
+  cli::add_sweep(app, program, exit_code);
+  cli::add_cache(app, program, exit_code);
+  cli::add_reproduce(app, program, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -4,13 +4,14 @@
 
 #include <CLI/CLI.hpp>
 
-#include "runtime/cli/session.h"
+#include "runtime/cli/options.h"
 
 namespace terrazzo::cli {
 
 // Adds GRAPH and the options that several commands share.
 void add_graph_options(CLI::App&, GraphOptions&);
 void add_cache_options(CLI::App&, GraphOptions&);
+void add_run_options(CLI::App&, GraphOptions&);  // the cache's and --out, --threads, --memory
 
 // Each adds its command; the callback stores the exit code.
 void add_run(CLI::App&, const Program&, int& exit_code);
@@ -20,9 +21,12 @@ void add_explain(CLI::App&, const Program&, int& exit_code);
 void add_graph(CLI::App&, const Program&, int& exit_code);
 void add_nodes(CLI::App&, const Program&, int& exit_code);
 void add_schema(CLI::App&, const Program&, int& exit_code);
+void add_sweep(CLI::App&, const Program&, int& exit_code);
+void add_cache(CLI::App&, const Program&, int& exit_code);
+void add_reproduce(CLI::App&, const Program&, int& exit_code);
 
 // Prints the plan of a run; shared by `explain` and `run --dry-run`.
-void print_plan(const Program&, const Graph&, const GraphOptions&, bool reasons);
+void print_plan(Session&, const GraphOptions&, bool reasons);
 std::vector<int> target_nodes(const Graph&, const GraphOptions&);
 
 }  // namespace terrazzo::cli

@@ -23,11 +23,12 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
       ->check(CLI::IsMember({"dot", "svg", "mermaid"}))
       ->capture_default_str();
   command->callback([o, &program, &exit_code] {
-    Graph graph;
-    if (!open_graph(program, *o, graph)) {
+    Session session(program.registry, program.types);
+    if (!open_graph(session, *o)) {
       exit_code = wrong_usage;
       return;
     }
+    const Graph& graph = *session.graph();
     std::cout << (o->format == "svg"       ? draw_svg(graph)
                   : o->format == "mermaid" ? draw_mermaid(graph)
                                            : draw_dot(graph));

@@ -1,35 +1,47 @@
-// The progress line of a run on a terminal.
+// What a run says while it goes on.
 #pragma once
 
 #include <chrono>
 #include <map>
 
-#include "runtime/evaluate.h"
+#include "runtime/session.h"
 
 namespace terrazzo::cli {
 
-// Draws on standard error, at most ten times a second, and only where that is a terminal. Failures and
-// warnings are printed as they come, terminal or not.
+// On a terminal a line that is redrawn at most ten times a second: how many nodes are done, what runs, and
+// about how long it will take, going by what each node took last time. Elsewhere a plain line for each node
+// that took a second or more, and one every ten seconds for a node that is still running. Failures and
+// warnings are printed as they come.
 class ProgressLine : public Observer {
  public:
-  ProgressLine(const Graph&, std::size_t needed, bool quiet);
+  // `graph`: what is evaluated, where it is not the session's own.
+  ProgressLine(Session&, const std::vector<int>& targets, bool quiet, const Graph* graph = nullptr);
   ~ProgressLine() override;
   void started(int node) override;
   void progress(int node, double fraction, const std::string& note) override;
   void finished(int node, const NodeResult&) override;
+  // The run is over: the line goes.
+  void close();
 
  private:
+  using Clock = std::chrono::steady_clock;
   void draw(bool now);
   void clear();
-  const Graph& graph_;
-  std::size_t needed_, done_ = 0;
+  std::string time_left() const;
+  const std::string& path(int node) const { return graph_->nodes[static_cast<std::size_t>(node)].path; }
+  std::shared_ptr<const Graph> kept_;
+  const Graph* graph_;
+  std::vector<bool> waiting_;     // nodes not finished yet
+  std::vector<double> expected_;  // seconds; 0: unknown
+  std::size_t needed_ = 0, done_ = 0;
   bool line_, quiet_, drawn_ = false;
   struct At {
     double fraction = 0;
     std::string note;
+    Clock::time_point start = Clock::now(), told = start;
   };
   std::map<int, At> running_;
-  std::chrono::steady_clock::time_point last_{};
+  Clock::time_point last_{};
 };
 
 }  // namespace terrazzo::cli

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "graph/write_graph.h"
+
 namespace terrazzo::cli {
 using nlohmann::json;
 
@@ -19,7 +21,8 @@ std::string bytes_text(std::uint64_t b) {
   return fmt::format("{:.1f} {}", v, units[u]);
 }
 
-json report_json(const Graph& graph, const RunResult& run, int threads) {
+json report_json(const Graph& graph, const RunResult& run, int threads, const Overrides& overrides,
+                 const std::filesystem::path& folder) {
   struct rusage usage;
   ::getrusage(RUSAGE_SELF, &usage);
   json nodes = json::array();
@@ -48,7 +51,14 @@ json report_json(const Graph& graph, const RunResult& run, int threads) {
                      {"warnings", r.warnings},
                      {"files", files}});
   }
+  std::vector<bool> needed;
+  for (const auto& r : run.nodes) needed.push_back(r.status != Status::Unneeded);
+  json set = json::object();
+  for (const auto& [name, value] : overrides.set) set[name] = value;
+  for (const auto& [name, value] : overrides.parameters) set[name] = value;
   return {{"graph", graph.file},
+          {"set", set},
+          {"document", write_graph(graph, needed, folder.empty() ? "." : folder)},
           {"seconds", run.seconds},
           {"threads", threads},
           {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},

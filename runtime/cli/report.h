@@ -9,7 +9,9 @@
 
 namespace terrazzo::cli {
 
-nlohmann::json report_json(const Graph&, const RunResult&, int threads);
+// `folder`: where the report is kept; paths in its graph ("document") are relative to it.
+nlohmann::json report_json(const Graph&, const RunResult&, int threads, const Overrides&,
+                           const std::filesystem::path& folder);
 void print_table(std::ostream&, const Graph&, const RunResult&);
 void print_metrics(std::ostream&, const Graph&, const RunResult&);
 // A value's JSON as text: tables in columns, anything else as name: value lines with long lists shortened.

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/progress.h"
@@ -13,7 +12,7 @@
 namespace terrazzo::cli {
 namespace {
 
-struct RunOptionsText : GraphOptions {
+struct RunCommand : GraphOptions {
   std::string report;
   bool dry_run = false;
 };
@@ -29,46 +28,35 @@ void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResu
   }
 }
 
-int run(const Program& program, const RunOptionsText& o) {
-  Graph graph;
-  if (!open_graph(program, o, graph)) return wrong_usage;
-  RunOptions options;
-  options.targets = target_nodes(graph, o);
+int run(const Program& program, const RunCommand& o) {
+  Session session(program.registry, program.types, session_options(o));
+  if (!open_graph(session, o)) return wrong_usage;
+  const Graph& graph = *session.graph();
   if (o.dry_run) {
-    print_plan(program, graph, o, false);
+    print_plan(session, o, false);
     return done;
   }
-  options.output_folder = o.out;
-  options.threads =
-      o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  options.cancel = cancel_on_interrupt();
-  options.provenance = provenance(graph, o, program.registry);
-  Cache cache(program, o);
-  Evaluator evaluator(program.types, cache.store, cache.hashes);
-  const auto needed = needed_nodes(graph, options.targets.empty() ? graph.sinks() : options.targets);
-  RunResult result;
-  {
-    ProgressLine line(graph, static_cast<std::size_t>(std::count(needed.begin(), needed.end(), true)),
-                      o.quiet);
-    options.observer = &line;
-    result = evaluator.run(graph, options);
-  }
-  cache.history.record(graph, result, cache.hashes);
+  ProgressLine line(session, target_nodes(graph, o), o.quiet);
+  const auto evaluation = session.evaluate(o.targets, &line);
+  const RunResult& result = evaluation->wait();
+  line.close();
   if (!o.quiet) {
     print_table(std::cout, graph, result);
     print_metrics(std::cout, graph, result);
-    if (!result.cancelled()) print_output_tables(evaluator, graph, result);
+    if (!result.cancelled()) print_output_tables(session.evaluator(), graph, result);
     for (const auto& node : result.nodes)
       for (const auto& f : node.files)
         std::cout << "wrote " << (std::filesystem::path(o.out) / f.path).string() << '\n';
   }
-  if (const std::string trouble = cache.store.trouble(); !trouble.empty())
-    std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
+  finish(session, o);
   // Beside the files that a run wrote, unless somebody names another place.
-  std::string report = o.report;
+  std::filesystem::path report = o.report;
   for (const auto& node : result.nodes)
-    if (report.empty() && !node.files.empty()) report = (std::filesystem::path(o.out) / "report.json").string();
-  if (!report.empty()) write_text_atomically(report, report_json(graph, result, options.threads).dump(2) + "\n");
+    if (report.empty() && !node.files.empty()) report = std::filesystem::path(o.out) / "report.json";
+  if (!report.empty())
+    write_text_atomically(
+        report,
+        report_json(graph, result, threads(o), session.overrides(), report.parent_path()).dump(2) + "\n");
   if (result.cancelled()) {
     std::cerr << "interrupted; what was finished is cached\n";
     return interrupted;
@@ -80,14 +68,15 @@ int run(const Program& program, const RunOptionsText& o) {
 
 void add_run(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand("run", "Evaluate what the targets need");
-  auto o = std::make_shared<RunOptionsText>();
+  auto o = std::make_shared<RunCommand>();
   add_graph_options(*command, *o);
-  add_cache_options(*command, *o);
+  add_run_options(*command, *o);
   command->add_option("--target", o->targets, "NODE or NODE.PORT to evaluate (default: every sink)")
       ->take_all()
       ->expected(1);
-  command->add_option("--report", o->report, "Write a JSON report to this file (default: report.json beside the files written)");
-  command->add_flag("--dry-run", o->dry_run, "Tell what would run, and run nothing");
+  command->add_option("--report", o->report,
+                      "Write a JSON report to this file (default: report.json beside the files written)");
+  command->add_flag("--dry-run", o->dry_run, "Tell what would run and how long, and run nothing");
   command->add_flag("--quiet", o->quiet, "Errors only");
   command->callback([o, &program, &exit_code] { exit_code = run(program, *o); });
 }

@@ -1,15 +1,19 @@
-#include "runtime/cli/session.h"
+#include "runtime/cli/options.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
-#include <nlohmann/json.hpp>
+
+#include "runtime/disk_cache.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
+
+GraphOptions::GraphOptions() : cache_limit(default_cache_limit), memory(Store::default_memory) {}
 
 std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& list,
                                                                    const std::string& option) {
@@ -24,14 +28,24 @@ std::vector<std::pair<std::string, std::string>> split_assignments(const std::ve
   return out;
 }
 
+Overrides overrides(const GraphOptions& o) {
+  return {split_assignments(o.set, "--set"), split_assignments(o.parameters, "--param"), {}};
+}
+
+SessionOptions session_options(const GraphOptions& o) {
+  return {cache_folder(o), o.memory, o.out, threads(o), cancel_on_interrupt()};
+}
+
+int threads(const GraphOptions& o) {
+  return o.threads > 0 ? o.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
 void print(const Diagnostics& all) {
   for (const auto& d : all) std::cerr << d.text() << '\n';
 }
 
-bool open_graph(const Program& program, const GraphOptions& o, Graph& graph) {
-  Diagnostics found;
-  Overrides overrides{split_assignments(o.set, "--set"), split_assignments(o.parameters, "--param")};
-  graph = load_graph(o.graph, program.registry, overrides, found);
+bool open_graph(Session& session, const GraphOptions& o) {
+  const Diagnostics found = session.open(o.graph, overrides(o));
   print(found);
   return !has_errors(found);
 }
@@ -44,28 +58,13 @@ fs::path cache_folder(const GraphOptions& o) {
   return fs::temp_directory_path() / fmt::format("terrazzo-cache-{}", ::getuid());
 }
 
-std::string provenance(const Graph& graph, const GraphOptions& o, const Registry& registry) {
-  nlohmann::json versions = nlohmann::json::object();
-  for (const auto& node : graph.nodes) versions[node.type->name] = registry.find(node.type->name)->version;
-  nlohmann::json parameters = nlohmann::json::object();
-  for (const auto& node : graph.nodes)
-    for (const auto& [name, p] : node.parameters)
-      if (node.type->find_parameter(name)->kind != ParameterKind::InputPath)
-        parameters[node.path][name] = written(p.value);
-      else
-        parameters[node.path][name] = fs::path(written(p.value)).filename().string();
-  return nlohmann::json{{"program", "terrazzo"},   {"graph", fs::path(graph.file).filename().string()},
-                        {"name", graph.name},      {"set", o.set},
-                        {"param", o.parameters},   {"node_versions", versions},
-                        {"parameters", parameters}}
-      .dump();
+void finish(Session& session, const GraphOptions& o) {
+  Store& store = session.evaluator().store();
+  if (const std::string trouble = store.trouble(); !trouble.empty())
+    std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
+  else if (store.written() > 0)
+    collect_cache(store.folder(), o.cache_limit);
 }
-
-Cache::Cache(const Program& program, const GraphOptions& o)
-    : folder(cache_folder(o)),
-      store(program.types, folder),
-      hashes(folder.empty() ? fs::path() : folder / "files"),
-      history(folder.empty() ? fs::path() : folder / "history") {}
 
 namespace {
 std::atomic<bool> cancel{false};

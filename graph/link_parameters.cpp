@@ -1,0 +1,137 @@
+// Parameters: references, defaults, the command line, former names.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/linker.h"
+#include "graph/nearest.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+
+Given Linker::from_command_line(const std::string& text, const std::string& what) {
+  Given g{{false, {text}}, fs::current_path(), {"command line (" + what + ")", 0, 0}};
+  try {
+    g.written = read_written(text);
+  } catch (const Error& e) {
+    fail("bad-value", e.diagnostic().message, g.place);
+  }
+  return g;
+}
+
+Given Linker::substitute(const Scope& scope, const RawValue& raw) {
+  Given out{raw.written, fs::path(raw.place.file).parent_path(), raw.place};
+  for (auto& item : out.written.items) {
+    std::string text;
+    std::size_t at = 0;
+    while (true) {
+      const auto open = item.find("${", at);
+      const auto close = open == std::string::npos ? open : item.find('}', open);
+      if (close == std::string::npos) break;
+      const std::string name = item.substr(open + 2, close - open - 2);
+      const auto it = scope.parameters.find(name);
+      if (it == scope.parameters.end()) {
+        std::vector<std::string> names;
+        for (const auto& p : scope.doc.parameters) names.push_back(p.declaration.name);
+        if (std::find(names.begin(), names.end(), name) == names.end())
+          fail("unknown-parameter",
+               fmt::format("the graph has no parameter '{}'{}", name, did_you_mean(name, names)), raw.place);
+        return out.written.items.clear(), out;
+      }
+      if (!raw.written.is_list && open == 0 && close + 1 == item.size()) {
+        Given whole = it->second;
+        whole.place =
+            it->second.place.line > 0 || !it->second.place.file.empty() ? it->second.place : raw.place;
+        return whole;
+      }
+      text += item.substr(at, open - at) + it->second.written.text();
+      at = close + 1;
+    }
+    item = text + item.substr(at);
+  }
+  return out;
+}
+
+void Linker::fill_parameters(Scope& scope, std::map<std::string, Given> given) {
+  std::vector<std::string> names;
+  for (const auto& p : scope.doc.parameters) {
+    const std::string& name = p.declaration.name;
+    names.push_back(name);
+    Given value;
+    if (const auto it = given.find(name); it != given.end()) {
+      value = std::move(it->second);
+      given.erase(it);
+    } else if (!p.value.written.items.empty() || p.value.written.is_list) {
+      value = {p.value.written, scope.doc.file.parent_path(), p.value.place};
+    } else {
+      fail("missing-parameter", fmt::format("parameter '{}' has no default and must be set", name),
+           scope.node ? scope.node->place : p.place);
+      continue;
+    }
+    std::string why;
+    if (!read_parameter(p.declaration, value.written, why)) {
+      fail("bad-value", why, value.place, {},
+           scope.prefix.empty() ? "" : scope.prefix.substr(0, scope.prefix.size() - 1), name);
+      continue;
+    }
+    scope.parameters[name] = std::move(value);
+  }
+  for (const auto& [name, value] : given)
+    fail("unknown-parameter",
+         fmt::format("{} has no parameter '{}'{}", scope.node ? "'" + scope.node->graph + "'" : "the graph",
+                     name, did_you_mean(name, names)),
+         value.place);
+}
+
+const Parameter* Linker::find_former(const GraphNode& node, const std::string& name, const Place& at) {
+  for (const auto& p : node.type->parameters)
+    if (std::find(p.former_names.begin(), p.former_names.end(), name) != p.former_names.end()) {
+      note("former-name", fmt::format("'{}' of {} is called '{}' now", name, node.type->name, p.name), at,
+           node.path);
+      return &p;
+    }
+  return nullptr;
+}
+
+void Linker::set_parameter(GraphNode& node, const std::string& name, const Given& given) {
+  const Parameter* p = node.type->find_parameter(name);
+  if (!p) p = find_former(node, name, given.place);
+  attempted_.insert({node.path, p ? p->name : name});
+  if (!p) {
+    std::vector<std::string> names;
+    for (const auto& q : node.type->parameters) names.push_back(q.name);
+    return fail("unknown-parameter",
+                fmt::format("{} has no parameter '{}'{}", node.type->name, name, did_you_mean(name, names)),
+                given.place, {}, node.path);
+  }
+  if (given.written.items.empty() && !given.written.is_list)
+    return;  // already reported where it was substituted
+  std::string why;
+  auto value = read_parameter(*p, given.written, why);
+  if (!value) return fail("bad-value", why, given.place, {}, node.path, p->name);
+  if (p->kind == ParameterKind::InputPath) {
+    fs::path path = std::get<std::string>(*value);
+    if (path.is_relative()) path = given.folder / path;
+    value = fs::absolute(path).lexically_normal().string();
+  }
+  node.parameters[p->name] = {std::move(*value), given.place, given.written.text()};
+}
+
+void Linker::apply_set() {
+  for (std::size_t i = 0; i < overrides_.set.size(); ++i) {
+    if (used_[i]) continue;
+    const auto& [target, value] = overrides_.set[i];
+    const Given given = from_command_line(value, "--set " + target);
+    const auto dot = target.rfind('.');
+    const int node = dot == std::string::npos ? -1 : find(target.substr(0, dot));
+    if (node >= 0)
+      set_parameter(graph_.nodes[static_cast<std::size_t>(node)], target.substr(dot + 1), given);
+    else if (!unknown_.count(target.substr(0, dot)))
+      fail("unknown-node",
+           fmt::format("there is no node '{}'{}", target.substr(0, dot),
+                       did_you_mean(target.substr(0, dot), graph_.paths())),
+           given.place, dot == std::string::npos ? "write NODE.PARAM=VALUE" : "");
+  }
+}
+
+}  // namespace terrazzo

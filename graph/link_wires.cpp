@@ -1,0 +1,221 @@
+// Wires: references followed through subgraphs to the node that makes the value.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "graph/linker.h"
+#include "graph/nearest.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+
+std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int depth) {
+  const auto dot = ref.text.rfind('.');
+  std::string name = ref.text.substr(0, dot);
+  const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
+  const auto raw = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(),
+                                [&](const RawNode& n) { return n.name == name; });
+  const std::string path = scope.prefix + name;
+  if (raw == scope.doc.nodes.end()) {
+    std::vector<std::string> names;
+    for (const auto& n : scope.doc.nodes) names.push_back(n.name);
+    fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, names)), ref.place);
+    return {};
+  }
+  if (unknown_.count(path) || depth > 64) return {};
+  // An output that the graph's user has replaced by an input of his own.
+  if (scope.parent)
+    for (const auto& [input, target] : scope.doc.inputs)
+      if (target.text == ref.text)
+        for (const auto& [given, wires] : scope.node->inputs)
+          if (given == input && !wires.empty()) return resolve(*scope.parent, wires.front(), depth + 1);
+  if (!raw->graph.empty()) {
+    const auto it = scopes_.find(path + "/");
+    if (it == scopes_.end()) return {};
+    std::vector<std::string> names;
+    for (const auto& [output, target] : it->second->doc.outputs) {
+      if (output == port || (port.empty() && it->second->doc.outputs.size() == 1))
+        return resolve(*it->second, target, depth + 1);
+      names.push_back(output);
+    }
+    fail("unknown-port",
+         fmt::format("graph '{}' has no output '{}'{}", raw->graph, port, did_you_mean(port, names)),
+         ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+    return {};
+  }
+  const int node = find(path);
+  if (node < 0) return {};
+  const NodeType& type = *graph_.nodes[static_cast<std::size_t>(node)].type;
+  if (port.empty() && type.outputs.size() == 1) return Wire{node, type.outputs[0].name, ref.place};
+  if (type.find_output(port)) return Wire{node, port, ref.place};
+  std::vector<std::string> names;
+  for (const auto& p : type.outputs) names.push_back(p.name);
+  fail("unknown-port",
+       fmt::format("{} '{}' has no output '{}'{}", type.name, name, port, did_you_mean(port, names)),
+       ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+  return {};
+}
+
+void Linker::override_wires(Scope& scope) {
+  for (std::size_t i = 0; i < overrides_.wires.size(); ++i) {
+    const auto& [input, sources] = overrides_.wires[i];
+    const auto dot = input.rfind('.');
+    if (dot == std::string::npos || input.rfind(scope.prefix, 0) != 0) continue;
+    const std::string name = input.substr(scope.prefix.size(), dot - scope.prefix.size());
+    const auto node = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(),
+                                   [&](const RawNode& n) { return n.name == name; });
+    if (node == scope.doc.nodes.end()) continue;
+    used_wires_[i] = true;
+    const Place place{"wire to " + input, 0, 0};
+    std::vector<RawReference> refs;
+    for (const auto& source : sources) {
+      if (source.rfind(scope.prefix, 0) != 0) {
+        fail("unknown-node", fmt::format("'{}' is not within '{}'", source, scope.prefix), place);
+        continue;
+      }
+      refs.push_back({source.substr(scope.prefix.size()), place});
+    }
+    const std::string port = input.substr(dot + 1);
+    std::erase_if(node->inputs, [&](const auto& written) { return written.first == port; });
+    if (!refs.empty()) node->inputs.emplace_back(port, std::move(refs));
+  }
+}
+
+void Linker::report_unused_wires() {
+  for (std::size_t i = 0; i < used_wires_.size(); ++i)
+    if (!used_wires_[i]) {
+      const std::string& input = overrides_.wires[i].first;
+      const std::string path = input.substr(0, input.rfind('.'));
+      fail("unknown-node", fmt::format("there is no node '{}'{}", path, did_you_mean(path, graph_.paths())),
+           {"wire to " + input, 0, 0}, input.find('.') == std::string::npos ? "write NODE.INPUT" : "");
+    }
+}
+
+void Linker::connect(Scope& scope, const RawNode& raw) {
+  const std::string path = scope.prefix + raw.name;
+  if (!raw.graph.empty()) return check_subgraph_inputs(scope, raw);
+  const int index = find(path);
+  if (index < 0) {
+    for (const auto& [port, refs] : raw.inputs)
+      for (const auto& ref : refs) resolve(scope, ref);  // their own mistakes show all the same
+    return;
+  }
+  for (const auto& [port, refs] : raw.inputs) {
+    GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+    const Port* p = node.type->find_input(port);
+    if (!p) {
+      std::vector<std::string> names;
+      for (const auto& q : node.type->inputs) names.push_back(q.name);
+      fail("unknown-port",
+           fmt::format("{} has no input '{}'{}", node.type->name, port, did_you_mean(port, names)),
+           refs.front().place, {}, path);
+      continue;
+    }
+    if (refs.size() > 1 && !p->many) {
+      fail("too-many-wires", fmt::format("input '{}' takes one wire, not {}", port, refs.size()),
+           refs[1].place, {}, path);
+      continue;
+    }
+    for (const auto& ref : refs) attach(scope, index, *p, ref);
+  }
+  // Inputs of the surrounding graph that end in an input of this node.
+  if (scope.parent)
+    for (const auto& [input, target] : scope.doc.inputs)
+      for (const auto& [given, wires] : scope.node->inputs) {
+        const GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+        const std::string start = raw.name + ".";
+        if (given != input || target.text.rfind(start, 0) != 0) continue;
+        const Port* p = node.type->find_input(target.text.substr(start.size()));
+        if (p && !node.type->find_output(p->name))
+          for (const auto& ref : wires) attach(*scope.parent, index, *p, ref);
+      }
+}
+
+void Linker::attach(Scope& scope, int index, const Port& port, const RawReference& ref) {
+  const auto wire = resolve(scope, ref);
+  broken_inputs_.insert(
+      {index, port.name});  // a wire was meant: "missing input" would be a second, wrong message
+  if (!wire) return;
+  const std::string& type =
+      graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port)->types[0];
+  GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+  if (!port.accepts(type))
+    return fail("wrong-type",
+                fmt::format("input '{}' takes {}, but {} is {}", port.name, port.type_text(), ref.text, type),
+                ref.place, {}, node.path);
+  Wire w = *wire;
+  w.place = ref.place;
+  node.inputs[port.name].push_back(std::move(w));
+}
+
+void Linker::check_subgraph_inputs(Scope& scope, const RawNode& raw) {
+  const auto it = scopes_.find(scope.prefix + raw.name + "/");
+  if (it == scopes_.end()) return;
+  std::vector<std::string> names;
+  for (const auto& [input, target] : it->second->doc.inputs) names.push_back(input);
+  for (const auto& [port, refs] : raw.inputs) {
+    if (std::find(names.begin(), names.end(), port) == names.end())
+      fail("unknown-port",
+           fmt::format("graph '{}' has no input '{}'{}", raw.graph, port, did_you_mean(port, names)),
+           refs.front().place);
+    for (const auto& ref : refs) resolve(scope, ref);
+  }
+}
+
+void Linker::check_wiring_of_ports() {
+  for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
+    const GraphNode& node = graph_.nodes[i];
+    for (const auto& port : node.type->inputs)
+      if (!port.optional && !node.inputs.count(port.name) &&
+          !broken_inputs_.count({static_cast<int>(i), port.name}))
+        fail("missing-input",
+             fmt::format("{} needs the input '{}' ({})", node.type->name, port.name, port.type_text()),
+             node.place, {}, node.path);
+    for (const auto& p : node.type->parameters)
+      if (!p.value && !node.parameters.count(p.name) && !attempted_.count({node.path, p.name}))
+        fail("missing-parameter",
+             fmt::format("{} needs the parameter '{}' ({})", node.type->name, p.name, p.doc), node.place, {},
+             node.path);
+  }
+}
+
+void Linker::sort() {
+  const std::size_t n = graph_.nodes.size();
+  std::vector<int> state(n, 0), order;
+  std::vector<int> stack;
+  std::function<bool(int)> visit = [&](int i) {
+    if (state[static_cast<std::size_t>(i)] == 2) return true;
+    if (state[static_cast<std::size_t>(i)] == 1) {
+      std::string way;
+      for (auto it = std::find(stack.begin(), stack.end(), i); it != stack.end(); ++it)
+        way += graph_.nodes[static_cast<std::size_t>(*it)].path + " → ";
+      const auto& node = graph_.nodes[static_cast<std::size_t>(i)];
+      fail("cycle", "the wires run in a circle: " + way + node.path, node.place);
+      return false;
+    }
+    state[static_cast<std::size_t>(i)] = 1;
+    stack.push_back(i);
+    for (const auto& [port, wires] : graph_.nodes[static_cast<std::size_t>(i)].inputs)
+      for (const auto& w : wires)
+        if (!visit(w.node)) return false;
+    stack.pop_back();
+    state[static_cast<std::size_t>(i)] = 2;
+    order.push_back(i);
+    return true;
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    if (!visit(static_cast<int>(i))) return;
+  std::vector<int> place(n);
+  std::vector<GraphNode> sorted;
+  for (std::size_t k = 0; k < n; ++k) place[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  for (const int i : order) {
+    sorted.push_back(std::move(graph_.nodes[static_cast<std::size_t>(i)]));
+    for (auto& [port, wires] : sorted.back().inputs)
+      for (auto& w : wires) w.node = place[static_cast<std::size_t>(w.node)];
+  }
+  graph_.nodes = std::move(sorted);
+  for (auto& o : graph_.outputs) o.wire.node = place[static_cast<std::size_t>(o.wire.node)];
+}
+
+}  // namespace terrazzo

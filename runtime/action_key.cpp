@@ -1,0 +1,53 @@
+#include "runtime/action_key.h"
+
+namespace terrazzo {
+
+Hash content_with_extension(const Hash& content, const std::filesystem::path& path) {
+  return hash_of(content.text() + path.extension().string());
+}
+
+InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
+  InputFiles out;
+  for (const auto& p : node.type->parameters) {
+    const auto written = node.parameters.find(p.name);
+    if (p.kind != ParameterKind::InputPath || written == node.parameters.end()) continue;
+    const std::string& pattern = std::get<std::string>(written->second.value);
+    auto& paths = out.paths[p.name] = expand_glob(pattern);
+    if (paths.empty())
+      throw Error("no-file", "there is no file '" + pattern + "'",
+                  "paths in a graph are relative to the graph file")
+          .parameter(p.name);
+    for (const auto& path : paths) {
+      const auto hash = hashes.hash(path);
+      if (!hash) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
+      out.hashes[p.name].push_back(content_with_extension(*hash, path));
+    }
+  }
+  return out;
+}
+
+Hash action_key(const GraphNode& node, const std::map<std::string, std::vector<Hash>>& files,
+                const std::map<std::string, std::vector<OutputRecord>>& inputs) {
+  HashWriter w;
+  w.text(node.type->name);
+  w.pod(node.type->version);
+  for (const auto& p : node.type->parameters) {
+    w.text(p.name);
+    if (const auto f = files.find(p.name); f != files.end()) {
+      for (const auto& h : f->second) w.text(h.text());
+      continue;
+    }
+    const auto it = node.parameters.find(p.name);
+    w.text(it != node.parameters.end() ? canonical(it->second.value) : p.value ? canonical(*p.value) : "");
+  }
+  for (const auto& port : node.type->inputs) {
+    w.text(port.name);
+    const auto it = inputs.find(port.name);
+    w.pod<std::uint64_t>(it == inputs.end() ? 0 : it->second.size());
+    if (it != inputs.end())
+      for (const auto& r : it->second) w.text(r.content.text());
+  }
+  return w.hash();
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,29 @@
+// The key of a node's computation: type, version, canonical parameters, content of files and inputs. Nothing
+// else.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "graph/graph.h"
+#include "runtime/action_record.h"
+#include "runtime/files.h"
+
+namespace terrazzo {
+
+Hash action_key(const GraphNode&, const std::map<std::string, std::vector<Hash>>& files,
+                const std::map<std::string, std::vector<OutputRecord>>& inputs);
+
+// A path parameter's files and their content. Throws Error "no-file" with the parameter.
+struct InputFiles {
+  std::map<std::string, std::vector<std::filesystem::path>> paths;
+  std::map<std::string, std::vector<Hash>> hashes;  // of content and extension
+};
+InputFiles input_files(const GraphNode&, FileHashes&);
+
+// Readers choose the format by extension, so it belongs to the content.
+Hash content_with_extension(const Hash& content, const std::filesystem::path&);
+
+}  // namespace terrazzo

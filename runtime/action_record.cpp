@@ -1,0 +1,78 @@
+#include "runtime/action_record.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace terrazzo {
+using nlohmann::json;
+
+namespace {
+
+json to_json(const OutputRecord& o) {
+  return {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
+}
+json to_json(const FileRecord& f) { return {{"path", f.path}, {"content", f.content.text()}}; }
+
+OutputRecord output_from(const json& j) {
+  return {j.at("type"), Hash::parse(j.at("content").get<std::string>()), j.at("bytes")};
+}
+FileRecord file_from(const json& j) {
+  return {j.at("path"), Hash::parse(j.at("content").get<std::string>())};
+}
+
+// The kind is written beside the value: an empty list does not tell what it is a list of.
+json to_json(const ParameterValue& v) {
+  json value = std::visit([](const auto& x) { return json(x); }, v);
+  return json::array({v.index(), std::move(value)});
+}
+
+template <std::size_t I = 0>
+ParameterValue parameter_from(const json& value, std::size_t kind) {
+  if constexpr (I < std::variant_size_v<ParameterValue>) {
+    if (kind == I) return value.get<std::variant_alternative_t<I, ParameterValue>>();
+    return parameter_from<I + 1>(value, kind);
+  } else {
+    throw Error("damaged", "a cache entry has an unknown kind of parameter");
+  }
+}
+
+}  // namespace
+
+json to_json(const ActionRecord& r) {
+  json outputs = json::object(), files = json::array(), metrics = json::object(), parameters = json::object(),
+       inputs = json::object(), input_files = json::object();
+  for (const auto& [port, o] : r.outputs) outputs[port] = to_json(o);
+  for (const auto& f : r.files) files.push_back(to_json(f));
+  for (const auto& [name, v] : r.metrics)
+    metrics[name] = fmt::format("{}", v);  // keeps infinities and every digit
+  for (const auto& [name, v] : r.parameters) parameters[name] = to_json(v);
+  for (const auto& [port, list] : r.inputs)
+    for (const auto& o : list) inputs[port].push_back(to_json(o));
+  for (const auto& [name, list] : r.input_files)
+    for (const auto& f : list) input_files[name].push_back(to_json(f));
+  return {{"outputs", outputs},     {"metrics", metrics},
+          {"warnings", r.warnings}, {"files", files},
+          {"seconds", r.seconds},   {"type", r.type},
+          {"version", r.version},   {"parameters", parameters},
+          {"inputs", inputs},       {"input_files", input_files}};
+}
+
+ActionRecord action_record_from_json(const json& j) {
+  ActionRecord r;
+  for (const auto& [port, o] : j.at("outputs").items()) r.outputs[port] = output_from(o);
+  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = std::stod(v.get<std::string>());
+  r.warnings = j.at("warnings").get<std::vector<std::string>>();
+  for (const auto& f : j.at("files")) r.files.push_back(file_from(f));
+  r.seconds = j.at("seconds");
+  r.type = j.at("type"), r.version = j.at("version");
+  for (const auto& [name, v] : j.at("parameters").items())
+    r.parameters[name] = parameter_from(v.at(1), v.at(0).get<std::size_t>());
+  for (const auto& [port, list] : j.at("inputs").items())
+    for (const auto& o : list) r.inputs[port].push_back(output_from(o));
+  for (const auto& [name, list] : j.at("input_files").items())
+    for (const auto& f : list) r.input_files[name].push_back(file_from(f));
+  return r;
+}
+
+}  // namespace terrazzo

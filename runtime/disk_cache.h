@@ -1,0 +1,53 @@
+// The cache folder as a whole: what is in it, what may leave, what is damaged. Other processes may use the
+// folder meanwhile.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "graph/registry.h"
+#include "runtime/value.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+inline constexpr std::uint64_t default_cache_limit = 20'000'000'000;
+
+struct CacheStats {
+  struct Kind {
+    std::uint64_t count = 0, bytes = 0;
+  };
+  Kind records, values, other;          // other: file hashes, history, what interrupted writers left
+  std::map<std::string, Kind> by_type;  // values
+  double seconds = 0;                   // that the records' computations took
+};
+CacheStats cache_stats(const std::filesystem::path& folder);
+
+struct Collected {
+  std::uint64_t values = 0, records = 0, leftovers = 0, bytes = 0;
+  std::uint64_t left = 0;  // bytes of values that stay
+  bool busy = false;       // another process is collecting: nothing was done
+};
+// Removes what interrupted writers left, records unused for 90 days without values, and, where values take
+// more than `limit` bytes, the least valuable of them down to nine tenths of it: fewest seconds of computing
+// per byte and day unused.
+Collected collect_cache(const std::filesystem::path& folder, std::uint64_t limit);
+
+// Removes every entry, and nothing that is not ours.
+void clear_cache(const std::filesystem::path& folder);
+
+struct Verified {
+  std::uint64_t values = 0, records = 0;  // read and checked
+  std::vector<std::string> damaged;       // files; removed
+  std::uint64_t recomputed = 0;           // of the sample
+  std::uint64_t passed_over = 0;          // other versions, inputs no longer there, nothing but files
+  std::vector<std::string> differing;     // "Anneal 12ab…: particles", their records forgotten
+};
+// Reads every entry, and computes `sample` of them again, chosen by `seed`, to compare their content.
+Verified verify_cache(const std::filesystem::path& folder, const Registry&, const ValueTypes&,
+                      std::uint64_t sample, std::uint64_t seed, const Work&);
+
+}  // namespace terrazzo

@@ -1,0 +1,204 @@
+#include "runtime/session.h"
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "runtime/provenance.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+
+Evaluation::~Evaluation() {
+  cancel();
+  if (thread_.joinable()) thread_.join();
+}
+
+bool Evaluation::done() const {
+  const std::lock_guard lock(mutex_);
+  return done_;
+}
+
+const RunResult& Evaluation::wait() {
+  std::unique_lock lock(mutex_);
+  finished_.wait(lock, [&] { return done_; });
+  if (failure_) std::rethrow_exception(failure_);
+  return result_;
+}
+
+void Evaluation::cancel() {
+  for (auto& flag : cancel_node_) flag = true;
+}
+
+Session::Session(const Registry& registry, const ValueTypes& types, SessionOptions options)
+    : registry_(registry),
+      options_(std::move(options)),
+      store_(types, options_.cache_folder, options_.memory),
+      hashes_(options_.cache_folder.empty() ? fs::path() : options_.cache_folder / "files"),
+      history_(options_.cache_folder.empty() ? fs::path() : options_.cache_folder / "history"),
+      evaluator_(types, store_, hashes_) {}
+
+Session::~Session() {
+  for (const auto& weak : evaluations_)
+    if (const auto e = weak.lock()) {
+      e->cancel();
+      std::unique_lock lock(e->mutex_);
+      e->finished_.wait(lock, [&] { return e->done_; });
+    }
+}
+
+Diagnostics Session::open(const fs::path& file, Overrides overrides) {
+  std::ifstream in(file, std::ios::binary);
+  std::stringstream text;
+  if (!in || fs::is_directory(file) || !(text << in.rdbuf()))
+    return {
+        {Severity::Error, "no-file", "cannot read the graph file '" + file.string() + "'", {}, {}, {}, {}}};
+  return open_text(text.str(), file, std::move(overrides));
+}
+
+Diagnostics Session::open_text(std::string text, const fs::path& file, Overrides overrides) {
+  std::swap(text_, text);
+  fs::path old = std::exchange(file_, file);
+  Diagnostics found = load(std::move(overrides));
+  if (has_errors(found)) text_ = std::move(text), file_ = std::move(old);
+  return found;
+}
+
+namespace {
+
+// What a node is computed from, as far as the graph tells: equal texts, equal computations.
+std::string recipe(const Graph& graph, const GraphNode& node) {
+  std::string out = node.type->name;
+  for (const auto& p : node.type->parameters) {
+    const auto it = node.parameters.find(p.name);
+    out += "\n" + p.name + "=";
+    if (it != node.parameters.end() || p.value)
+      out += canonical(it != node.parameters.end() ? it->second.value : *p.value);
+  }
+  for (const auto& [port, wires] : node.inputs)
+    for (const auto& w : wires)
+      out += "\n" + port + "<" + graph.nodes[static_cast<std::size_t>(w.node)].path + "." + w.port;
+  return out;
+}
+
+// Nodes of `before` that `after` no longer holds as they were, or that stand downstream of such.
+std::vector<int> obsolete_nodes(const Graph& before, const Graph& after) {
+  std::map<std::string, std::string> now;
+  for (const auto& node : after.nodes) now[node.path] = recipe(after, node);
+  std::vector<bool> changed(before.nodes.size());
+  std::vector<int> out;
+  for (std::size_t i = 0; i < before.nodes.size(); ++i) {
+    const GraphNode& node = before.nodes[i];
+    const auto it = now.find(node.path);
+    changed[i] = it == now.end() || it->second != recipe(before, node);
+    for (const auto& [port, wires] : node.inputs)
+      for (const auto& w : wires) changed[i] = changed[i] || changed[static_cast<std::size_t>(w.node)];
+    if (changed[i]) out.push_back(static_cast<int>(i));
+  }
+  return out;
+}
+
+template <class List, class Value>
+void put(List& list, const std::string& name, Value value) {
+  for (auto& [known, v] : list)
+    if (known == name) {
+      v = std::move(value);
+      return;
+    }
+  list.emplace_back(name, std::move(value));
+}
+
+}  // namespace
+
+Diagnostics Session::load(Overrides overrides) {
+  Diagnostics found;
+  auto graph = std::make_shared<Graph>(load_graph_text(text_, file_, registry_, overrides, found));
+  if (has_errors(found)) return found;
+  std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
+  for (const auto& weak : evaluations_)
+    if (const auto e = weak.lock())
+      for (const int i : obsolete_nodes(e->graph(), *graph))
+        e->cancel_node_[static_cast<std::size_t>(i)] = true;
+  graph_ = std::move(graph);
+  overrides_ = std::move(overrides);
+  return found;
+}
+
+Diagnostics Session::set(const std::string& node_parameter, const std::string& value) {
+  Overrides o = overrides_;
+  put(o.set, node_parameter, value);
+  return load(std::move(o));
+}
+
+Diagnostics Session::set_parameter(const std::string& name, const std::string& value) {
+  Overrides o = overrides_;
+  put(o.parameters, name, value);
+  return load(std::move(o));
+}
+
+Diagnostics Session::connect(const std::string& node_input, const std::vector<std::string>& outputs) {
+  Overrides o = overrides_;
+  put(o.wires, node_input, outputs);
+  return load(std::move(o));
+}
+
+std::vector<int> Session::nodes_of(const std::vector<std::string>& targets) const {
+  std::vector<int> out;
+  for (const auto& t : targets) {
+    const int node = graph_->find(t);
+    out.push_back(node >= 0 ? node : graph_->wire_to(t).node);
+  }
+  return out;
+}
+
+std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& targets, Observer* observer) {
+  std::shared_ptr<Evaluation> e(new Evaluation);
+  e->graph_ = graph_;
+  e->cancel_node_.resize(graph_->nodes.size());
+  RunOptions& o = e->options_;
+  o.targets = nodes_of(targets);
+  o.output_folder = options_.output_folder;
+  o.threads = options_.threads;
+  o.cancel = options_.cancel;
+  o.cancel_node = &e->cancel_node_;
+  o.observer = observer;
+  o.provenance = provenance(*graph_, overrides_);
+  evaluations_.push_back(e);
+  e->thread_ = std::thread([this, at = e.get()] {
+    RunResult result;
+    std::exception_ptr failure;
+    try {
+      result = evaluator_.run(*at->graph_, at->options_);
+      history_.record(*at->graph_, result, hashes_);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(at->mutex_);
+    at->result_ = std::move(result);
+    at->failure_ = failure;
+    at->done_ = true;
+    at->finished_.notify_all();
+  });
+  return e;
+}
+
+Value Session::value(const std::string& output) {
+  const Wire wire = graph_->wire_to(output);
+  const auto e = evaluate({output});
+  const RunResult& r = e->wait();
+  for (const auto& node : r.nodes)
+    if (node.error) throw Error(*node.error);
+  if (r.cancelled()) throw Cancelled();
+  return evaluator_.value(e->graph(), r, wire);
+}
+
+double Session::known_seconds(const GraphNode& node) {
+  const auto before = history_.find(*graph_, node);
+  if (!before) return 0;
+  Tier tier;
+  const auto record = store_.find_action(Hash::parse(before->key), tier);
+  return record ? record->seconds : 0;
+}
+
+}  // namespace terrazzo
