@@ -13,18 +13,35 @@ namespace {
 constexpr double depth =
     6;  // pixels: half the radius of the least round part that the full contrast sets apart
 
-// Bodies that are no bodies of their own join the neighbour that they touch most. Returns whether any did.
-bool join_slivers(std::vector<std::int32_t>& bodies, int width, int height, double min_area) {
-  const auto pieces = measure_pieces(bodies, width, height);
-  std::vector<std::map<std::int32_t, double>> contacts(pieces.size());
-  auto touch = [&](std::int32_t a, std::int32_t b) {
-    if (a != b && a != 0 && b != 0) contacts[a - 1][b] += 1, contacts[b - 1][a] += 1;
+struct Contact {
+  double length = 0, gradient = 0;
+};
+
+// Bodies that are no bodies of their own join the neighbour that they touch most: slivers, what lies mostly
+// inside the other, and what has no edge towards it (where the colour changes over more than six pixels).
+// Returns whether any did.
+bool join_slivers(std::vector<std::int32_t>& bodies, const Mosaic& m, const std::vector<float>& gradient,
+                  double min_area) {
+  const auto pieces = measure_pieces(bodies, m.width, m.height);
+  std::vector<Eigen::Vector3d> colors(pieces.size(), Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i] != 0)
+      colors[bodies[i] - 1] += m.smooth.pixels[i].cast<double>() / pieces[bodies[i] - 1].area;
+  std::vector<std::map<std::int32_t, Contact>> contacts(pieces.size());
+  auto touch = [&](std::size_t i, std::size_t j) {
+    const std::int32_t a = bodies[i], b = bodies[j];
+    if (a == b || a == 0 || b == 0) return;
+    const double g = std::max(gradient[i], gradient[j]);
+    for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
+      Contact& c = contacts[from - 1][to];
+      c.length += 1, c.gradient += g;
+    }
   };
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      if (x + 1 < width) touch(bodies[i], bodies[i + 1]);
-      if (y + 1 < height) touch(bodies[i], bodies[i + width]);
+  for (int y = 0; y < m.height; ++y)
+    for (int x = 0; x < m.width; ++x) {
+      const std::size_t i = m.index(x, y);
+      if (x + 1 < m.width) touch(i, i + 1);
+      if (y + 1 < m.height) touch(i, i + m.width);
     }
   std::vector<std::int32_t> target(pieces.size());
   bool any = false;
@@ -32,12 +49,15 @@ bool join_slivers(std::vector<std::int32_t>& bodies, int width, int height, doub
     target[k] = static_cast<std::int32_t>(k + 1);
     const Piece& p = pieces[k];
     std::int32_t most = 0;
-    for (const auto& [other, length] : contacts[k])
-      if (most == 0 || length > contacts[k][most]) most = other;
+    Contact contact;
+    for (const auto& [other, c] : contacts[k])
+      if (most == 0 || c.length > contact.length) most = other, contact = c;
     if (most == 0 || pieces[most - 1].area < p.area) continue;
-    const double embedded = contacts[k][most] / (p.outline + p.contact + p.at_border);
+    const double embedded = contact.length / (p.outline + p.contact + p.at_border);
+    const double difference = (colors[k] - colors[most - 1]).norm();
+    const bool no_edge = contact.gradient / contact.length < difference / 6;
     if (p.area < 2 * min_area || p.area < 0.02 * pieces[most - 1].area || p.solidity() < 0.75 ||
-        embedded > 0.6)
+        embedded > 0.6 || no_edge)
       target[k] = most, any = true;
   }
   for (auto& b : bodies)
@@ -60,26 +80,27 @@ std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::u
   std::vector<std::int32_t> seeds(particles.size(), 0);
   for (std::size_t i = 0; i < seeds.size(); ++i)
     if (particles[i] && patch_is_particle[m.patches[i] - 1]) seeds[i] = m.patches[i];
-  auto labels = watershed(gradient_of(m.smooth), m.width, m.height, seeds, particles, work);
+  const std::vector<float> gradient = gradient_of(m.smooth);
+  auto labels = watershed(gradient, m.width, m.height, seeds, particles, work);
   // The binder, and particle pixels with no particle patch beside them, count as one more region that merges
   // with none.
   const std::int32_t outside = static_cast<std::int32_t>(m.colors.size()) + 1;
+  bool any_outside = false;
   for (auto& l : labels)
-    if (l == 0) l = outside;
+    if (l == 0) l = outside, any_outside = true;
   RegionGraph graph(m.smooth, labels, std::vector<float>(labels.size(), 1.0f));
-  graph.isolate(outside);
+  if (any_outside) graph.isolate(outside);
   graph.merge(depth * m.spread * m.spread, work);
   const auto merged = graph.labels();
   std::int32_t outside_now = 0;
-  for (std::size_t i = 0; i < labels.size() && outside_now == 0; ++i)
+  for (std::size_t i = 0; any_outside && i < labels.size() && outside_now == 0; ++i)
     if (labels[i] == outside) outside_now = merged[i];
   std::vector<std::int32_t> bodies(labels.size(), 0);
   const std::int32_t rest = static_cast<std::int32_t>(m.colors.size()) + 2;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (particles[i]) bodies[i] = merged[i] == outside_now ? rest : merged[i];
   renumber(bodies);
-  for (int round = 0; round < 4 && join_slivers(bodies, m.width, m.height, min_area); ++round)
-    renumber(bodies);
+  for (int round = 0; round < 4 && join_slivers(bodies, m, gradient, min_area); ++round) renumber(bodies);
   return bodies;
 }
 

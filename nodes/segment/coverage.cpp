@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/color.h"
+#include "nodes/segment/split.h"
 
 namespace terrazzo {
 namespace {
@@ -27,23 +29,47 @@ std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width,
   return out;
 }
 
-// Mean colour of the pixels of one side around each place, rim pixels left out where they can be.
+// Mean colour of the pixels of one side around each place.
 struct SideMean {
   LabImage color, weight;
   Vec3f at(std::size_t i) const { return color.pixels[i] / weight.pixels[i][0]; }
-  bool known(std::size_t i) const { return weight.pixels[i][0] > 1e-4f; }
+  bool known(std::size_t i) const { return weight.pixels[i][0] > 1e-6f; }
 };
 
-SideMean side_mean(const LabImage& image, const std::vector<std::uint8_t>& mask, bool inside,
-                   const std::vector<std::uint8_t>& rim, const Work& work) {
+SideMean weighted_mean(const LabImage& image, const std::vector<float>& weights, float sigma,
+                       const Work& work) {
   SideMean m{image, image};
-  for (std::size_t i = 0; i < mask.size(); ++i) {
-    const float w = (mask[i] != 0) != inside ? 0.0f : rim[i] ? 0.02f : 1.0f;
-    m.color.pixels[i] = w * image.pixels[i];
-    m.weight.pixels[i] = Vec3f::Constant(w);
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    m.color.pixels[i] = weights[i] * image.pixels[i];
+    m.weight.pixels[i] = Vec3f::Constant(weights[i]);
   }
-  m.color = blur(m.color, 2.5f, work);
-  m.weight = blur(m.weight, 2.5f, work);
+  m.color = blur(m.color, sigma, work);
+  m.weight = blur(m.weight, sigma, work);
+  return m;
+}
+
+// The pixels at the outline are mixed by the picture's blur, and in a thin gap or a small particle all are:
+// the deeper a pixel lies, up to three pixels, the more it tells of its side's colour.
+std::vector<float> purity(const std::vector<std::uint8_t>& mask, bool inside,
+                          const std::vector<float>& depth2) {
+  std::vector<float> w(mask.size(), 0.0f);
+  for (std::size_t i = 0; i < w.size(); ++i)
+    if ((mask[i] != 0) == inside) w[i] = std::pow(std::min(depth2[i], 9.0f) / 9, 3.0f);
+  return w;
+}
+
+// The binder is one material: where a gap is too thin to show its colour, it is that of the nearest wider
+// places.
+SideMean binder_mean(const LabImage& image, const std::vector<float>& pure, const Work& work) {
+  SideMean m = weighted_mean(image, pure, 2.5f, work);
+  for (const float sigma : {8.0f, 24.0f}) {
+    const SideMean wide = weighted_mean(image, pure, sigma, work);
+    for (std::size_t i = 0; i < pure.size(); ++i) {
+      const float known = m.weight.pixels[i][0], share = std::max(0.0f, 0.1f - known);
+      m.color.pixels[i] += share * wide.color.pixels[i];
+      m.weight.pixels[i] += share * wide.weight.pixels[i];
+    }
+  }
   return m;
 }
 
@@ -66,18 +92,28 @@ std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int 
 std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& particles, const Work& work) {
   // A pixel that two colours share is their mean in light. A grey picture is taken for a signal (a
   // micrograph, a scan), whose mean is that of the values as they were written.
-  LabImage light = m.smooth;
+  LabImage light = m.image;
   work.parallel(light.pixels.size(), 1 << 14, [&](std::size_t b, std::size_t e) {
     for (std::size_t i = b; i < e; ++i) {
       light.pixels[i] = linear_of_patch_color(light.pixels[i]);
       if (m.grey) light.pixels[i] = linear_to_srgb(light.pixels[i]);
     }
   });
-  const auto rim = band(particles, m.width, m.height, 1);
-  const SideMean in = side_mean(light, particles, true, rim, work);
-  const SideMean out = side_mean(light, particles, false, rim, work);
-  const float least = std::max(6 * m.noise, 0.01f);
-  const auto near = band(particles, m.width, m.height, 2);
+  // Noise goes by a blur, which leaves the place of a straight edge's half alone. Diffusion that stops at
+  // edges does not: it draws mixed pixels to the side that is nearer in perceived colour.
+  const float blurring = m.spread > 0 ? std::min(1.4f * m.noise / m.spread, 1.5f) : 0.0f;
+  float noise_left = m.noise;
+  if (blurring > 0.3f) {
+    light = blur(light, blurring, work);
+    noise_left /= std::max(1.0f, 2 * std::sqrt(std::numbers::pi_v<float>) * blurring);
+  }
+  std::vector<std::int32_t> sides(particles.size());
+  for (std::size_t i = 0; i < sides.size(); ++i) sides[i] = particles[i] ? 2 : 1;
+  const auto depth2 = squared_distance(sides, m.width, m.height, false, work);
+  const SideMean in = weighted_mean(light, purity(particles, true, depth2), 2.5f, work);
+  const SideMean out = binder_mean(light, purity(particles, false, depth2), work);
+  const float least = std::max(4 * noise_left, 0.01f);
+  const auto near = band(particles, m.width, m.height, 3);
   std::vector<float> share(particles.size());
   std::vector<std::uint8_t> read(particles.size(), 0);
   for (std::size_t i = 0; i < share.size(); ++i) {

@@ -80,7 +80,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 1)
+  return NodeType("Segment", 2)
       .doc_(
           "Finds the particles of a section in its photograph: patches of even colour, which of them are "
           "binder, where "

@@ -8,6 +8,7 @@
 #include "nodes/segment/bodies.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/min_cut.h"
+#include "nodes/segment/odd_bodies.h"
 #include "nodes/segment/pieces.h"
 #include "nodes/segment/region_tree.h"
 #include "nodes/segment/split.h"
@@ -179,25 +180,15 @@ class ClusterDistance {
 
 // Which patches are particles: the nearest cluster says so, but patches with no edge between them stay
 // together. Evidence of colour grows with a patch's outline and not with its area, since what misleads it
-// (light, stain) is the same all over the patch.
+// (light, stain) is the same all over the patch; so a patch goes with its neighbours where the share of its
+// outline that has no edge outweighs how much nearer its colour is to its own side.
 std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Work& work) {
   const std::size_t n = m.colors.size();
-  const ClusterDistance distance(ground.clusters);
-  std::vector<double> binder(n, 0), particle(n, 0);
-  for (std::size_t k = 0; k < n; ++k) {
-    float to_binder = 1e9f, to_particle = 1e9f;
-    for (std::size_t c = 0; c < ground.is_binder.size(); ++c) {
-      float& d = ground.is_binder[c] ? to_binder : to_particle;
-      d = std::min(d, distance(m.colors[k], c));
-    }
-    const double evidence = 4 * std::sqrt(m.areas[k]) / std::max(1e-9f, to_binder + to_particle);
-    binder[k] = evidence * to_binder, particle[k] = evidence * to_particle;
-  }
   const std::vector<float> gradient = gradient_of(m.smooth);
   auto sorted = gradient;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double usual = 2 * *middle + 1e-6;
+  const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
+  std::nth_element(sorted.begin(), quartile, sorted.end());
+  const double usual = 3.1 * *quartile + 1e-6;
   std::map<std::pair<std::int32_t, std::int32_t>, std::pair<double, double>>
       borders;  // length, sum of gradients
   for (int y = 0; y < m.height; ++y)
@@ -211,9 +202,23 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
       if (x + 1 < m.width) see(i + 1);
       if (y + 1 < m.height) see(i + m.width);
     }
+  std::vector<double> outline(n, 0);
   std::vector<CutEdge> edges;
-  for (const auto& [pair, b] : borders)
+  for (const auto& [pair, b] : borders) {
+    outline[pair.first - 1] += b.first, outline[pair.second - 1] += b.first;
     edges.push_back({pair.first - 1, pair.second - 1, b.first * std::exp(-b.second / b.first / usual)});
+  }
+  const ClusterDistance distance(ground.clusters);
+  std::vector<double> binder(n, 0), particle(n, 0);
+  for (std::size_t k = 0; k < n; ++k) {
+    float to_binder = 1e9f, to_particle = 1e9f;
+    for (std::size_t c = 0; c < ground.is_binder.size(); ++c) {
+      float& d = ground.is_binder[c] ? to_binder : to_particle;
+      d = std::min(d, distance(m.colors[k], c));
+    }
+    const double evidence = 0.5 * outline[k] / std::max(1e-9f, to_binder + to_particle);
+    binder[k] = evidence * to_binder, particle[k] = evidence * to_particle;
+  }
   return min_cut(binder, particle, edges, work);
 }
 
@@ -253,7 +258,8 @@ std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int 
 Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOptions& options,
                            const Work& work) {
   Particles2D out;
-  const std::vector<bool> of_patch = label_patches(m, ground, work);
+  std::vector<bool> of_patch = label_patches(m, ground, work);
+  add_odd_bodies(m, ground, std::max(48.0, options.min_area), of_patch, work);
   Mask mask(m.patches.size());
   for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = of_patch[m.patches[i] - 1];
   const auto parts_of = [&] { return connected_components(raster_of(mask, true), m.width, m.height, false); };

@@ -21,7 +21,10 @@ float spread_of(const LabImage& image) {
   return static_cast<float>(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
 }
 
-// Median colour difference of pixels four apart: noise and texture, since edges are few.
+// Usual colour difference of pixels four apart: noise and texture. From the lower quartile, since in a
+// picture of many small particles every other pair has an edge between it; 2.4 takes it to the median that
+// noise and texture alone would have (2.1 for normal ones of one channel, less of three, more where texture
+// is patchy).
 float usual_difference(const LabImage& image) {
   constexpr int apart = 4;
   std::vector<float> all;
@@ -32,9 +35,9 @@ float usual_difference(const LabImage& image) {
       if (y + apart < image.height) all.push_back((p - image.pixels[image.index(x, y + apart)]).norm());
     }
   if (all.empty()) return 0;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  const auto quartile = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 4);
+  std::nth_element(all.begin(), quartile, all.end());
+  return 2.4f * *quartile;
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
 Method fitting_method(const std::vector<Mosaic>& sections) {
   double apart = 0, usual = 0;
   for (const auto& m : sections) apart += m.spread, usual += m.contrast;
-  return apart < 5.5 * usual ? Method::Regions : Method::Clusters;
+  return apart < 5 * usual ? Method::Regions : Method::Clusters;
 }
 
 Vec3f binder_color(const Ground& ground, const Hint& hint) {
