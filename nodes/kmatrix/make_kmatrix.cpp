@@ -37,9 +37,11 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     const Shape& shape = shapes.shapes[i];
     const Work part = work.part(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
-    const SectionStatistics s = options.method == "analytic"
-                                    ? ellipsoid_statistics(fit_ellipsoid(shape))
-                                    : slice_statistics(shape, options.classes, options.orientations, part);
+    const SectionStatistics s =
+        options.method == "analytic" ? ellipsoid_statistics(fit_ellipsoid(shape))
+        : options.method == "stencil"
+            ? stencil_statistics(shape, options.classes, options.orientations, options.device, part)
+            : slice_statistics(shape, options.classes, options.orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();
     e.probability = shape.probability / total;
     e.mean_caliper = s.mean_caliper, e.max_section_area = s.max_section_area, e.volume = s.volume;

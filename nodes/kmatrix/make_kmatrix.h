@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "nodes/common/egl_context.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
@@ -10,15 +11,17 @@
 namespace terrazzo {
 
 struct KMatrixOptions {
-  std::string method = "slice";  // "analytic" or "slice"
+  std::string method = "slice";  // "analytic", "slice" or "stencil"
   int classes = 10;              // equal classes of √(A/A_max)
   std::string averaging =
-      "uniform";                 // sizes within a column's class, or "upper_edge" (Jagnow et al. 2004, eq. 3)
-  std::size_t orientations = 0;  // of `slice`; 0: until 0.1 % per class is reached
+      "uniform";  // sizes within a column's class, or "upper_edge" (Jagnow et al. 2004, eq. 3)
+  std::size_t orientations =
+      0;  // of `slice`, 0: until 0.1 % per class is reached; planes of `stencil`, 0: 16384
+  GlDevice device = GlDevice::Cpu;  // of `stencil`
 };
 
 // `orientations_used` gets the most directions that any shape took (0 for `analytic`).
-// Throws Error "no-shapes", "bad-probabilities", "unmeasured-shape", "not-an-ellipsoid".
+// Throws Error "no-shapes", "bad-probabilities", "unmeasured-shape", "not-an-ellipsoid", "no-gl".
 KMatrix make_kmatrix(const Shapes&, const KMatrixOptions&, const Work& = {},
                      std::size_t* orientations_used = nullptr);
 

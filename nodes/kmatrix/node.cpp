@@ -1,11 +1,53 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
+#include "nodes/common/plot.h"
+#include "nodes/common/size_kernel.h"
+#include "nodes/data/table.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+
+std::string name_of(const Shapes& shapes, std::size_t i) {
+  return shapes.shapes[i].name.empty() ? fmt::format("shape {}", i + 1) : shapes.shapes[i].name;
+}
+
+// How likely a plane that meets a particle of the largest size shows a profile of each class: K's last column
+// with every particle at its upper edge, the curves of figure 4.
+Table table_of(const KMatrix& k, const Shapes& shapes) {
+  Table t;
+  t.columns = {"shape", "probability", "mean caliper mm", "largest section mm²", "profiles per caliper"};
+  for (int i = 0; i < k.classes; ++i)
+    t.columns.push_back(fmt::format("√(A/A_max) ≤ {:.4g}", static_cast<double>(i + 1) / k.classes));
+  for (std::size_t s = 0; s < k.shapes.size(); ++s) {
+    const auto& e = k.shapes[s];
+    auto& row = t.rows.emplace_back();
+    row = {name_of(shapes, s), e.probability, e.mean_caliper, e.max_section_area, e.profiles_per_caliper};
+    for (int i = 0; i < k.classes; ++i)
+      row.push_back(e.profiles_per_caliper * (cdf_at(e.cdf, static_cast<double>(i + 1) / k.classes) -
+                                              cdf_at(e.cdf, static_cast<double>(i) / k.classes)));
+  }
+  return t;
+}
+
+Image figure_of(const KMatrix& k, const Shapes& shapes) {
+  constexpr int kPoints = 100;
+  Plot plot;
+  plot.title = "Likelihood of cross-sectional area", plot.x_label = "sqrt(A / A_max)",
+  plot.y_label = "density";
+  for (std::size_t s = 0; s < k.shapes.size(); ++s) {
+    PlotSeries line{PlotSeries::Kind::Line, name_of(shapes, s), {}, {}, {}, {}, static_cast<int>(s)};
+    for (int i = 0; i < kPoints; ++i) {
+      line.x.push_back((i + 0.5) / kPoints);
+      line.y.push_back(kPoints * (cdf_at(k.shapes[s].cdf, (i + 1.0) / kPoints) -
+                                  cdf_at(k.shapes[s].cdf, static_cast<double>(i) / kPoints)));
+    }
+    plot.series.push_back(std::move(line));
+  }
+  return draw(plot);
+}
 
 void compute(Context& c) {
   KMatrixOptions options;
@@ -14,9 +56,10 @@ void compute(Context& c) {
   options.averaging = c.text("averaging");
   const bool automatic = c.keyword("orientations") == "auto";
   if (!automatic) options.orientations = static_cast<std::size_t>(c.integer("orientations"));
+  options.device = c.text("device") == "gpu" ? GlDevice::Gpu : GlDevice::Cpu;
   std::size_t used = 0;
   KMatrix k = make_kmatrix(c.input<Shapes>("shapes"), options, c.work(), &used);
-  if (automatic && k.residual > 1e-3)
+  if (automatic && options.method == "slice" && k.residual > 4e-3)
     c.warn(fmt::format(
         "after {} directions a class still changed by {:.2g} %; use fewer classes or set orientations", used,
         100 * k.residual));
@@ -26,14 +69,17 @@ void compute(Context& c) {
   c.metric("mean_caliper", caliper);
   c.metric("profiles_per_caliper", profiles);
   c.metric("residual", k.residual);
-  if (options.method == "slice") c.metric("orientations", static_cast<double>(used));
+  if (options.method != "analytic") c.metric("orientations", static_cast<double>(used));
+  const Shapes& shapes = c.input<Shapes>("shapes");
+  c.output("table", table_of(k, shapes));
+  c.output("figure", figure_of(k, shapes));
   c.output("kmatrix", std::move(k));
 }
 
 }  // namespace
 
 NodeType kmatrix_node() {
-  return NodeType("KMatrix", 1)
+  return NodeType("KMatrix", 2)
       .doc_(
           "How often a particle of each size shows a profile of each size in a random plane, for every "
           "shape: the "
@@ -44,25 +90,33 @@ NodeType kmatrix_node() {
       .input("shapes", "Shapes", "The particles' forms with their probabilities")
       .output("kmatrix", "KMatrix",
               "One matrix per shape, with mean caliper, largest section and profiles per caliper")
+      .output("table", "Table", "For each shape its measures and how likely profiles of each class are")
+      .output("figure", "Image", "The same as curves, as in figure 4")
       .parameter(
-          Parameter::choice("method", "slice", {"slice", "analytic"})
+          Parameter::choice("method", "slice", {"slice", "analytic", "stencil"})
               .doc_("slice cuts any closed mesh: quasi-random directions, all depths of each integrated "
-                    "exactly, "
-                    "disjoint profiles counted apart. analytic is the closed form for spheres, spheroids and "
-                    "ellipsoids, and refuses a mesh that is not the tessellation of one (vertices within 0.1 "
-                    "%, "
-                    "90 % of its volume filled)."))
+                    "exactly, disjoint profiles counted apart. analytic is the closed form for spheres, "
+                    "spheroids and ellipsoids, and refuses a mesh that is not the tessellation of one "
+                    "(vertices "
+                    "within 0.1 %, 90 % of its volume filled). stencil is the paper's: one plane at a time, "
+                    "its "
+                    "pixels counted by OpenGL's stencil buffer; slower and coarser."))
       .parameter(
           Parameter::integer("classes", 10).range(1, 200).doc_("Number of equal classes of √(A/A_max)"))
       .parameter(
           Parameter::choice("averaging", "uniform", {"uniform", "upper_edge"})
               .doc_("Sizes within a column's class: uniform, or all at its upper edge as in the paper's "
                     "equation 3, which biases what is unfolded with it."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "orientations", "auto")
-                     .range(2, 10000000)
-                     .doc_("Directions that slice uses; auto doubles them until no class changes by more "
-                           "than 0.1 %, at "
-                           "most 65536."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Int, "orientations", "auto")
+              .range(2, 10000000)
+              .doc_("Directions that slice uses; auto doubles them until no class changes by more "
+                    "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), at most 65536. "
+                    "Planes that stencil cuts; auto is 16384."))
+      .parameter(
+          Parameter::choice("device", "cpu", {"cpu", "gpu"})
+              .doc_("Where stencil draws: cpu is Mesa's software renderer, gpu the first GPU with EGL. The "
+                    "two may differ by pixels at edges."))
       .compute_(compute);
 }
 

@@ -5,19 +5,24 @@
 
 #include "nodes/common/mesh.h"
 #include "nodes/common/profile_sweep.h"
+#include "nodes/kmatrix/grid_sweep.h"
 #include "nodes/kmatrix/section_statistics.h"
 
 namespace terrazzo {
 namespace {
 
 constexpr std::size_t kMostOrientations = 65536;
-constexpr double kTolerance = 1e-3;
+constexpr double kTolerance = 1e-3, kManyTolerance = 4e-3;
+// From here on a convex body is smooth between GridSweep's depths, which are exact; and a direction costs so
+// much that the last half percent is not waited for (what is left is about a third of the last change).
+constexpr std::size_t kManyTriangles = 1000;
 
 // R2 sequence (Roberts 2018) on the half sphere: any prefix is evenly spread, so that directions can be
-// added.
+// added. Folded at the pole and the equator (baker's transformation), which a half sphere has no period
+// across.
 Vec3 direction(std::size_t i) {
   const auto k = static_cast<double>(i + 1);
-  const double x = std::fmod(0.5 + 0.7548776662466927 * k, 1.0),
+  const double x = std::abs(2 * std::fmod(0.5 + 0.7548776662466927 * k, 1.0) - 1),
                y = std::fmod(0.5 + 0.5698402909980532 * k, 1.0);
   const double r = std::sqrt(1 - x * x), phi = 2 * std::numbers::pi * y;
   return {r * std::cos(phi), r * std::sin(phi), x};
@@ -75,12 +80,12 @@ void add(Histogram& out, const AreaRange& r, double max_area) {
   }
 }
 
-std::vector<double> class_shares(const Histogram& h, int classes) {
+std::vector<double> class_shares(const std::vector<double>& histogram, int classes) {
   std::vector<double> shares(classes, 0.0);
   double sum = 0;
   for (int b = 0; b < kSectionBins; ++b) {
-    shares[static_cast<std::size_t>(b) * classes / kSectionBins] += h.depth[b];
-    sum += h.depth[b];
+    shares[static_cast<std::size_t>(b) * classes / kSectionBins] += histogram[b];
+    sum += histogram[b];
   }
   for (double& s : shares) s /= sum;
   return shares;
@@ -88,28 +93,38 @@ std::vector<double> class_shares(const Histogram& h, int classes) {
 
 }  // namespace
 
+double largest_change(const std::vector<double>& before, const std::vector<double>& after, int classes) {
+  const auto a = class_shares(before, classes), b = class_shares(after, classes);
+  double largest = 0;
+  for (int k = 0; k < classes; ++k)
+    if (b[k] > 0) largest = std::max(largest, std::abs(b[k] - a[k]) / b[k]);
+  return largest;
+}
+
 SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t orientations,
                                    const Work& work) {
-  const bool convex = mesh_is_convex(shape.mesh);
+  const bool convex = mesh_is_convex(shape.mesh),
+             many = convex && shape.mesh.triangles.size() >= kManyTriangles;
   const auto run = [&](std::size_t first, std::size_t last, const Work& part) {
     return part.reduce(
         last - first, 32, Histogram{},
         [&](std::size_t begin, std::size_t end) {
           Histogram h;
-          if (convex) {
-            DepthSweep sweep(shape.mesh);
+          const auto sweep_all = [&](auto&& sweep, const auto& area_of) {
             for (std::size_t i = begin; i < end; ++i) {
               part.check();
-              for (const AreaRange& r : sweep.sweep(direction(first + i))) add(h, r, shape.max_section_area);
+              for (const auto& r : sweep.sweep(direction(first + i)))
+                add(h, area_of(r), shape.max_section_area);
             }
-          } else {
-            ProfileSweep sweep(shape.mesh);
-            for (std::size_t i = begin; i < end; ++i) {
-              part.check();
-              for (const ProfileRange& r : sweep.sweep(direction(first + i)))
-                add(h, r.area, shape.max_section_area);
-            }
-          }
+          };
+          const auto area = [](const AreaRange& r) -> const AreaRange& { return r; };
+          if (!convex)
+            sweep_all(ProfileSweep(shape.mesh),
+                      [](const ProfileRange& r) -> const AreaRange& { return r.area; });
+          else if (many)
+            sweep_all(GridSweep(shape.mesh), area);
+          else
+            sweep_all(DepthSweep(shape.mesh), area);
           return h;
         },
         [](Histogram a, const Histogram& b) { return a += b, std::move(a); });
@@ -119,18 +134,17 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
   const bool adaptive = orientations == 0;
   // The fewer the triangles, the sharper the peaks over directions, and the cheaper each direction.
   const std::size_t first =
-      std::clamp<std::size_t>(8192 * 500 / std::max<std::size_t>(1, shape.mesh.triangles.size()), 256, 8192);
+      many ? 512
+           : std::clamp<std::size_t>(8192 * 500 / std::max<std::size_t>(1, shape.mesh.triangles.size()), 256,
+                                     8192);
   std::size_t half = adaptive ? first : std::max<std::size_t>(1, orientations / 2);
   Histogram sum = run(0, half, work.part(0, adaptive ? 0.1 : 0.5));
   for (s.orientations = half;;) {
     const std::size_t all = adaptive ? 2 * half : std::max<std::size_t>(orientations, 2);
-    const auto before = class_shares(sum, classes);
+    const auto before = sum.depth;
     sum += run(half, all, adaptive ? work : work.part(0.5, 1));
-    const auto after = class_shares(sum, classes);
-    s.orientations = all, s.residual = 0;
-    for (int k = 0; k < classes; ++k)
-      if (after[k] > 0) s.residual = std::max(s.residual, std::abs(after[k] - before[k]) / after[k]);
-    if (!adaptive || s.residual <= kTolerance || all >= kMostOrientations) break;
+    s.orientations = all, s.residual = largest_change(before, sum.depth, classes);
+    if (!adaptive || s.residual <= (many ? kManyTolerance : kTolerance) || all >= kMostOrientations) break;
     half = all;
   }
   s.cdf.resize(kSectionBins);

@@ -1,0 +1,39 @@
+// OpenGL 4.5 without a window: surfaceless EGL, on a GPU or on Mesa's software renderer.
+#pragma once
+
+#include <memory>
+#include <string>
+
+namespace terrazzo {
+
+enum class GlDevice {
+  Cpu,  // Mesa's llvmpipe: slow, the same pixels on every machine with the same Mesa
+  Gpu   // the first EGL device that is none
+};
+
+// A core context, current on the thread that made it until it is destroyed there. One at a time per thread.
+class EglContext {
+ public:
+  // Throws Error "no-gl" where there is no such device, no EGL, or no OpenGL 4.5.
+  explicit EglContext(GlDevice);
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  const std::string& renderer() const { return renderer_; }
+  // An OpenGL function by name, cast to its PFNGL…PROC type (GL/glcorearb.h). Throws Error "no-gl" where
+  // there is none.
+  template <class Function>
+  Function function(const char* name) const {
+    return reinterpret_cast<Function>(find(name));
+  }
+
+ private:
+  using Proc = void (*)();
+  Proc find(const char* name) const;
+  struct Handles;
+  std::unique_ptr<Handles> handles_;
+  std::string renderer_;
+};
+
+}  // namespace terrazzo
