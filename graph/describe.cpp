@@ -104,6 +104,19 @@ std::string describe_markdown(const NodeType& t) {
   return out;
 }
 
+NodeType describe_graph(const Graph& g) {
+  NodeType t(g.name, 1);
+  t.doc = g.doc.empty() ? "The graph " + g.file : g.doc;
+  t.inputs = g.inputs;
+  for (const auto& p : g.parameters) t.parameters.push_back(p.declaration);
+  for (const auto& o : g.outputs) {
+    const Port& port = *g.nodes[static_cast<std::size_t>(o.wire.node)].type->find_output(o.wire.port);
+    t.outputs.push_back(port);
+    t.outputs.back().name = o.name;
+  }
+  return t;
+}
+
 namespace {
 
 json parameter_schema(const Parameter& p) {

@@ -15,6 +15,9 @@ std::string describe_markdown(const NodeType&);
 // "1 mm, above 0", "auto", "required"
 std::string range_text(const Parameter&);
 
+// A graph as if it were a node type: its parameters, its inputs and outputs with the types they end in.
+NodeType describe_graph(const Graph&);
+
 // JSON Schema (draft 2020-12) of graph files, for completion and checking in editors.
 nlohmann::json graph_schema(const Registry&);
 

@@ -48,9 +48,11 @@ struct GraphParameter {
 
 struct Graph {
   std::string name;
+  std::string doc;
   std::string file;
   std::vector<GraphNode> nodes;  // sources before their consumers
   std::vector<GraphOutput> outputs;
+  std::vector<Port> inputs;  // what a graph around this one may connect
   std::vector<GraphParameter> parameters;
 
   int find(const std::string& path) const;  // −1 where there is none

@@ -163,6 +163,26 @@ void Linker::check_subgraph_inputs(Scope& scope, const RawNode& raw) {
   }
 }
 
+void Linker::describe_inputs(Scope& root) {
+  for (const auto& [name, ref] : root.doc.inputs) {
+    const auto dot = ref.text.rfind('.');
+    const int index = find(ref.text.substr(0, dot));
+    const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
+    const NodeType* type = index < 0 ? nullptr : graph_.nodes[static_cast<std::size_t>(index)].type;
+    const Port* input = type ? type->find_input(port) : nullptr;
+    const Port* output = type ? type->find_output(port) : nullptr;
+    if (!input || output) {  // an output that is replaced, perhaps one of a graph within
+      const auto wire = resolve(root, ref);
+      if (!wire) continue;
+      output = graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port);
+    }
+    Port p = output ? *output : *input;
+    p.name = name;
+    p.optional = output || input->optional;  // what it replaces is there without it
+    graph_.inputs.push_back(std::move(p));
+  }
+}
+
 void Linker::check_wiring_of_ports() {
   for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
     const GraphNode& node = graph_.nodes[i];

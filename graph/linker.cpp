@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 
 Graph Linker::link(RawDocument doc) {
   graph_.name = doc.name.empty() ? doc.file.stem().string() : doc.name;
+  graph_.doc = doc.doc;
   graph_.file = doc.file.string();
   std::map<std::string, Given> given;
   for (const auto& [name, text] : overrides_.parameters)
@@ -31,6 +32,7 @@ Graph Linker::link(RawDocument doc) {
   check_wiring_of_ports();
   for (const auto& [name, ref] : root.doc.outputs)
     if (const auto w = resolve(root, ref)) graph_.outputs.push_back({name, *w});
+  describe_inputs(root);
   report_unused_wires();
   sort();
   add_uses_to_messages();

@@ -89,6 +89,8 @@ class Linker {
   void check_subgraph_inputs(Scope& scope, const RawNode& raw);
 
   void check_wiring_of_ports();
+  // The graph's own inputs with the types of the ports they stand for; what names nothing is a mistake.
+  void describe_inputs(Scope& root);
 
   // Sources before consumers, otherwise in the order written.
   void sort();

@@ -39,6 +39,8 @@ class DocumentReader {
                  read_version(v, k);
                } else if (key == "name" && v.IsScalar()) {
                  doc_.name = v.Scalar();
+               } else if (key == "doc" && v.IsScalar()) {
+                 doc_.doc = v.Scalar();
                } else if (key == "parameters") {
                  each_key(v, {}, "parameters",
                           [&](const auto& n, const auto& nk, const auto& nv) { read_parameter_(n, nk, nv); });

@@ -33,7 +33,7 @@ struct RawParameter {
 };
 struct RawDocument {
   std::filesystem::path file;
-  std::string name;
+  std::string name, doc;
   std::vector<RawParameter> parameters;
   std::vector<RawNode> nodes;
   std::vector<std::pair<std::string, RawReference>> inputs, outputs;

@@ -6,9 +6,11 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "graph/nearest.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/reference.h"
 
 namespace terrazzo::cli {
 
@@ -35,39 +37,70 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
   });
 }
 
+namespace {
+
+struct NodesCommand : GraphOptions {
+  std::string type, out, examples;
+  bool json = false, markdown = false, pictures = false;
+};
+
+// A graph file told of like a node: what it takes, gives and lets its user set.
+std::optional<NodeType> graph_as_type(const Program& program, const std::string& file) {
+  Diagnostics found;
+  const Graph graph = load_graph(file, program.registry, {}, found);
+  // A graph meant for use inside others lacks what its user sets there.
+  std::erase_if(
+      found, [](const Diagnostic& d) { return d.code == "missing-parameter" || d.code == "missing-input"; });
+  print(found);
+  if (has_errors(found)) return {};
+  return describe_graph(graph);
+}
+
+int nodes(const Program& program, const NodesCommand& o) {
+  if (!o.out.empty()) {
+    write_reference(program, o.out, o.examples, o.pictures, o);
+    return done;
+  }
+  std::vector<const NodeType*> types = program.registry.all();
+  std::optional<NodeType> graph;
+  if (const auto extension = std::filesystem::path(o.type).extension();
+      extension == ".yaml" || extension == ".yml") {
+    graph = graph_as_type(program, o.type);
+    if (!graph) return wrong_usage;
+    types = {&*graph};
+  } else if (!o.type.empty()) {
+    const NodeType* t = program.registry.find(o.type);
+    if (!t) {
+      std::cerr << "error: there is no node type '" << o.type << "'"
+                << did_you_mean(o.type, program.registry.names()) << '\n';
+      return wrong_usage;
+    }
+    types = {t};
+  }
+  if (o.json) {
+    nlohmann::json all = nlohmann::json::array();
+    for (const auto* t : types) all.push_back(describe_json(*t));
+    std::cout << (o.type.empty() ? all : all[0]).dump(2) << '\n';
+  } else if (o.markdown || !o.type.empty()) {
+    for (const auto* t : types) std::cout << (o.markdown ? describe_markdown(*t) : describe_text(*t)) << '\n';
+  } else {
+    for (const auto* t : types) std::cout << fmt::format("{:<16} {}\n", t->name, t->doc);
+  }
+  return done;
+}
+
+}  // namespace
+
 void add_nodes(CLI::App& app, const Program& program, int& exit_code) {
-  struct Options {
-    std::string type;
-    bool json = false, markdown = false;
-  };
-  auto* command = app.add_subcommand("nodes", "List node types, or describe one");
-  auto o = std::make_shared<Options>();
-  command->add_option("type", o->type, "Node type");
+  auto* command = app.add_subcommand("nodes", "List node types, or describe one, or a graph file like one");
+  auto o = std::make_shared<NodesCommand>();
+  command->add_option("type", o->type, "Node type, or graph file");
   auto* json = command->add_flag("--json", o->json, "As JSON");
   command->add_flag("--markdown", o->markdown, "As Markdown")->excludes(json);
-  command->callback([o, &program, &exit_code] {
-    std::vector<const NodeType*> types = program.registry.all();
-    if (!o->type.empty()) {
-      const NodeType* t = program.registry.find(o->type);
-      if (!t) {
-        std::cerr << "error: there is no node type '" << o->type << "'"
-                  << did_you_mean(o->type, program.registry.names()) << '\n';
-        exit_code = wrong_usage;
-        return;
-      }
-      types = {t};
-    }
-    if (o->json) {
-      nlohmann::json all = nlohmann::json::array();
-      for (const auto* t : types) all.push_back(describe_json(*t));
-      std::cout << (o->type.empty() ? all : all[0]).dump(2) << '\n';
-    } else if (o->markdown || !o->type.empty()) {
-      for (const auto* t : types)
-        std::cout << (o->markdown ? describe_markdown(*t) : describe_text(*t)) << '\n';
-    } else {
-      for (const auto* t : types) std::cout << fmt::format("{:<16} {}\n", t->name, t->doc);
-    }
-  });
+  auto* out = command->add_option("--out", o->out, "Write a page for each type to this folder");
+  command->add_option("--examples", o->examples, "Where the types' examples lie")->needs(out);
+  command->add_flag("--pictures", o->pictures, "Run the examples and write their pictures")->needs(out);
+  command->callback([o, &program, &exit_code] { exit_code = nodes(program, *o); });
 }
 
 void add_schema(CLI::App& app, const Program& program, int&) {

@@ -84,10 +84,7 @@ bool check_points(const Program& program, const SweepCommand& o, const std::vect
 
 std::string caption(const SweepPoint& p) {
   std::string out;
-  for (const auto& [target, value] : p.values) {
-    const auto dot = target.rfind('.');
-    out += (out.empty() ? "" : ", ") + target.substr(dot == std::string::npos ? 0 : dot + 1) + " " + value;
-  }
+  for (const auto& [target, value] : p.values) out += (out.empty() ? "" : ", ") + target + " " + value;
   return out;
 }
 

@@ -61,7 +61,8 @@ TEST_F(BadInput, ACorruptPicture) {
 }
 
 TEST_F(BadInput, APictureOfOneColour) {
-  write_image(folder / "grey.png", Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one step of 8 bit
+  write_image(folder / "grey.png",
+              Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one step of 8 bit
   EXPECT_SAYS(run(segment_graph("grey.png")), 1, "error: segment");
 }
 

@@ -36,7 +36,8 @@ const Registry& arithmetic() {
                  c.output("out", table(std::clamp(in(c, "in"), c.number("low"), c.number("high"))));
                })
               .input("in", "Table", "in")
-              .parameter(Parameter::number("low", 0).doc_("l"))
+              .was("Limit")
+              .parameter(Parameter::number("low", 0).was("minimum").doc_("l"))
               .parameter(Parameter::number("high", 1).doc_("h")));
     r.add(type("Sum", [](Context& c) {
             double sum = 0;
@@ -62,6 +63,15 @@ const Registry& arithmetic() {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     }));
+    r.add(type("Big",
+               [](Context& c) {  // a table of many rows, all with `value`
+                 Table t{{"value"}, {}};
+                 t.rows.assign(static_cast<std::size_t>(c.integer("rows")), {c.number("value")});
+                 c.output("out", t);
+               })
+              .optional_input("in", {"Table"}, "waited for")
+              .parameter(Parameter::integer("rows", 1000).range(1, 1e7).doc_("r"))
+              .parameter(Parameter::number("value", 1).range(-1000, 1000).doc_("v")));
     r.add(NodeType("Write", 1)
               .doc_("test")
               .input("in", "Table", "in")

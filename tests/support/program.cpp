@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -15,7 +16,7 @@
 namespace terrazzo::test {
 namespace fs = std::filesystem;
 
-ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& options) {
+ProgramRun run_command(const std::vector<std::string>& command, const ProgramOptions& options) {
   const fs::path base = temporary_folder();
   const fs::path out = base / "stdout", err = base / "stderr";
   const pid_t child = ::fork();
@@ -31,15 +32,16 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramO
       ::setrlimit(RLIMIT_FSIZE, &limit);
       std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG, as it does with ENOSPC
     }
-    std::vector<char*> argv{const_cast<char*>(TERRAZZO_PROGRAM)};
-    for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    if (!options.environment.empty()) ::putenv(const_cast<char*>(options.environment.c_str()));
+    std::vector<char*> argv;
+    for (const auto& a : command) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
-    ::execv(TERRAZZO_PROGRAM, argv.data());
+    ::execvp(argv[0], argv.data());
     ::_exit(98);
   }
-  if (options.interrupt_after >= 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after));
-    ::kill(child, SIGINT);
+  if (const double after = std::max(options.interrupt_after, options.kill_after); after >= 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(after));
+    ::kill(child, options.kill_after >= 0 ? SIGKILL : SIGINT);
   }
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -49,6 +51,13 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramO
   return run;
 }
 
+ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& options) {
+  std::vector<std::string> command{TERRAZZO_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  return run_command(command, options);
+}
+
 fs::path source_folder() { return TERRAZZO_SOURCE; }
+fs::path build_folder() { return fs::path(TERRAZZO_PROGRAM).parent_path(); }
 
 }  // namespace terrazzo::test

@@ -1,4 +1,4 @@
-// Runs the terrazzo program as a user would.
+// Runs programs, terrazzo above all, as a user would.
 #pragma once
 
 #include <filesystem>
@@ -14,11 +14,17 @@ struct ProgramRun {
 
 struct ProgramOptions {
   double interrupt_after = -1;        // seconds; < 0: never. Ctrl-C
+  double kill_after = -1;             // seconds; < 0: never. kill -9
   long largest_file = -1;             // bytes; < 0: no limit. Writing more fails as on a full disk
+  std::string environment = {};       // one NAME=VALUE more
   std::filesystem::path folder = {};  // to run in
 };
 
+// `command`: the program, found in PATH where it has no slash, and its arguments.
+ProgramRun run_command(const std::vector<std::string>& command, const ProgramOptions& = {});
+// terrazzo with these arguments.
 ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& = {});
 std::filesystem::path source_folder();
+std::filesystem::path build_folder();
 
 }  // namespace terrazzo::test

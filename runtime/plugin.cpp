@@ -1,0 +1,58 @@
+#include "runtime/plugin.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+void load(const fs::path& file, Registry& registry, ValueTypes& types) {
+  // Never closed: node types point into it.
+  void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!library) throw Error("plugin", ::dlerror());
+  const auto version = reinterpret_cast<int (*)()>(::dlsym(library, "terrazzo_plugin_interface"));
+  const auto add = reinterpret_cast<void (*)(Registry&, ValueTypes&)>(::dlsym(library, "terrazzo_plugin"));
+  if (!version || !add)
+    throw Error("plugin", "'" + file.string() + "' is no plugin", "it needs a TERRAZZO_PLUGIN function");
+  if (version() != plugin_interface)
+    throw Error("plugin",
+                "'" + file.string() + "' was built against headers of interface " +
+                    std::to_string(version()) + ", this program has " + std::to_string(plugin_interface),
+                "build it again");
+  add(registry, types);
+}
+
+}  // namespace
+
+Diagnostics load_plugins(const std::string& path_list, Registry& registry, ValueTypes& types) {
+  Diagnostics found;
+  std::vector<fs::path> files;
+  for (std::size_t at = 0; at < path_list.size();) {
+    const auto colon = std::min(path_list.find(':', at), path_list.size());
+    const fs::path entry = path_list.substr(at, colon - at);
+    at = colon + 1;
+    if (entry.empty()) continue;
+    std::error_code error;
+    if (!fs::is_directory(entry, error)) {
+      files.push_back(entry);
+      continue;
+    }
+    std::vector<fs::path> inside;
+    for (const auto& e : fs::directory_iterator(entry, error))
+      if (e.path().extension() == ".so") inside.push_back(e.path());
+    std::sort(inside.begin(), inside.end());
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  for (const auto& file : files) try {
+      load(fs::absolute(file), registry, types);
+    } catch (const Error& e) {
+      found.push_back(e.diagnostic());
+    }
+  return found;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,174 @@
+#include "runtime/disk_cache.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <fstream>
+
+#include "nodes/data/table.h"
+#include "runtime/evaluate.h"
+#include "tests/support/arithmetic.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using test::count;
+using test::graph_of;
+using test::paths;
+using Paths = std::vector<std::string>;
+
+class DiskCache : public ::testing::Test {
+ protected:
+  RunResult run(const Graph& g, std::uint64_t memory = Store::default_memory) {
+    Store store(test::value_types(), cache, memory);
+    FileHashes hashes;
+    RunOptions o;
+    o.output_folder = folder / "out";
+    return Evaluator(test::value_types(), store, hashes).run(g, o);
+  }
+  Verified verify(std::uint64_t sample) {
+    return verify_cache(cache, test::arithmetic(), test::value_types(), sample, 1, Work());
+  }
+  static void age(const fs::path& file, double seconds) {
+    struct timespec now;
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    const struct timespec then = {now.tv_sec - static_cast<time_t>(seconds), 0}, times[2] = {then, then};
+    ::utimensat(AT_FDCWD, file.c_str(), times, 0);
+  }
+  fs::path folder = test::temporary_folder(), cache = folder / "cache";
+};
+
+const std::string three =
+    "nodes:\n"
+    "  small: {type: Big, params: {rows: 10}}\n"
+    "  big: {type: Big, inputs: {in: small.out}, params: {rows: 20000}}\n"
+    "  end: {type: Clamp, inputs: {in: big.out}}\n";
+
+TEST_F(DiskCache, StatsCountWhatIsThere) {
+  run(graph_of(three));
+  const CacheStats s = cache_stats(cache);
+  EXPECT_EQ(s.records.count, 3u);
+  EXPECT_EQ(s.values.count, 3u);
+  EXPECT_EQ(s.by_type.at("Table").bytes, s.values.bytes);
+  EXPECT_GT(s.values.bytes, 20000u * 8);
+}
+
+TEST_F(DiskCache, CollectingKeepsWithinTheLimitAndNoResultIsLost) {
+  const Graph g = graph_of(three);
+  const RunResult first = run(g);
+  const Collected c = collect_cache(cache, 50'000);
+  EXPECT_EQ(c.values, 1u);  // the big one: least seconds per byte
+  EXPECT_LE(cache_stats(cache).values.bytes, 50'000u);
+  // Nobody needs its value: nothing runs.
+  const RunResult second = run(g);
+  EXPECT_EQ(count(second, Status::Disk), 3);
+  // Somebody does: it runs again, what stands before it does not.
+  const Graph changed = graph_of(three, {{{"end.high", "0.5"}}, {}});
+  const RunResult third = run(changed);
+  EXPECT_EQ(paths(changed, third, Status::Computed), (Paths{"big", "end"}));
+  const auto big = static_cast<std::size_t>(g.find("big"));
+  EXPECT_EQ(third.nodes[big].outputs, first.nodes[big].outputs);
+}
+
+TEST_F(DiskCache, CollectingRemovesLeftoversOfKilledWriters) {
+  run(graph_of(three));
+  const fs::path old = cache / "values" / ".incoming-1-1.1.1.tmp",
+                 fresh = cache / "values" / ".incoming-1-2.1.1.tmp";
+  std::ofstream(old) << "half a value";
+  std::ofstream(fresh) << "being written";
+  age(old, 7200);
+  EXPECT_EQ(collect_cache(cache, 1'000'000'000).leftovers, 1u);
+  EXPECT_FALSE(fs::exists(old));
+  EXPECT_TRUE(fs::exists(fresh));
+}
+
+TEST_F(DiskCache, ClearingTouchesNothingThatIsNotOurs) {
+  run(graph_of(three));
+  std::ofstream(cache / "notes.txt") << "mine";
+  clear_cache(cache);
+  EXPECT_TRUE(fs::exists(cache / "notes.txt"));
+  EXPECT_EQ(cache_stats(cache).values.count, 0u);
+  EXPECT_EQ(count(run(graph_of(three)), Status::Computed), 3);
+}
+
+TEST_F(DiskCache, VerifyComputesAgainAndCompares) {
+  run(graph_of(three));
+  Verified v = verify(100);
+  EXPECT_EQ(v.recomputed, 3u);
+  EXPECT_TRUE(v.damaged.empty());
+  EXPECT_TRUE(v.differing.empty());
+}
+
+TEST_F(DiskCache, VerifyFindsARecordThatLies) {
+  // A record whose result is another computation's: whole, of our own making, and wrong.
+  const Graph g = graph_of(
+      "nodes:\n  a: {type: Constant, params: {value: 1}}\n  b: {type: Constant, params: {value: 2}}\n");
+  const RunResult r = run(g);
+  {
+    Store store(test::value_types(), cache);
+    Tier tier;
+    ActionRecord lie = *store.find_action(r.nodes[0].key, tier);
+    lie.outputs = store.find_action(r.nodes[1].key, tier)->outputs;
+    store.put_action(r.nodes[0].key, std::make_shared<ActionRecord>(lie));
+  }
+  const Verified v = verify(100);
+  ASSERT_EQ(v.differing.size(), 1u);
+  EXPECT_NE(v.differing[0].find("Constant " + r.nodes[0].key.text()), std::string::npos);
+  EXPECT_EQ(paths(g, run(g), Status::Computed), (Paths{"a"}));
+}
+
+TEST_F(DiskCache, AValueThatComesOutOtherwiseTheSecondTimeIsAnError) {
+  const Graph g = graph_of(three);
+  const RunResult r = run(g);
+  const auto small = static_cast<std::size_t>(g.find("small"));
+  {
+    Store store(test::value_types(), cache);
+    Tier tier;
+    ActionRecord lie = *store.find_action(r.nodes[small].key, tier);
+    lie.outputs.at("out").content.low ^= 1;
+    store.put_action(r.nodes[small].key, std::make_shared<ActionRecord>(lie));
+  }
+  const RunResult second = run(g);  // `big` has another input now, and asks for a value that nobody has
+  ASSERT_EQ(paths(g, second, Status::Failed), (Paths{"big"}));
+  const Diagnostic& d = *second.nodes[static_cast<std::size_t>(g.find("big"))].error;
+  EXPECT_EQ(d.code, "not-deterministic");
+  EXPECT_EQ(d.node, "small");
+  EXPECT_EQ(count(run(g), Status::Failed), 0);  // forgotten: it is computed anew
+}
+
+TEST_F(DiskCache, AGraphLargerThanTheMemoryRunsThroughTheDisk) {
+  std::string text = "nodes:\n";
+  std::string all;
+  for (int i = 0; i < 20; ++i) {
+    text += "  n" + std::to_string(i) + ": {type: Big, params: {rows: 10000, value: " + std::to_string(i) +
+            "}}\n";
+    all += (i ? ", n" : "n") + std::to_string(i) + ".out";
+  }
+  const Graph g = graph_of(text + "  sum: {type: Sum, inputs: {in: [" + all + "]}}\n");
+  const RunResult r = run(g, 1000);  // less than any value
+  EXPECT_EQ(count(r, Status::Computed), 21);
+  Store store(test::value_types(), cache);
+  EXPECT_EQ(test::number_of(store.get_value(r.nodes.back().outputs.at("out"))), 190);
+}
+
+TEST(MemoryStore, TheLeastSecondsPerByteLeaveFirst) {
+  Store store(test::value_types(), {}, 1000);
+  const Graph g = graph_of("nodes:\n  a: {type: Constant}\n");
+  const auto value = [](double v, std::size_t rows) {
+    Table t{{"value"}, {}};
+    t.rows.assign(rows, {v});
+    return Value::of(t);
+  };
+  const OutputRecord cheap = store.put_value(value(1, 40), 0.001), dear = store.put_value(value(2, 40), 10);
+  const OutputRecord third = store.put_value(value(3, 40), 1);
+  ASSERT_GT(cheap.bytes + dear.bytes + third.bytes, 1000u);
+  ASSERT_LT(dear.bytes + third.bytes, 1000u);
+  EXPECT_FALSE(store.has_value(cheap));
+  EXPECT_TRUE(store.has_value(dear));
+  EXPECT_TRUE(store.has_value(third));
+}
+
+}  // namespace
+}  // namespace terrazzo

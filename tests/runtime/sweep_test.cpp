@@ -1,0 +1,48 @@
+#include "runtime/sweep.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace terrazzo {
+namespace {
+using Words = std::vector<std::string>;
+
+TEST(Sweep, ValuesAreListsOrRanges) {
+  EXPECT_EQ(parse_vary("a.b=1,x,[1, 2],\"c,d\"").values, (Words{"1", "x", "[1, 2]", "\"c,d\""}));
+  EXPECT_EQ(parse_vary("a.b=0:.3:.1").values, (Words{"0", "0.1", "0.2", "0.3"}));
+  EXPECT_EQ(parse_vary("a.b=5:1:-2").values, (Words{"5", "3", "1"}));
+  EXPECT_EQ(parse_vary("a.b=1:2:.7").values, (Words{"1", "1.7"}));
+  EXPECT_EQ(parse_vary("photo=C:x:y").values, (Words{"C:x:y"}));  // no range
+  EXPECT_EQ(parse_vary("a/b.c=1").target, "a/b.c");
+  for (const char* bad : {"a.b", "a.b=", "=1", "a.b=1,,2", "a.b=1:2:0", "a.b=1:2:-1", "a.b=0:1:1e-9"})
+    EXPECT_THROW(parse_vary(bad), Error) << bad;
+}
+
+TEST(Sweep, EveryCombinationOnce) {
+  const auto points =
+      sweep_points({{"n.a", {"1", "2"}}, {"photo", {"x", "y", "z"}}}, {{{"n.c", "9"}}, {}, {}});
+  ASSERT_EQ(points.size(), 6u);
+  EXPECT_EQ(points[0].folder, "point-001");
+  EXPECT_EQ(points[4].values,
+            (std::vector<std::pair<std::string, std::string>>{{"n.a", "2"}, {"photo", "y"}}));
+  EXPECT_EQ(points[4].overrides.set.size(), 2u);
+  EXPECT_EQ(points[4].overrides.parameters[0].second, "y");
+  EXPECT_THROW(sweep_points({{"n.a", {"1"}}, {"n.a", {"2"}}}, {}), Error);
+}
+
+TEST(Sweep, TheTableHoldsEveryMetricOfEveryPoint) {
+  const auto points = sweep_points({{"n.a", {"1", "2", "3"}}}, {});
+  const auto report = [](const char* status, double v) {
+    return nlohmann::json{{"seconds", 1.5},
+                          {"nodes", {{{"name", "n"}, {"status", status}, {"metrics", {{"phi, total", v}}}}}}};
+  };
+  EXPECT_EQ(sweep_table(points, {report("computed", 0.25), report("failed", 2), nullptr}),
+            "point,n.a,status,seconds,\"n.phi, total\"\n"
+            "point-001,1,done,1.500,0.25\n"
+            "point-002,2,failed,1.500,2\n"
+            "point-003,3,not run,,\n");
+}
+
+}  // namespace
+}  // namespace terrazzo
