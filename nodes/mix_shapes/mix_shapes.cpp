@@ -1,0 +1,33 @@
+#include "nodes/mix_shapes/mix_shapes.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/shape_measures.h"
+
+namespace terrazzo::mix_shapes {
+
+Shapes mix(const std::vector<const Shapes*>& sets, const std::vector<double>& shares) {
+  if (shares.size() != sets.size())
+    throw Error("wrong-count", fmt::format("{} shares for {} sets of shapes", shares.size(), sets.size()),
+                "give one share a set")
+        .parameter("shares");
+  Shapes out;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (!(shares[i] >= 0) || !std::isfinite(shares[i]))
+      throw Error("bad-probabilities", fmt::format("share {} is {}", i + 1, shares[i]), "give zero or more")
+          .parameter("shares");
+    Shapes set = *sets[i];
+    normalise_probabilities(set);
+    for (Shape& s : set.shapes) {
+      s.probability *= shares[i];
+      out.shapes.push_back(std::move(s));
+    }
+  }
+  normalise_probabilities(out);
+  return out;
+}
+
+}  // namespace terrazzo::mix_shapes

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "graph/node_type.h"
+#include "nodes/common/plot.h"
+#include "nodes/data/table.h"
+#include "nodes/unfold_study/sample_profiles.h"
+#include "nodes/unfold_study/study.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+using unfold_study::MethodResult;
+using unfold_study::TrueSizes;
+
+Table::Cell cell(double v) { return std::isfinite(v) ? Table::Cell(v) : Table::Cell(std::string()); }
+
+// Actual sizes and what one repetition recovers, in the classes of the estimate, as in figure 7.
+Plot panel(const std::string& name, const TrueSizes& truth, const std::vector<MethodResult>& results) {
+  Plot plot;
+  plot.title = name, plot.x_label = "size, mm", plot.y_label = "share of particles";
+  PlotSeries actual{PlotSeries::Kind::Bars, "actual", {}, {}, {}, {}, 0};
+  int color = 0;
+  for (const auto& r : results) {
+    ++color;
+    if (r.N_V.empty()) continue;
+    PlotSeries series{PlotSeries::Kind::Bars, r.method, {}, {}, {}, {}, color};
+    for (std::size_t j = 0; j < r.N_V.size(); ++j) {
+      const double x = (r.edges[j] + r.edges[j + 1]) / 2;
+      series.x.push_back(x), series.y.push_back(r.N_V[j] / truth.total());
+      if (plot.series.empty())
+        actual.x.push_back(x), actual.y.push_back(truth.between(r.edges[j], r.edges[j + 1]) / truth.total());
+    }
+    if (plot.series.empty()) plot.series.push_back(actual);
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+void compute(Context& c) {
+  unfold_study::StudyOptions o;
+  o.methods = c.texts("methods");
+  for (const auto& m : o.methods)
+    if (m != "em" && m != "nnls" && m != "inverse" && m != "equation 4")
+      throw Error("unknown-method", "there is no method \"" + m + "\"",
+                  "em, nnls, inverse and equation 4 are known")
+          .parameter("methods");
+  o.repetitions = static_cast<int>(c.integer("repetitions"));
+  o.profiles = static_cast<double>(c.integer("profiles"));
+  o.sections = static_cast<int>(c.integer("sections"));
+  o.classes = static_cast<int>(c.integer("classes"));
+  o.known_d_max = c.text("d_max") == "known";
+  o.bootstrap = static_cast<int>(c.integer("bootstrap"));
+  o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto& truths = c.list("distributions");
+  std::vector<std::string> names = c.keyword("names").empty() ? c.texts("names") : std::vector<std::string>{};
+  if (!names.empty() && names.size() != truths.size())
+    throw Error("wrong-count", fmt::format("{} names for {} distributions", names.size(), truths.size()),
+                "give one name each, or leave them out")
+        .parameter("names");
+
+  Table table, densities;
+  table.columns = {"distribution",   "method",     "L1 error",
+                   "standard error", "N_V / true", "coverage of 90 % intervals",
+                   "refused"};
+  densities.columns = {"distribution", "method", "from mm", "to mm", "N_V true mm⁻³", "N_V mm⁻³"};
+  std::vector<Plot> panels;
+  for (std::size_t t = 0; t < truths.size(); ++t) {
+    const auto share = [&](std::size_t i) {
+      return static_cast<double>(i) / static_cast<double>(truths.size());
+    };
+    const auto& distribution = truths[t].as<SizeDistribution>();
+    const TrueSizes truth(distribution);
+    const auto results =
+        study(distribution, c.input<KMatrix>("kmatrix"), o, c.work().part(share(t), share(t + 1)));
+    const std::string name = names.empty() ? fmt::format("distribution {}", t + 1) : names[t];
+    for (const auto& r : results) {
+      table.rows.push_back({name, r.method, cell(r.error), cell(r.error_of_mean), cell(r.total),
+                            cell(r.coverage), static_cast<double>(r.refused)});
+      for (std::size_t j = 0; j < r.N_V.size(); ++j)
+        densities.rows.push_back({name, r.method, r.edges[j], r.edges[j + 1],
+                                  truth.between(r.edges[j], r.edges[j + 1]), r.N_V[j]});
+      if (r.refused > 0)
+        c.warn(fmt::format("{} of {} repetitions by {} on {} gave densities that cannot be, and do not count",
+                           r.refused, o.repetitions, r.method, name));
+      if (std::isfinite(r.error)) c.metric(fmt::format("error {} {}", name, r.method), r.error);
+      if (std::isfinite(r.coverage)) c.metric(fmt::format("coverage {} {}", name, r.method), r.coverage);
+    }
+    panels.push_back(panel(name, truth, results));
+  }
+  c.output("table", std::move(table));
+  c.output("densities", std::move(densities));
+  c.output("figure", draw(panels, std::min<int>(2, static_cast<int>(panels.size()))));
+}
+
+}  // namespace
+
+NodeType unfold_study_node() {
+  return NodeType("UnfoldStudy", 1)
+      .doc_(
+          "How well sizes that are known come back: draws the profiles that random planes would show, "
+          "unfolds them "
+          "by every method, many times over. All methods see the same profiles; settings that are not listed "
+          "here "
+          "are Unfold's defaults.")
+      .source_("Jagnow, Dorsey, Rushmeier 2004, section 5.1 and figure 7")
+      .input_list("distributions", {"SizeDistribution"}, "The true sizes; each gives a panel")
+      .input("kmatrix", "KMatrix",
+             "Section statistics of the particles' shapes, for drawing and for unfolding")
+      .output("table", "Table",
+              "For each distribution and method the mean of Σ|ΔN_V|/ΣN_V, with its standard error")
+      .output("densities", "Table", "True and recovered N_V by class, of the first repetition")
+      .output("figure", "Image", "The same as bars, as in figure 7")
+      .parameter(
+          Parameter::texts("methods", {"em", "nnls", "inverse", "equation 4"})
+              .doc_(
+                  "em, nnls, inverse (as in Unfold), and equation 4: the paper's, which is inverse with all "
+                  "of a class at its upper edge"))
+      .parameter(Parameter::integer("repetitions", 10).range(1, 10000).doc_("Observations drawn"))
+      .parameter(Parameter::integer("profiles", 1200)
+                     .range(3, 5000000)
+                     .doc_("Profiles to be expected in each; their number is Poisson"))
+      .parameter(
+          Parameter::integer("sections", 1)
+              .range(1, 10000)
+              .doc_("Sections that the profiles are spread over; from 10 on intervals draw whole ones again"))
+      .parameter(Parameter::integer("classes", 10).range(1, 200).doc_("Size classes to recover"))
+      .parameter(
+          Parameter::choice("d_max", "estimated", {"estimated", "known"})
+              .doc_("Where the classes end: as Unfold estimates it, or at the largest size there is; known "
+                    "also means that the smallest profile is known to be seen"))
+      .parameter(
+          Parameter::integer("bootstrap", 0)
+              .range(0, 100000)
+              .doc_("Repetitions within each observation for the intervals of em and nnls, whose coverage is "
+                    "then told; 0: none"))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Of the distributions"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the profiles drawn"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
