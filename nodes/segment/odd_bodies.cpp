@@ -46,7 +46,7 @@ std::vector<Usual> usual_binders(const Mosaic& m, const Ground& ground,
     }
     values.clear();
     for (const auto k : patches) values.emplace_back((m.colors[k] - u.color).norm(), m.areas[k]);
-    u.reach = 4 * std::max(weighted_median(values), m.contrast);
+    u.reach = std::max({4 * weighted_median(values), 4 * m.contrast, 0.3f * m.spread});
     out.push_back(u);
   }
   return out;

@@ -173,7 +173,7 @@ Parameter method_parameter() {
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 1)
+  return NodeType("ShapeEstimate", 2)
       .doc_(
           "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
           "sections of "

@@ -153,7 +153,19 @@ void align(std::vector<Vec2>& p) {
   for (auto& q : p) q = turn * Vec2(q - center);
 }
 
-void find_corners(Outline& o, double window, double crease) {
+double normal_density(double u) { return std::exp(-0.5 * u * u) / std::sqrt(2 * pi); }
+double normal_share(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
+
+// The share of a corner's turn that arms of length u (in standard deviations) on either side of it see once a
+// Gaussian has gone over the curve: the smoothed ramp's second difference.
+double seen_turn(double u) {
+  return (u * (2 * normal_share(u) - 1) + 2 * normal_density(u) - 2 * normal_density(0)) / u;
+}
+
+// Turns are told as they were before the smoothing by `blur`.
+void find_corners(Outline& o, double window, double blur, double crease) {
+  const double near_share = blur > 0 ? seen_turn(window / blur) : 1,
+               far_share = blur > 0 ? seen_turn(2 * window / blur) : 1;
   const std::size_t n = o.points.size();
   const ByLength curve(o.points);
   std::vector<double> strength(n, 0);
@@ -163,7 +175,8 @@ void find_corners(Outline& o, double window, double crease) {
       return turn(o.points[i] - curve(s - w), curve(s + w) - o.points[i]) * 180 / pi;
     };
     // An arc turns twice as far over twice the length and a bump turns back, but a corner turns no further.
-    const double near = over(window), far = over(2 * window), sign = near < 0 ? -1 : 1;
+    const double near = over(window) / near_share, far = over(2 * window) / far_share,
+                 sign = near < 0 ? -1 : 1;
     strength[i] = sign * std::max(0.0, std::min({sign * near, sign * far, sign * (2 * near - far)}));
   }
   o.corner.assign(n, 0);
@@ -183,6 +196,27 @@ void find_corners(Outline& o, double window, double crease) {
     if (!peak) continue;
     o.corner[i] = strength[i];
     ++o.corners;
+  }
+}
+
+// Gives corners back the tips that smoothing took: a corner of turn θ sinks by the smoothed ramp's distance
+// from the ramp, 2 sin(θ/2) σ (φ(u) − |u| Φ(−|u|)) at u standard deviations from it.
+void restore_tips(Outline& o, double window, double blur) {
+  const std::size_t n = o.points.size();
+  const std::vector<Vec2> soft = o.points;
+  const ByLength curve(soft);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (o.corner[i] == 0) continue;
+    const double s = curve.at(i);
+    const Vec2 bend = (soft[i] - curve(s - window)).normalized() - (curve(s + window) - soft[i]).normalized();
+    if (bend.norm() < 1e-6) continue;
+    const double depth = 2 * std::sin(std::min(std::abs(o.corner[i]), 120.0) / 2 * pi / 180) * blur;
+    for (std::size_t j = 0; j < n; ++j) {
+      double away = std::abs(curve.at(j) - s);
+      away = std::min(away, curve.total() - away) / blur;
+      if (away < 4)
+        o.points[j] += depth * (normal_density(away) - away * normal_share(-away)) * bend.normalized();
+    }
   }
 }
 
@@ -257,9 +291,20 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
       blur = sigma;
     }
   }
+  const double area = blur > 0 ? signed_area(p) : 0;
   p = densified(p, length(p) / kPoints);
   align(p);
   o.points = std::move(p);
+  const double window = std::max(0.025 * length(o.points), 3.0 * blur);
+  find_corners(o, window, blur, crease);
+  if (blur > 0 && o.corners > 0) {
+    Outline sharp = o;
+    restore_tips(sharp, window, blur);
+    const double scale = std::sqrt(area / signed_area(sharp.points));
+    for (auto& q : sharp.points) q *= scale;
+    align(sharp.points);
+    if (outline_fault(sharp.points).empty()) o = std::move(sharp);
+  }
   o.area = signed_area(o.points);
   o.perimeter = length(o.points);
   Vec2 low = o.points[0], high = low;
@@ -269,7 +314,6 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   o.circularity = 4 * pi * o.area / (o.perimeter * o.perimeter);
   o.aspect = o.height / o.width;
   o.convexity = std::min(1.0, o.area / hull_area(o.points));
-  find_corners(o, std::max(0.025 * o.perimeter, 2 * blur), crease);
   return o;
 }
 

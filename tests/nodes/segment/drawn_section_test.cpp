@@ -6,6 +6,7 @@
 
 #include "nodes/segment/segment.h"
 #include "tests/nodes/segment/drawn_section.h"
+#include "tests/nodes/segment/synthetic_section.h"
 
 namespace terrazzo {
 namespace {
@@ -68,6 +69,24 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"dark_in_light_thin", [](DrawnOptions& o) { grey(o, 0.04f, 0.6f), o.gap = 3.5; }},
         Case{"uneven_light", [](DrawnOptions& o) { o.light = 0.5f, o.keep = 0.7; }}),
     [](const testing::TestParamInfo<Case>& info) { return std::string(info.param.name); });
+
+// Few particles in much noisy binder: nothing but them.
+TEST(Segment, SparseDiscsInGreyNoise) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const auto discs = test::scatter(240, 240, 10, 6, 24, seed, 10);
+    Image image(240, 240, 1, 1, Vec3f::Constant(0.6f));
+    for (const auto& d : discs) test::draw(image, d, Vec3f::Constant(0.1f));
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+      image.pixels[i] =
+          srgb_to_linear(linear_to_srgb(image.pixels[i]) +
+                         Vec3f::Constant(0.02f * static_cast<float>(Random(seed, 9, i).normal())));
+    const Segmentation s = segment(image, {}, {});
+    EXPECT_EQ(s.profiles.profiles.size(), discs.size());
+    double area = 0;
+    for (const auto& d : discs) area += std::numbers::pi * d.radius * d.radius;
+    EXPECT_NEAR(s.profiles.area_fraction * 240 * 240, area, 0.02 * area);
+  }
+}
 
 // No binder at all between most particles: an answer or an error, never a crash.
 TEST(Segment, ParticlesWithoutBinder) {

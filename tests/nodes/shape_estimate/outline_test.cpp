@@ -76,6 +76,35 @@ TEST(ShapeEstimateOutline, PixelStepsAreSmoothedAway) {
   EXPECT_EQ(pentagon.corners, 5);
 }
 
+TEST(ShapeEstimateOutline, SteppedPolygonsKeepTheirCorners) {
+  // Fourteen pixels in radius, as pixels step it: smoothing must neither lose the corners nor blunt them.
+  for (const int n : {3, 4, 5, 6})
+    for (const double turn : {0.1, 0.35}) {
+      const auto polygon = made::ellipse(14, 14, n, {0, 0}, turn);
+      made::Contour stepped;
+      for (int i = 0; i < n; ++i) {
+        const Vec2 a = polygon[i], b = polygon[(i + 1) % n];
+        const int steps = static_cast<int>((b - a).norm() / 0.8);
+        for (int k = 0; k < steps; ++k) {
+          const Vec2 across = Vec2(a.y() - b.y(), b.x() - a.x()).normalized();
+          stepped.push_back(a + (b - a) * (static_cast<double>(k) / steps) +
+                            (k == 0  ? 0
+                             : k % 2 ? 0.2
+                                     : -0.2) *
+                                across);
+        }
+      }
+      const auto o = make_outline(1, stepped, 30);
+      EXPECT_EQ(o.corners, n);
+      double turns = 0;
+      for (const double c : o.corner) turns += c;
+      EXPECT_NEAR(turns, 360, 60);
+      const double circularity = pi / n / std::tan(pi / n);
+      EXPECT_NEAR(o.circularity, circularity, 0.025);
+      EXPECT_NEAR(o.area, n * 14 * 14 * std::sin(2 * pi / n) / 2, 0.02 * o.area);
+    }
+}
+
 TEST(ShapeEstimateOutline, SampledCurvesAreNotSmoothed) {
   // Thirty points of an ellipse: smoothing over their distance would round it visibly.
   const auto o = make_outline(1, made::ellipse(2, 1, 30), 40);
