@@ -74,7 +74,8 @@ std::string draw_svg(const Graph& g) {
   for (auto& [l, members] : layers)
     for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = static_cast<double>(k);
   for (int sweep = 0; sweep < 8; ++sweep)
-    for (auto& [l, members] : layers) {
+    for (auto& [number, members] : layers) {
+      const int l = number;
       std::map<std::size_t, std::pair<double, int>> mean;
       each_wire(g, [&](std::size_t from, const std::string&, std::size_t to, const std::string&) {
         if (layer[to] == l) mean[to].first += row[from], ++mean[to].second;

@@ -2,6 +2,11 @@
 
 namespace terrazzo {
 
+Hash record_key(const NodeType& type, const Hash& key, const std::filesystem::path& output_folder) {
+  if (!type.writes_files) return key;
+  return hash_of(key.text() + std::filesystem::absolute(output_folder).lexically_normal().string());
+}
+
 Hash content_with_extension(const Hash& content, const std::filesystem::path& path) {
   return hash_of(content.text() + path.extension().string());
 }

@@ -202,17 +202,18 @@ class Run {
       }
     state(i).files = input_files(node(i), e_.hashes_);
     r.key = action_key(node(i), state(i).files.hashes, inputs);
+    r.record = record_key(*node(i).type, r.key, options_.output_folder);
     if (use_cached(i)) return true;
     const auto later = [&]() -> std::function<void()> {
       auto handle = std::make_shared<tbb::task_handle>(group_.defer([this, i] { visit(i); }));
       return [this, handle] { arena_.enqueue(std::move(*handle)); };
     };
-    if (!e_.begin(r.key, later)) return false;
+    if (!e_.begin(r.record, later)) return false;
     struct End {
       Evaluator& e;
       const Hash key;
       ~End() { e.end(key); }
-    } end{e_, r.key};
+    } end{e_, r.record};
     // Between the first look and begin() another may have finished.
     if (!use_cached(i)) compute(i, std::move(inputs));
     return true;
@@ -221,7 +222,7 @@ class Run {
   bool use_cached(int i) {
     NodeResult& r = result(i);
     Tier tier;
-    const auto record = e_.store_.find_action(r.key, tier);
+    const auto record = e_.store_.find_action(r.record, tier);
     if (!record) return false;
     // Files count as cached only while they stand as they were written, never because something has that
     // name.
@@ -274,7 +275,7 @@ class Run {
     r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
     r.files = record->files;
     r.status = Status::Computed;
-    e_.store_.put_action(r.key, std::move(record));
+    e_.store_.put_action(r.record, std::move(record));
   }
 
   // A value that cannot be read back from the disk stays here while anybody may ask for it; the others are
@@ -349,7 +350,7 @@ class Run {
     s.seconds_again = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (auto& [port, value] : again.outputs) {
       if (e_.store_.put_value(value, s.seconds_again) != r.outputs.at(port)) {
-        e_.store_.drop_action(r.key);
+        e_.store_.drop_action(r.record);
         throw placed_error(
             Error("not-deterministic", "computed again, " + port + " differs from what the cache says it was",
                   "the cached result is forgotten: run again"),

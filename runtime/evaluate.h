@@ -26,7 +26,8 @@ struct NodeResult {
   Status status = Status::Unneeded;
   double seconds = 0;         // of this run
   double cached_seconds = 0;  // that the cached computation once took
-  Hash key;
+  Hash key;     // of the computation
+  Hash record;  // under which it is recorded
   std::map<std::string, OutputRecord> outputs;
   std::map<std::string, double> metrics;
   std::vector<std::string> warnings;

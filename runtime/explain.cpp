@@ -125,7 +125,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     }
     const Hash key = action_key(node, files.hashes, inputs);
     Tier tier;
-    const auto record = store.find_action(key, tier);
+    const auto record = store.find_action(record_key(*node.type, key, options.output_folder), tier);
     out.step = Step::Cached;
     if (record) {
       out.seconds = record->seconds, out.bytes = bytes_of(*record);

@@ -58,7 +58,7 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Status s = run.nodes[i].status;
     if (s != Status::Computed && s != Status::Disk && s != Status::Memory) continue;
-    const HistoryEntry e = history_entry(graph.nodes[i], run.nodes, hashes, run.nodes[i].key);
+    const HistoryEntry e = history_entry(graph.nodes[i], run.nodes, hashes, run.nodes[i].record);
     const json j = {{"key", e.key},         {"type", e.type},
                     {"version", e.version}, {"parameters", e.parameters},
                     {"files", e.files},     {"inputs", e.inputs}};

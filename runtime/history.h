@@ -12,7 +12,7 @@
 namespace terrazzo {
 
 struct HistoryEntry {
-  std::string key;
+  std::string key;  // of its record
   std::string type;
   int version = 0;
   std::map<std::string, std::string> parameters;           // as a person writes them

@@ -1,7 +1,7 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "nodes/export/read_provenance.h"
+#include "nodes/common/provenance.h"
 #include "nodes/register_nodes.h"
 #include "runtime/cli/command_line.h"
 #include "runtime/plugin.h"

@@ -1,7 +1,6 @@
 #include "nodes/export/vdb_file.h"
 
 #include <openvdb/io/Archive.h>
-#include <openvdb/io/File.h>
 
 #include "nodes/common/checked_file.h"
 
@@ -35,18 +34,6 @@ void write_vdb(const std::filesystem::path& path, const Volume& volume, const st
   const openvdb::GridCPtrVec grids(volume.grids.begin(), volume.grids.end());
   CheckedFile file(path);
   file.guard([&](std::ostream& out) { StreamArchive().write_to(out, grids, metadata); });
-}
-
-std::string vdb_provenance(const std::filesystem::path& path) {
-  initialize_openvdb();
-  try {
-    openvdb::io::File file(path.string());
-    file.open(/*delayLoad=*/true);
-    const auto meta = file.getMetadata()->getMetadata<openvdb::StringMetadata>("provenance");
-    return meta ? meta->value() : "";
-  } catch (const openvdb::Exception&) {
-    return "";
-  }
 }
 
 }  // namespace terrazzo

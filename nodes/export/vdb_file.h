@@ -13,7 +13,4 @@ namespace terrazzo {
 // "no-grids", "write-failed".
 void write_vdb(const std::filesystem::path&, const Volume&, const std::string& provenance = {});
 
-// The "provenance" of a file, "" where it has none or cannot be read.
-std::string vdb_provenance(const std::filesystem::path&);
-
 }  // namespace terrazzo

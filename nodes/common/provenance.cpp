@@ -1,11 +1,12 @@
-#include "nodes/export/read_provenance.h"
+#include "nodes/common/provenance.h"
 
 #include <OpenImageIO/imageio.h>
+#include <openvdb/io/File.h>
 
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "nodes/export/vdb_file.h"
+#include "nodes/data/volume.h"
 #include "runtime/files.h"
 
 namespace terrazzo {
@@ -23,6 +24,18 @@ std::string from_glb(const std::filesystem::path& path) {
   return json.is_object() && json.contains(extras) ? json.at(extras).dump() : "";
 }
 
+std::string from_vdb(const std::filesystem::path& path) {
+  initialize_openvdb();
+  try {
+    openvdb::io::File file(path.string());
+    file.open(/*delayLoad=*/true);
+    const auto meta = file.getMetadata()->getMetadata<openvdb::StringMetadata>("provenance");
+    return meta ? meta->value() : "";
+  } catch (const openvdb::Exception&) {
+    return "";
+  }
+}
+
 std::string from_picture(const std::filesystem::path& path) {
   const auto in = OIIO::ImageInput::open(path.string());
   if (!in) {
@@ -37,7 +50,7 @@ std::string from_picture(const std::filesystem::path& path) {
 std::string read_provenance(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".glb") return from_glb(path);
-  if (extension == ".vdb") return vdb_provenance(path);
+  if (extension == ".vdb") return from_vdb(path);
   return from_picture(path);
 }
 

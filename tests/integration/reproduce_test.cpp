@@ -1,0 +1,135 @@
+// Files tell how they were made, and are made again from that; any value goes to a file.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "runtime/files.h"
+#include "tests/support/program.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using test::run_program;
+
+class Reproduce : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
+    std::ofstream(folder / "graph.yaml") << R"(terrazzo: 1
+parameters: {kind: {type: text, default: box}}
+nodes:
+  photo: {type: LoadImage, params: {path: photo.png}}
+  shape: {type: Shape, params: {kind: "${kind}"}}
+  sizes: {type: Distribution, params: {mean: 1, sd: 0.1, volume_fraction: 0.2}}
+  pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: shape.shapes}, params: {count: 30}}
+  voxels: {type: Voxelize, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {resolution: 16}}
+  glb: {type: Export, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {path: deep/pack.glb}}
+  vdb: {type: Export, inputs: {volume: voxels.volume}, params: {path: grids.vdb}}
+  png: {type: Export, inputs: {image: photo.image}, params: {path: copy.png}}
+  csv: {type: Export, inputs: {particles: pack.particles}, params: {path: deep/pack.csv}}
+)";
+    const auto r =
+        run_program({"run", (folder / "graph.yaml").string(), "--out", (folder / "out").string(), "--cache",
+                     (folder / "cache").string(), "--param", "kind=tetrahedron", "--set", "pack.seed=7"});
+    ASSERT_EQ(r.exit_code, 0) << r.err;
+  }
+  fs::path folder = test::temporary_folder();
+};
+
+TEST_F(Reproduce, EveryFormatTellsHowItWasMade) {
+  for (const char* file : {"deep/pack.glb", "grids.vdb", "copy.png", "deep/pack.csv", "report.json"}) {
+    const fs::path again = folder / "again";
+    fs::remove_all(again);
+    const auto r = run_program({"reproduce", (folder / "out" / file).string(), "--out", again.string(),
+                                "--cache", (folder / "cache").string()});
+    EXPECT_EQ(r.exit_code, 0) << file << ": " << r.err;
+    EXPECT_EQ(r.out.find("something else"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("are computed from exactly the same as then"), std::string::npos) << r.out;
+    if (std::string(file) != "report.json") {
+      EXPECT_TRUE(fs::exists(again / file)) << r.out;
+    }
+    // The graph written is one that stands on its own, overrides in it.
+    const auto graph = read_file(again / (fs::path(file).stem().string() + ".yaml"));
+    ASSERT_TRUE(graph) << file;
+    if (std::string(file) != "copy.png") {
+      EXPECT_NE(graph->find("kind: \"tetrahedron\""), std::string::npos) << *graph;
+      EXPECT_NE(graph->find("seed: 7"), std::string::npos) << *graph;
+    }
+  }
+}
+
+TEST_F(Reproduce, WhatChangedSinceThenIsSaid) {
+  fs::copy_file(folder / "out" / "grids.vdb", folder / "photo.png", fs::copy_options::overwrite_existing);
+  const auto other = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--out",
+                                  (folder / "again").string(), "--no-cache"});
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.out.find("photo is computed from something else"), std::string::npos) << other.out;
+  fs::remove(folder / "photo.png");
+  const auto gone = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--out",
+                                 (folder / "again").string(), "--no-cache"});
+  EXPECT_EQ(gone.exit_code, 1);
+  EXPECT_NE(gone.err.find("there is no file"), std::string::npos) << gone.err;
+}
+
+TEST_F(Reproduce, AFileOfSomebodyElseIsRefused) {
+  std::ofstream(folder / "other.csv") << "a,b\n1,2\n";
+  for (const fs::path& file : {folder / "other.csv", folder / "nothing.png"}) {
+    const auto r = run_program({"reproduce", file.string(), "--no-cache"});
+    EXPECT_EQ(r.exit_code, 2) << r.err;
+    EXPECT_NE(r.err.find(file.string()), std::string::npos) << r.err;
+  }
+}
+
+TEST_F(Reproduce, ShowWritesAnyValue) {
+  for (const auto& [output, file] : {std::pair{"pack.particles", "p.glb"},
+                                     {"pack.particles", "p.csv"},
+                                     {"voxels.volume", "v.vdb"},
+                                     {"shape.shapes", "s.obj"},
+                                     {"photo.image", "i.exr"}}) {
+    const auto r = run_program({"show", (folder / "graph.yaml").string(), output, "-o",
+                                (folder / file).string(), "--cache", (folder / "cache").string()});
+    EXPECT_EQ(r.exit_code, 0) << output << ": " << r.err;
+    EXPECT_TRUE(fs::exists(folder / file) && fs::file_size(folder / file) > 100) << file;
+  }
+  const auto wrong = run_program({"show", (folder / "graph.yaml").string(), "photo.image", "-o",
+                                  (folder / "x.glb").string(), "--no-cache"});
+  EXPECT_EQ(wrong.exit_code, 1);
+}
+
+TEST_F(Reproduce, ASweepSharesWhatIsCommonAndGoesOn) {
+  const std::vector<std::string> sweep = {"sweep",     (folder / "graph.yaml").string(),
+                                          "--vary",    "pack.seed=1:3:1",
+                                          "--vary",    "kind=box,octahedron",
+                                          "--out",     (folder / "sweep").string(),
+                                          "--cache",   (folder / "cache").string(),
+                                          "--preview", "copy.png",
+                                          "--jobs",    "2"};
+  const auto first = run_program(sweep);
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  std::map<std::string, int> computed;  // by key
+  for (int i = 1; i <= 6; ++i) {
+    const auto text = read_file(folder / "sweep" / ("point-00" + std::to_string(i)) / "report.json");
+    ASSERT_TRUE(text);
+    const auto report = nlohmann::json::parse(*text);
+    for (const auto& node : report.at("nodes"))
+      if (node.at("status") == "computed" && !node.at("outputs").empty()) ++computed[node.at("key")];
+  }
+  for (const auto& [key, times] : computed) EXPECT_EQ(times, 1) << key;
+  EXPECT_EQ(computed.size(),
+            2u + 6 + 6);  // the shapes; pack and voxels of each point
+  const auto table = read_file(folder / "sweep" / "sweep.csv").value_or("");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
+  EXPECT_EQ(table.rfind("point,pack.seed,kind,status,seconds,", 0), 0u) << table;
+  EXPECT_TRUE(fs::exists(folder / "sweep" / "sweep.png"));
+  const auto second = run_program(sweep);
+  EXPECT_EQ(second.out.find(" 1 computed"), std::string::npos) << second.out;
+  EXPECT_NE(second.out.find(": 0 computed"), std::string::npos) << second.out;
+  const auto wrong = run_program({"sweep", (folder / "graph.yaml").string(), "--vary", "pack.sead=1,2"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("did you mean 'seed'"), std::string::npos) << wrong.err;
+}
+
+}  // namespace
+}  // namespace terrazzo
