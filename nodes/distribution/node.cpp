@@ -17,9 +17,11 @@ void compute(Context& c) {
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
   if (c.keyword("volume_fraction").empty()) law.volume_fraction = c.number("volume_fraction");
   if (c.keyword("number_density").empty()) law.number_density = c.number("number_density");
+  law.by_class = c.text("types") == "by_class";
   SizeDistribution d = make_distribution(law, c.optional<Shapes>("shapes"));
   double number = 0;
-  for (const double v : d.shapes[0].N_V) number += v;
+  for (const auto& e : d.shapes)
+    for (const double v : e.N_V) number += v;
   c.metric("volume_fraction", d.volume_fraction);
   c.metric("number_density", number);
   c.metric("d_max", d.d_max);
@@ -71,6 +73,10 @@ NodeType distribution_node() {
                      .unit_("mm⁻³")
                      .range(0, 1e18)
                      .doc_("Particles per volume, all sizes together; auto: as volume_fraction says"))
+      .parameter(
+          Parameter::choice("types", "mixed", {"mixed", "by_class"})
+              .doc_("mixed: particles of any shape, by the shapes' probabilities. by_class: each shape is a "
+                    "class of its own, which sections and Unfold then tell apart"))
       .compute_(compute);
 }
 

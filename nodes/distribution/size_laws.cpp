@@ -113,7 +113,22 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
     throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", out.volume_fraction),
                 "lower the densities or the sizes");
   out.d_max = out.class_edges.back();
-  out.shapes.push_back(std::move(e));
+  if (!law.by_class) {
+    out.shapes.push_back(std::move(e));
+    return out;
+  }
+  if (!shapes || shapes->shapes.empty())
+    throw Error("no-shapes", "types: by_class needs the shapes, which are not connected", "connect shapes")
+        .parameter("types");
+  double probability = 0;
+  for (const Shape& s : shapes->shapes) probability += s.probability;
+  for (std::size_t s = 0; s < shapes->shapes.size(); ++s) {
+    SizeDistribution::Entry part = e;
+    part.shape = part.cls = static_cast<int>(s);
+    for (double& v : part.N_V) v *= shapes->shapes[s].probability / probability;
+    part.low = part.high = part.N_V;
+    out.shapes.push_back(std::move(part));
+  }
   return out;
 }
 

@@ -21,6 +21,7 @@ struct SizeLaw {
   std::vector<double> N_V;          // of `classes`: n densities, per mm³
   double volume_fraction = -1;      // < 0: not given
   double number_density = -1;       // per mm³; < 0: not given
+  bool by_class = false;            // each shape is a class of its own, with its probability's share
 };
 
 // Share of the law below a size: closed forms.

@@ -14,14 +14,12 @@ Table table_of(const UnfoldResult& r) {
   Table t;
   t.columns = {"class",    "from mm",      "to mm",        "N_A observed mm⁻²", "N_A refitted mm⁻²",
                "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³"};
-  const std::size_t per_class = r.distribution.shapes.size() / r.fits.size();
   for (std::size_t c = 0; c < r.fits.size(); ++c)
     for (int j = 0; j < r.model.visible(); ++j) {
       const auto k = static_cast<std::size_t>(r.model.first + j);
       double low = 0, high = 0;
-      for (std::size_t s = 0; s < per_class; ++s)
-        low += r.distribution.shapes[c * per_class + s].low[k],
-            high += r.distribution.shapes[c * per_class + s].high[k];
+      for (const auto& e : r.distribution.shapes)
+        if (e.cls == static_cast<int>(c)) low += e.low[k], high += e.high[k];
       t.rows.push_back({static_cast<double>(c), r.distribution.class_edges[k],
                         r.distribution.class_edges[k + 1], r.fits[c].observed[j], r.fits[c].refitted[j],
                         r.fits[c].density[j], low, high});
@@ -62,6 +60,7 @@ void compute(Context& c) {
   o.border = border == "weights" ? Border::Weights : border == "all" ? Border::All : Border::Inside;
   if (c.keyword("d_max").empty()) o.d_max = c.number("d_max");
   o.area_fraction = c.number("area_fraction");
+  o.by_class = c.text("types") == "by_class";
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = static_cast<std::uint64_t>(c.integer("seed"));
   UnfoldResult r = unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
@@ -150,6 +149,10 @@ NodeType unfold_node() {
               .range(0, 1)
               .doc_(
                   "Share of the section that profiles cover, where the profiles come without it; 0: unknown"))
+      .parameter(
+          Parameter::choice("types", "mixed", {"mixed", "by_class"})
+              .doc_("What a colour class is made of: mixed: all shapes by their probabilities (eq. 10 to "
+                    "12); by_class: class 0 of the first shape, class 1 of the second … (eq. 9)"))
       .parameter(Parameter::integer("bootstrap", 100)
                      .range(0, 100000)
                      .doc_("Repetitions for the 90 % intervals: profiles drawn again, from ten sections on "

@@ -34,11 +34,9 @@ struct ClassFit {
 };
 
 // One colour class. `em_model` is null for the other methods.
-ClassFit fit_class(const UnfoldResult& r, std::size_t c, const UnfoldOptions& options,
+ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, const UnfoldOptions& options,
                    const EmModel* em_model, const Work& work) {
-  const Observations& o = r.observations;
   const Observation& q = o.classes[c];
-  const UnfoldModel& m = r.model;
   ClassFit out;
   UnfoldFit& fit = out.fit;
   const Counts counts = count(q.size, q.weight, m.profile_edges);
@@ -89,6 +87,7 @@ void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, 
   for (const auto& e : k.shapes) probability += e.probability;
   for (std::size_t s = 0; s < k.shapes.size(); ++s) {
     const double share = k.shapes[s].probability / probability;
+    if (!(share > 0)) continue;
     SizeDistribution::Entry e;
     e.shape = static_cast<int>(s), e.cls = static_cast<int>(c);
     e.N_V.assign(static_cast<std::size_t>(m.classes()), 0);
@@ -113,6 +112,12 @@ void make_relative(UnfoldResult& r) {
     for (auto* values : {&e.N_V, &e.low, &e.high})
       for (double& v : *values) v /= sum;
   r.distribution.volume_fraction = 0;
+}
+
+// The K matrix of one shape alone.
+KMatrix only(KMatrix k, std::size_t shape) {
+  for (std::size_t s = 0; s < k.shapes.size(); ++s) k.shapes[s].probability = s == shape;
+  return k;
 }
 
 }  // namespace
@@ -142,9 +147,13 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
   r.model = make_model(k, classes, d_max, visible);
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
-  EmModel em_model;
   const bool em = options.method == "em";
-  if (em) em_model = make_em_model(k, m);
+  if (options.by_class && o.classes.size() > k.shapes.size())
+    throw Error("wrong-count",
+                fmt::format("the profiles are of {} classes, but the K matrix has {} shapes",
+                            o.classes.size(), k.shapes.size()),
+                "give every class a shape, or set types: mixed")
+        .parameter("types");
 
   SizeDistribution& out = r.distribution;
   out.class_edges = m.edges;
@@ -153,14 +162,17 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
   const double count_of_classes = static_cast<double>(o.classes.size());
   for (std::size_t c = 0; c < o.classes.size(); ++c) {
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
-    const ClassFit f = fit_class(r, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
+    const KMatrix own = options.by_class ? only(k, c) : k;
+    const UnfoldModel model = options.by_class ? make_model(own, classes, d_max, visible) : m;
+    const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
+    const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
       const double expected = f.fit.refitted[i] * o.area, seen = f.fit.observed[i] * o.area;
       if (expected > 0) chi2 += std::pow(seen - expected, 2) / std::max(expected, 1.0), ++freedom;
     }
     freedom -= f.fit.freedom;
-    out.volume_fraction += m.volume.dot(f.fit.density);
-    add_entries(out, k, m, c, f);
+    out.volume_fraction += model.volume.dot(f.fit.density);
+    add_entries(out, own, model, c, f);
     r.fits.push_back(f.fit);
   }
   out.goodness_of_fit = chi2 / std::max(freedom, 1.0);

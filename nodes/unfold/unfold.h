@@ -22,6 +22,7 @@ struct UnfoldOptions {
   Border border = Border::Weights;
   double d_max = 0;          // mm, size of the largest particle; 0: estimated
   double area_fraction = 0;  // where the profiles do not know it; 0: unknown
+  bool by_class = false;     // colour class c is of shape c alone (eq. 9), else of all by their probabilities
   int bootstrap = 0;         // repetitions for the intervals
   std::uint64_t seed = 1;    // of the bootstrap
 };

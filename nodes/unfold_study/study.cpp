@@ -51,6 +51,8 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
   std::vector<Trial> trials(methods * repetitions);
   work.parallel(repetitions, 1, [&](std::size_t r, std::size_t) {
     const Profiles profiles = sampler.sample(options.profiles, options.sections, options.seed, r, work);
+    double d_max =
+        options.known_d_max ? truth.largest() : 0;  // estimated once: all methods get equal classes
     for (std::size_t m = 0; m < methods; ++m) {
       work.check();
       const std::string& method = options.methods[m];
@@ -60,10 +62,12 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
       o.classes = options.classes;
       o.seed = options.seed + r;
       o.bootstrap = paper || method == "inverse" ? 0 : options.bootstrap;
-      if (options.known_d_max) o.d_max = truth.largest(), o.smallest_visible = 0;
+      o.d_max = d_max;
+      if (options.known_d_max) o.smallest_visible = 0;
       try {
-        trials[m * repetitions + r] =
-            judge(truth, unfold(profiles, paper ? upper : k, o, work.quiet()).distribution, o.bootstrap > 0);
+        const SizeDistribution found = unfold(profiles, paper ? upper : k, o, work.quiet()).distribution;
+        trials[m * repetitions + r] = judge(truth, found, o.bootstrap > 0);
+        d_max = found.d_max;
       } catch (const Error& e) {
         if (e.diagnostic().code != "unstable" && e.diagnostic().code != "singular") throw;
         trials[m * repetitions + r].refused = true;

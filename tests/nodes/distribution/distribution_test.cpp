@@ -57,6 +57,29 @@ TEST(Distribution, ShapesSayWhatVolumeASizeHas) {
               1e-9);
 }
 
+TEST(Distribution, ByClassEachShapeIsAClass) {
+  Shapes shapes;
+  for (const double p : {1.0, 3.0}) {
+    Shape s =
+        test::run_node("Shape", {}, {{"kind", "box"}, {"size", "1"}}).output<Shapes>("shapes").shapes[0];
+    s.probability = p;
+    shapes.shapes.push_back(s);
+  }
+  SizeLaw law;
+  const SizeDistribution mixed = make_distribution(law, &shapes);
+  law.by_class = true;
+  const SizeDistribution d = make_distribution(law, &shapes);
+  ASSERT_EQ(d.shapes.size(), 2u);
+  EXPECT_EQ(d.volume_fraction, mixed.volume_fraction);
+  for (int s = 0; s < 2; ++s) {
+    EXPECT_EQ(d.shapes[s].shape, s);
+    EXPECT_EQ(d.shapes[s].cls, s);
+    for (std::size_t j = 0; j < d.classes(); ++j)
+      EXPECT_NEAR(d.shapes[s].N_V[j], (s == 0 ? 0.25 : 0.75) * mixed.shapes[0].N_V[j], 1e-12);
+  }
+  EXPECT_THROW(make_distribution(law, nullptr), Error);
+}
+
 TEST(Distribution, RefusesWhatIsNone) {
   const auto run = [](std::map<std::string, std::string> p) { return test::run_node("Distribution", {}, p); };
   EXPECT_THROW(run({{"kind", "classes"}}), Error);

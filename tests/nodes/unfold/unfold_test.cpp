@@ -237,6 +237,32 @@ TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
   }
 }
 
+TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
+  // Equation 9: class 0 of spheres, class 1 of octahedra; unfolding each alone must give the same.
+  KMatrix k = spheres();
+  const auto solid =
+      test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
+  k.shapes.push_back(make_kmatrix(solid.as<Shapes>(), {.orientations = 500}).shapes[0]);
+  const Profiles one = section(5, 10, 0.001, 4e5, 3);
+  Profiles p = one;
+  for (Profile q : one.profiles) q.cls = 1, p.profiles.push_back(q);
+  p.classes = 2, p.area_fraction = 2 * one.area_fraction;
+  UnfoldOptions o;
+  o.d_max = 10, o.smallest_visible = 0, o.by_class = true;
+  const UnfoldResult r = unfold(p, k, o, {});
+  ASSERT_EQ(r.distribution.shapes.size(), 2u);
+  for (int s = 0; s < 2; ++s) {
+    KMatrix alone = k;
+    alone.shapes = {k.shapes[s]};
+    const auto expected = unfold(one, alone, o, {}).distribution.shapes[0].N_V;
+    EXPECT_EQ(r.distribution.shapes[s].shape, s);
+    EXPECT_EQ(r.distribution.shapes[s].cls, s);
+    for (std::size_t j = 0; j < expected.size(); ++j)
+      EXPECT_NEAR(r.distribution.shapes[s].N_V[j], expected[j], 1e-9 + 1e-6 * expected[j]);
+  }
+  EXPECT_THROW(unfold(p, spheres(), o, {}), Error);  // two classes, one shape
+}
+
 TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   // Discs of equal spheres in a window so small that its border cuts a third of them.
   Random random(21);
