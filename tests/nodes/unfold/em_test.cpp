@@ -119,13 +119,13 @@ double mean_size(const Population& t) {
 
 TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
   const KMatrix k = kmatrix_of("sphere");
-  const double at_most[] = {0.14, 0.21, 0.15, 0.14};  // of 200 repetitions: .09, .14, .10, .05
+  const double at_most[] = {0.14, 0.21, 0.15, 0.14};  // of 200 repetitions: .08, .14, .08, .08
   for (std::size_t law = 0; law < figure7().size(); ++law) {
     const auto& [name, density] = figure7()[law];
     const Population truth(k, density);
     const double mean = mean_size(truth);
     double em = 0, nnls = 0;
-    constexpr int kRepetitions = 4;
+    constexpr int kRepetitions = 2;
     for (int r = 0; r < kRepetitions; ++r) {
       const Profiles p = truth.sample(1200, 100 + r);
       const double sum = sum_of(p, k, truth, mean, 1200);
@@ -134,13 +134,13 @@ TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
     }
     EXPECT_LT(em, at_most[law]) << name;
     EXPECT_LT(em, nnls) << name;
-    const Profiles many = truth.sample(30000, 7);
-    EXPECT_LT(l1_error(unfold(many, k, {.d_max = 1}, {}), truth, sum_of(many, k, truth, mean, 30000)), 0.06)
+    const Profiles many = truth.sample(20000, 7);
+    EXPECT_LT(l1_error(unfold(many, k, {.d_max = 1}, {}), truth, sum_of(many, k, truth, mean, 20000)), 0.07)
         << name;
   }
 }
 
-// Pooled over classes: 6 repetitions of 10 classes, which are correlated, so that the bounds are wide. Their
+// Pooled over classes: 5 repetitions of 10 classes, which are correlated, so that the bounds are wide. Their
 // long-run values lie between 85 and 95 %.
 TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   for (const auto* body : {"sphere", "octahedron"}) {
@@ -149,7 +149,7 @@ TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
     for (const std::size_t law : {1, 2}) {
       const Population truth(k, figure7()[law].second);
       const double mean = mean_size(truth);
-      for (int r = 0; r < 6; ++r) {
+      for (int r = 0; r < 5; ++r) {
         const Profiles p = truth.sample(1200, 300 + r);
         const double sum = sum_of(p, k, truth, mean, 1200);
         const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = 1, .bootstrap = 40}, {});
