@@ -35,6 +35,9 @@ void Work::parallel(std::size_t n, std::size_t grain,
     const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
     if (report_ && ranges > 1) progress(static_cast<double>(k) / static_cast<double>(ranges));
   });
+  // Within a loop of which another range failed, TBB ends this one early and says nothing: going on with half
+  // of the results would be worse than the failure, which the outer loop reports.
+  if (done.load() != ranges) throw Cancelled();
 }
 
 }  // namespace terrazzo
