@@ -72,6 +72,40 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   return deepest;
 }
 
+// Smallest distance of two surfaces that do not cross, in a's unit, where it is below `bound`; else `bound`.
+double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound) {
+  const Mat3 magnitude = b_to_a.linear.cwiseAbs();
+  const double scale = b_to_a.linear.col(0).norm();
+  const auto box_distance = [&](const Aabb& m, const Aabb& n) {
+    const Vec3 half = magnitude * (0.5 * (n.high - n.low)), center = b_to_a(n.center());
+    return (m.low - (center + half)).cwiseMax((center - half) - m.high).cwiseMax(Vec3::Zero()).norm();
+  };
+  std::vector<std::pair<int, int>> stack{{0, 0}};
+  while (!stack.empty()) {
+    const auto [i, j] = stack.back();
+    stack.pop_back();
+    const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
+    if (box_distance(m.box, n.box) >= bound) continue;
+    if (m.right == 0 && n.right == 0) {
+      for (int y = n.first; y < n.first + n.count; ++y) {
+        Corners cb = corners(*b.mesh, b.tree.triangles[y]);
+        for (auto& p : cb) p = b_to_a(p);
+        for (int x = m.first; x < m.first + m.count; ++x)
+          bound = std::min(bound, triangle_distance(corners(*a.mesh, a.tree.triangles[x]), cb));
+      }
+      continue;
+    }
+    const bool split_a =
+        n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
+                                             (n.box.high - n.box.low).squaredNorm() * scale * scale);
+    if (split_a)
+      stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
+    else
+      stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+  }
+  return bound;
+}
+
 // How deep the deepest of `own`'s vertices and triangles' centres lies inside `other`, in other's unit.
 double deepest_point(const Solid& own, const Solid& other, const Map& own_to_other) {
   double deepest = 0;
@@ -89,23 +123,26 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
 }
 
 double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
-                     const Mat3& rotation_b, const Vec3& offset) {
+                     const Mat3& rotation_b, const Vec3& offset, double gap) {
   const Map b_to_a{rotation_a.transpose() * rotation_b * (scale_b / scale_a),
                    rotation_a.transpose() * offset / scale_a};
   const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),
                    rotation_b.transpose() * -offset / scale_b};
   const double crossed = crossing(a, b, b_to_a) * scale_a;
   if (crossed >= 0)  // faces that only touch may still bound bodies that overlap, where they lie in one plane
-    return std::max({crossed, deepest_point(a, b, a_to_b) * scale_b, deepest_point(b, a, b_to_a) * scale_a});
+    return gap +
+           std::max({crossed, deepest_point(a, b, a_to_b) * scale_b, deepest_point(b, a, b_to_a) * scale_a});
   // No surfaces cross: one may still lie wholly inside the other.
   const auto inside = [](const Solid& outer, const Vec3& p) {
     return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
   };
   if (inside(b, a_to_b(a.mesh->vertices[a.mesh->triangles[0][0]])))
-    return deepest_point(a, b, a_to_b) * scale_b;
+    return gap + deepest_point(a, b, a_to_b) * scale_b;
   if (inside(a, b_to_a(b.mesh->vertices[b.mesh->triangles[0][0]])))
-    return deepest_point(b, a, b_to_a) * scale_a;
-  return 0;
+    return gap + deepest_point(b, a, b_to_a) * scale_a;
+  if (!(gap > 0)) return 0;
+  const double bound = gap / scale_a, distance = clearance(a, b, b_to_a, bound);
+  return distance < bound ? gap - distance * scale_a : 0;
 }
 
 // A plain periodic grid: a particle is listed in every cell that its bounding cube touches.
@@ -144,7 +181,7 @@ class Cells {
 
 }  // namespace
 
-AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& work) {
+AuditResult audit(const Shapes& shapes, const Particles& particles, double gap, const Work& work) {
   AuditResult result;
   const std::size_t n = particles.count();
   if (n == 0) return result;
@@ -157,7 +194,9 @@ AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& 
     radius[i] = solids[particles.shape[i]]->radius * particles.scale[i];
     rotation[i] = particles.orientation[i].toRotationMatrix();
   }
-  const Cells cells(particles.box, particles.position, radius);
+  std::vector<double> reach(n);
+  for (std::size_t i = 0; i < n; ++i) reach[i] = radius[i] + 0.5 * gap;
+  const Cells cells(particles.box, particles.position, reach);
 
   constexpr std::size_t kGrain = 32;
   std::vector<std::vector<Penetration>> parts((n + kGrain - 1) / kGrain);
@@ -168,7 +207,7 @@ AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& 
       work.check();
       const auto i = static_cast<std::int32_t>(s);
       near.clear();
-      cells.visit(particles.position[i], radius[i], [&](std::size_t c) {
+      cells.visit(particles.position[i], reach[i], [&](std::size_t c) {
         for (std::int32_t j : cells.list(c))
           if (j >= i) near.push_back(j);
       });
@@ -183,11 +222,11 @@ AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& 
               if (i == j && (z < 0 || (z == 0 && (y < 0 || (y == 0 && x <= 0))))) continue;
               const Vec3 offset =
                   particles.position[j] - particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box);
-              if (offset.norm() >= radius[i] + radius[j]) continue;
+              if (offset.norm() >= reach[i] + reach[j]) continue;
               ++tested[begin / kGrain];
-              depth = std::max(
-                  depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i], rotation[i],
-                                       *solids[particles.shape[j]], particles.scale[j], rotation[j], offset));
+              depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i],
+                                                    rotation[i], *solids[particles.shape[j]],
+                                                    particles.scale[j], rotation[j], offset, gap));
             }
         if (depth > 0)
           parts[begin / kGrain].push_back(

@@ -25,7 +25,8 @@ struct AuditResult {
 // Every pair of particles whose bounding balls meet, in all periodic images: triangles against triangles
 // through a box tree a shape, then containment of one in the other. The depth of a pair is the largest of two
 // exact measures: how deep a vertex or a triangle's centre of one lies inside the other, and the least
-// translation that parts two crossing triangles.
-AuditResult audit(const Shapes& shapes, const Particles& particles, const Work& work = {});
+// translation that parts two crossing triangles. Bodies nearer to each other than `gap` (mm) count as
+// penetrating by what is missing.
+AuditResult audit(const Shapes& shapes, const Particles& particles, double gap = 0, const Work& work = {});
 
 }  // namespace terrazzo::anneal

@@ -3,16 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/anneal/polytope_contact.h"
+
 namespace terrazzo::anneal {
 namespace {
 
 constexpr float kAlongCentres = 0.15f;  // share of the push
 
-// Sums over the elements of one body inside the field of the other, in the field's frame and unit.
+// What the elements of one body find in the field of the other: points in the field's frame and unit.
 struct Probe {
-  Vec3f push = Vec3f::Zero(), turn_field = Vec3f::Zero(), turn_own = Vec3f::Zero();
-  float lever_field = 0, lever_own = 0, weight = 0;
-  float deepest = 0, gap = 1e30f;
+  struct Point {
+    Vec3f p, n;
+    float depth, push;
+  };
+  std::vector<Point>& points;
+  float weight = 0, gap = 1e30f;
 };
 
 struct Frame {  // own frame of the elements to that of the field
@@ -28,17 +33,9 @@ struct Frame {  // own frame of the elements to that of the field
 };
 
 // `depth`: how far p is inside the margin; `push`: how far it must move along n to leave it.
-void add(Probe& probe, const Frame& frame, const Vec3f& p, const Vec3f& n, float depth, float push) {
-  const Vec3f arm = p - frame.t;
-  const Vec3f cf = p.cross(n), co = arm.cross(n);
+void add(Probe& probe, const Vec3f& p, const Vec3f& n, float depth, float push) {
   probe.weight += depth;
-  const float w = depth * push;
-  probe.push += w * n;
-  probe.turn_field += w * cf;
-  probe.turn_own += w * co;
-  probe.lever_field += depth * cf.squaredNorm();
-  probe.lever_own += depth * co.squaredNorm();
-  probe.deepest = std::max(probe.deepest, depth);
+  probe.points.push_back({p, n, depth, push});
 }
 
 // The lowest point of the field along a segment, by the crossing of the two ends' tangents (Kelley's cuts in
@@ -106,7 +103,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   } else {
     best.n /= norm;
   }
-  add(probe, frame, best.p, best.n, depth, depth / std::clamp(norm, 0.5f, 1.f));
+  add(probe, best.p, best.n, depth, depth / std::clamp(norm, 0.5f, 1.f));
   return best.value;
 }
 
@@ -124,7 +121,7 @@ float probe_element(Probe& probe, const Frame& frame, const DistanceField& field
   Vec3f n(g[0], g[1], g[2]);
   const float norm = n.norm();
   if (norm > 1e-6f) n /= norm;
-  add(probe, frame, Vec3f(c[0], c[1], c[2]), n, threshold - v, threshold - v);
+  add(probe, Vec3f(c[0], c[1], c[2]), n, threshold - v, threshold - v);
   return v;
 }
 
@@ -141,13 +138,13 @@ void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, con
   const float norm = n.norm();
   if (norm > 1e-6f) n /= norm;
   const float depth = ball.radius * frame.scale - v;
-  add(probe, frame, Vec3f(c[0], c[1], c[2]), n, depth, depth);
+  add(probe, Vec3f(c[0], c[1], c[2]), n, depth, depth);
 }
 
 // All elements below threshold, by the tree; those below `keep` are noted.
 Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold,
-                 float keep, std::vector<std::int32_t>& noted) {
-  Probe probe;
+                 float keep, std::vector<std::int32_t>& noted, std::vector<Probe::Point>& points) {
+  Probe probe{points};
   noted.clear();
   const auto* nodes = tree.nodes.data();
   const auto end = static_cast<std::int32_t>(tree.nodes.size());
@@ -170,7 +167,9 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
 
 // Elements of `own` in the field of `other`; `offset` is other's centre less own's.
 Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, bool fine,
-                 float slack, bool known, std::vector<std::int32_t>& candidates) {
+                 float slack, bool known, std::vector<std::int32_t>& candidates,
+                 std::vector<Probe::Point>& points) {
+  points.clear();
   Frame frame;
   const float inverse = 1 / other.scale;
   frame.scale = own.scale * inverse;
@@ -180,37 +179,75 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   frame.t = other.rotation.transpose() * (-offset) * inverse;
   const ElementTree& tree = fine ? own.shape->fine : own.shape->coarse;
   const float threshold = margin * inverse;
-  Probe probe;
+  Probe probe{points};
   if (known) {
     for (std::int32_t e : candidates)
       probe_element(probe, frame, other.shape->field, tree.elements[e], threshold);
   } else {
-    probe = probe_tree(tree, frame, other.shape->field, threshold, threshold + slack * inverse, candidates);
+    const Probe found = probe_tree(tree, frame, other.shape->field, threshold, threshold + slack * inverse,
+                                   candidates, points);
+    probe.weight = found.weight, probe.gap = found.gap;
   }
   if (probe.weight > 0)
     for (const Ball& ball : own.shape->core) probe_ball(probe, frame, *other.shape, ball);
   return probe;
 }
 
-// Adds a probe to the contact; `sign` is +1 where the elements are a's.
-void accumulate(Contact& contact, const Probe& probe, const Body& field, bool elements_are_a, float share) {
-  const float s = field.scale, w = share / probe.weight;
-  const Vec3f push = field.rotation * probe.push * (s * w);
-  const Vec3f turn_own = field.rotation * probe.turn_own * (s * s * w);
-  const Vec3f turn_field = field.rotation * probe.turn_field * (s * s * w);
-  contact.depth = std::max(contact.depth, probe.deepest * s);
-  if (elements_are_a) {
-    contact.push += push;
-    contact.turn_a += turn_own, contact.turn_b -= turn_field;
-    contact.lever_a += probe.lever_own * s * s * w, contact.lever_b += probe.lever_field * s * s * w;
-  } else {
-    contact.push -= push;
-    contact.turn_b += turn_own, contact.turn_a -= turn_field;
-    contact.lever_b += probe.lever_own * s * s * w, contact.lever_a += probe.lever_field * s * s * w;
+// Adds a probe to the contact. `mix`: share of the push that goes along the centres.
+void accumulate(Contact& contact, const Probe& probe, const Body& field, const Vec3f& offset,
+                bool elements_are_a) {
+  const float s = field.scale;
+  for (const auto& q : probe.points) {
+    const Vec3f arm = field.rotation * (q.p * s), n = field.rotation * q.n;
+    if (elements_are_a)  // the field is b's: n points out of b
+      contact.add(n, arm + offset, arm, q.depth * s, q.push * s);
+    else
+      contact.add(-n, arm, arm - offset, q.depth * s, q.push * s);
   }
 }
 
+Contact finished(Contact contact) {
+  if (contact.weight > 0) contact.a.scale(1 / contact.weight), contact.b.scale(1 / contact.weight);
+  return contact;
+}
+
+Contact contact_of_polytopes(const Body& a, const Body& b, const Vec3f& offset, float margin, Vec3f& axis) {
+  Contact contact;
+  Manifold manifold;
+  find_manifold({&a.shape->polytope, a.rotation, a.scale}, {&b.shape->polytope, b.rotation, b.scale}, offset,
+                margin, axis, manifold);
+  for (int k = 0; k < manifold.count; ++k) {
+    const ContactPoint& q = manifold.points[k];
+    if (q.depth > 0) contact.add(-manifold.normal, q.p, q.p - offset, q.depth, q.depth);
+  }
+  if (contact.depth == 0) contact.gap = std::max(manifold.separation - margin, 0.f);
+  return finished(contact);
+}
+
 }  // namespace
+
+void Demand::add(const Vec3f& n, const Vec3f& arm, float depth, float weight) {
+  const Vec3f c = arm.cross(n);
+  const float j[6] = {n[0], n[1], n[2], c[0], c[1], c[2]};
+  int at = 0;
+  for (int r = 0; r < 6; ++r) {
+    const float w = weight * j[r];
+    side[r] += w * depth;
+    for (int k = r; k < 6; ++k) square[at++] += w * j[k];
+  }
+}
+
+void Demand::scale(float factor) {
+  for (float& v : square) v *= factor;
+  for (float& v : side) v *= factor;
+}
+
+void Contact::add(const Vec3f& n, const Vec3f& arm_a, const Vec3f& arm_b, float d, float push) {
+  a.add(n, arm_a, push, d);
+  b.add(-n, arm_b, push, d);
+  weight += d;
+  depth = std::max(depth, d);
+}
 
 Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
                      ContactCandidates& candidates, float slack) {
@@ -225,39 +262,43 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
       contact.gap = gap;
       return contact;
     }
-    contact.depth = -gap;
-    contact.push = distance > 1e-12f ? Vec3f(offset * (gap / distance)) : Vec3f(gap, 0, 0);
-    return contact;
+    const Vec3f n = distance > 1e-12f ? Vec3f(-offset / distance) : Vec3f(1, 0, 0);
+    contact.add(n, Vec3f::Zero(), Vec3f::Zero(), -gap, -gap);
+    return finished(contact);
   }
+  if (!a.shape->polytope.empty() && !b.shape->polytope.empty())
+    return contact_of_polytopes(a, b, offset, margin, candidates.axis);
+
   const bool known = candidates.known;
   candidates.known = true;
-  const Probe of_a = probe_body(a, b, offset, margin, fine, slack, known, candidates.of_a);
+  thread_local std::vector<Probe::Point> points_a, points_b;
+  const Probe of_a = probe_body(a, b, offset, margin, fine, slack, known, candidates.of_a, points_a);
   const float gap_a = of_a.gap * b.scale - margin;
   if (!known && of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
     candidates.known = false;
     contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
     return contact;
   }
-  const Probe of_b = probe_body(b, a, -offset, margin, fine, slack, known, candidates.of_b);
-  const int found = (of_a.weight > 0) + (of_b.weight > 0);
-  if (found == 0) {
+  const Probe of_b = probe_body(b, a, -offset, margin, fine, slack, known, candidates.of_b, points_b);
+  if (of_a.weight == 0 && of_b.weight == 0) {
     contact.gap = std::max(std::min(gap_a, of_b.gap * a.scale - margin), 0.f);
     return contact;
   }
-  const float share = 1.f / static_cast<float>(found);
-  if (of_a.weight > 0) accumulate(contact, of_a, b, true, share);
-  if (of_b.weight > 0) accumulate(contact, of_b, a, false, share);
+  accumulate(contact, of_a, b, offset, true);
+  accumulate(contact, of_b, a, offset, false);
   // Surfaces of bodies deep in each other push all ways, and crossed edges may push to and fro: some of the
-  // push, and all of it where they are deep, parts them along their centres.
+  // push, and nearly all of it where they are deep, parts them along their centres.
   const float deep = 0.35f * std::min(a.scale * static_cast<float>(a.shape->gyration),
                                       b.scale * static_cast<float>(b.shape->gyration));
   const float distance = offset.norm();
   if (distance > 1e-12f) {
-    const float mix = std::clamp(contact.depth / deep - 1, kAlongCentres, 1.f);
-    contact.push = (1 - mix) * contact.push - mix * contact.depth / distance * offset;
-    contact.turn_a *= 1 - mix, contact.turn_b *= 1 - mix;
+    const float mix = std::clamp(contact.depth / deep - 1, kAlongCentres, 0.95f);
+    const float weight = contact.weight * mix / (1 - mix), depth = contact.depth;
+    const Vec3f n = -offset / distance;
+    contact.a.add(n, Vec3f::Zero(), depth, weight), contact.b.add(-n, Vec3f::Zero(), depth, weight);
+    contact.weight += weight;
   }
-  return contact;
+  return finished(contact);
 }
 
 }  // namespace terrazzo::anneal

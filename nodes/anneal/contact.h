@@ -12,14 +12,25 @@ struct Body {
   float scale;
 };
 
-// What one pair wants of its two bodies. Lengths in mm, world frame.
+// What contact points want of one body, as the normal equations of a least squares problem: at each point the
+// body should move by `depth` along the unit normal n, which displacement x and turn w do by J·(x, w), J =
+// (n, arm × n). Sums of weight·J·Jᵀ (upper triangle by rows) and weight·J·depth, in mm and world directions.
+struct Demand {
+  float square[21] = {};
+  float side[6] = {};
+  void add(const Vec3f& n, const Vec3f& arm, float depth, float weight);
+  void scale(float factor);
+};
+
+// What one pair wants of its two bodies; the weights of its points sum to 1.
 struct Contact {
-  Vec3f push =
-      Vec3f::Zero();  // correction of a's position; b's is the opposite. Its length is about the depth
-  Vec3f turn_a = Vec3f::Zero(), turn_b = Vec3f::Zero();  // lever × correction, about each centre, mm²
-  float lever_a = 0, lever_b = 0;                        // mean squared lever, mm²
-  float depth = 0;  // deepest penetration of the margin; 0 where there is none
-  float gap = 0;    // where depth is 0: a lower bound of the distance beyond the margin
+  Demand a, b;
+  float weight = 0;  // while points are added
+  float depth = 0;   // deepest penetration of the margin, mm; 0 where there is none
+  float gap = 0;     // where depth is 0: a lower bound of the distance beyond the margin, mm
+  // n parts a from b: it points from b to a. Arms are from each centre. `push` is how far to move, `depth`
+  // how far the point is inside the margin.
+  void add(const Vec3f& n, const Vec3f& arm_a, const Vec3f& arm_b, float depth, float push);
 };
 
 // Elements that may touch while the bodies move no farther than the slack they were collected with: few of
@@ -27,6 +38,7 @@ struct Contact {
 struct ContactCandidates {
   std::vector<std::int32_t> of_a, of_b;
   bool known = false;
+  Vec3f axis = Vec3f::Zero();  // of polyhedra: that which parted them last
 };
 
 // a's surface against b's field and the other way round. `offset`: b's centre less a's. Surfaces nearer than

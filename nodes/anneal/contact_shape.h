@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/anneal/distance_field.h"
+#include "nodes/anneal/polytope.h"
 
 namespace terrazzo::anneal {
 
@@ -34,6 +35,7 @@ struct ElementTree {
 };
 
 struct ContactShape {
+  Polytope polytope;  // empty unless convex with few faces
   DistanceField field;
   ElementTree coarse, fine;  // a subset for far-from-done states, and all
   // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface:

@@ -33,12 +33,18 @@ double largest_radius(const Mesh& mesh) {
 
 }  // namespace
 
-bool DistanceField::make_sphere(const Mesh& mesh) {
+bool is_sphere(const Mesh& mesh) {
   const double r = largest_radius(mesh);
   for (const auto& v : mesh.vertices)
     if (v.norm() < r * (1 - 1e-4)) return false;
   for (const auto& [n, d] : face_planes(mesh))
     if (d < r * 0.985) return false;
+  return true;
+}
+
+bool DistanceField::make_sphere(const Mesh& mesh) {
+  if (!is_sphere(mesh)) return false;
+  const double r = largest_radius(mesh);
   kind_ = Kind::Sphere;
   radius_ = static_cast<float>(r * (1 + 1e-6));
   return true;

@@ -12,6 +12,9 @@
 
 namespace terrazzo::anneal {
 
+// Whether a mesh is a sphere about the origin, to 1.5 % of its radius.
+bool is_sphere(const Mesh& mesh);
+
 class DistanceField {
  public:
   enum class Kind { Sphere, Planes, Grid };

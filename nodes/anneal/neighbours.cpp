@@ -11,6 +11,7 @@ struct Level {
   std::array<int, 3> cells{1, 1, 1};
   std::vector<std::int32_t> begin;  // per cell, + 1
   std::vector<std::int32_t> item;
+  std::vector<Vec3> place;  // of the items: read one after the other
 };
 
 std::array<int, 3> cell_of(const Level& level, const Vec3& box, const Vec3& p) {
@@ -56,6 +57,8 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
   for (int l = 0; l < count; ++l) at[l] = levels[l].begin;
   for (std::size_t i = 0; i < radius.size(); ++i)
     levels[level_of[i]].item[at[level_of[i]][cell[i]]++] = static_cast<std::int32_t>(i);
+  for (auto& level : levels)
+    for (std::int32_t i : level.item) level.place.push_back(position[i]);
   return levels;
 }
 
@@ -93,22 +96,26 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
           lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
           hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
         }
-        for (int z = lo[2]; z <= hi[2]; ++z)
-          for (int y = lo[1]; y <= hi[1]; ++y)
+        const auto wrapped = [&](int axis, int c, int& image) {
+          const int n = level.cells[axis];
+          image = c >= 0 ? c / n : -((n - 1 - c) / n);
+          return c - image * n;
+        };
+        std::array<int, 3> image;
+        for (int z = lo[2]; z <= hi[2]; ++z) {
+          const std::size_t plane = static_cast<std::size_t>(wrapped(2, z, image[2])) * level.cells[1];
+          for (int y = lo[1]; y <= hi[1]; ++y) {
+            const std::size_t row = (plane + wrapped(1, y, image[1])) * level.cells[0];
             for (int x = lo[0]; x <= hi[0]; ++x) {
-              std::array<int, 3> c{x, y, z}, image;
-              for (int a = 0; a < 3; ++a) {
-                image[a] =
-                    c[a] >= 0 ? c[a] / level.cells[a] : -((level.cells[a] - 1 - c[a]) / level.cells[a]);
-                c[a] -= image[a] * level.cells[a];
-              }
-              const Vec3 shift(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
-              const std::size_t f = flat(level, c);
+              const std::size_t f = row + wrapped(0, x, image[0]);
+              const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
               for (std::int32_t k = level.begin[f]; k < level.begin[f + 1]; ++k) {
+                const double square = (level.place[k] - from).squaredNorm();
+                if (square >= far * far) continue;
                 const std::int32_t j = level.item[k];
                 if (l == level_of[i] && j <= i) continue;
                 const double sum = radius[i] + radius[j] + reach;
-                if ((position[j] + shift - p).squaredNorm() >= sum * sum) continue;
+                if (square >= sum * sum) continue;
                 Pair pair{i,
                           j,
                           {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
@@ -120,6 +127,8 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
                 out.push_back(pair);
               }
             }
+          }
+        }
       }
     }
   });

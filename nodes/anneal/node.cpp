@@ -35,6 +35,11 @@ void compute(Context& c) {
   c.metric("kept", static_cast<double>(r.kept));
   c.metric("coordination_number", r.coordination);
   c.metric("nematic_order", nematic_order(shapes, r.particles));
+  const Vec3 cut = sections_per_area(shapes, r.particles, c.work().quiet());
+  c.metric("sections_per_area_x", cut[0]);
+  c.metric("sections_per_area_y", cut[1]);
+  c.metric("sections_per_area_z", cut[2]);
+  c.metric("section_isotropy", cut.minCoeff() / cut.maxCoeff());
   c.output("sizes", size_table(distribution, r.expected, r.size_class, r.particles.box));
   c.output("correlation", pair_correlation(r.particles, 100, c.work().quiet()));
   c.output("particles", std::move(r.particles));
@@ -43,7 +48,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  return NodeType("Anneal", 1)
+  return NodeType("Anneal", 2)
       .doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap: they grow from "
           "random places "
@@ -62,7 +67,8 @@ NodeType anneal_node() {
                      .unit_("mm")
                      .above(0)
                      .count(1, 3)
-                     .doc_("Edge of the box, or its three edges. auto: a cube for about `count` particles, "
+                     .doc_("Edge of the box, or its three edges; of two the first holds for x and y, the "
+                           "other for z. auto: a cube for about `count` particles, "
                            "at least three "
                            "times the largest one where that does not take ten times as many"))
       .parameter(Parameter::integer("count", 2000)
@@ -83,7 +89,7 @@ NodeType anneal_node() {
           Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
               .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "
                     "fraction (all densities are scaled) or the densities"))
-      .parameter(Parameter::integer("iterations", 3000)
+      .parameter(Parameter::integer("iterations", 6000)
                      .range(1, 1000000)
                      .doc_("Steps of all particles before they count as jammed; more reach denser packings"))
       .compute_(compute);

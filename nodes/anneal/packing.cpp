@@ -8,6 +8,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/anneal/audit.h"
+#include "nodes/anneal/limits.h"
 #include "nodes/anneal/placement.h"
 #include "nodes/anneal/schedule.h"
 #include "nodes/anneal/statistics.h"
@@ -50,7 +51,7 @@ class Packer {
       : shapes_(shapes),
         options_(options),
         work_(work),
-        population_(populate(distribution, shapes, start, options.population)) {}
+        population_(populate(distribution, shapes, start, options.population, work)) {}
 
   PackResult run();
 
@@ -106,14 +107,16 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
     state_ = pack(contact_shapes_, packing_, anneal_, work);
     result_.iterations += state_.iterations;
     left -= state_.iterations;
-    audit_ = audit(shapes_, placed(population_.particles, packing_), work_.quiet());
+    audit_ = audit(shapes_, placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
     if (audit_.worst == 0 || !state_.free) break;
     for (const auto& p : audit_.found) {  // doubled where it was not enough
       double& margin = anneal_.extra.of_pair[{p.a, p.b}];
-      margin += std::max(margin, 1.2 * p.depth + 1e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
+      margin += std::max(margin, 1.5 * p.depth + 5e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
     }
-    // Where mending here opens overlaps there, the contacts miss something everywhere.
-    if (round >= 6) anneal_.extra.all += 0.3 * audit_.worst;
+    // Where many pairs are found, or mending here opens overlaps there, the contacts miss something
+    // everywhere.
+    const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
+    if (many || round >= 6) anneal_.extra.all += (many ? 0.6 : 0.3) * audit_.worst;
     anneal_.settle = true;
   }
 }
@@ -150,12 +153,15 @@ void Packer::drop(const Work& work) {
 }
 
 PackResult Packer::run() {
+  refuse_what_cannot_be(population_, shapes_, options_.population.binder_gap);
   prepare();
   place();
   anneal_.binder_gap = options_.population.binder_gap;
   anneal_.seed = options_.population.seed;
-  // A percent of size more or less is not worth most of the time where shrinking is allowed anyway.
-  anneal_.enough = options_.on_jam == OnJam::Shrink ? 0.99 : 1;
+  // The last bit of size is not worth most of the time where shrinking is allowed anyway.
+  anneal_.enough = options_.on_jam == OnJam::Shrink ? 0.998 : 1;
+  for (const auto& s : contact_shapes_)
+    if (s.field.kind() == DistanceField::Kind::Grid) anneal_.aim = 1.002;
   const bool resumed = population_.kept == packing_.count();
   anneal_and_audit(resumed ? 1.0 : 0.6, work_.part(0.05, 0.95));
 
@@ -168,7 +174,7 @@ PackResult Packer::run() {
   }
   for (int k = 0; options_.on_jam == OnJam::Shrink && audit_.worst > kTolerance && k < 40; ++k) {
     packing_.shrink *= 1 - 2 * std::min(audit_.worst, 0.05);
-    audit_ = audit(shapes_, placed(population_.particles, packing_), work_.quiet());
+    audit_ = audit(shapes_, placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
   }
   if (jammed && options_.on_jam == OnJam::Drop) drop(work_.part(0.95, 1));
   if (audit_.worst > kTolerance)

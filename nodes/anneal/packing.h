@@ -11,7 +11,7 @@ enum class OnJam { Fail, Shrink, Drop };
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
-  int iterations = 3000;
+  int iterations = 6000;
 };
 
 struct PackResult {
@@ -32,8 +32,8 @@ struct PackResult {
 // Deepest penetration that passes, relative to the smaller particle's size.
 inline constexpr double kTolerance = 1e-4;
 
-// Throws what populate() throws, and Error "jammed" with the volume fraction reached when the particles
-// cannot be packed and on_jam is Fail.
+// Throws what populate() and refuse_what_cannot_be() throw, and Error "jammed" with the volume fraction
+// reached when the particles cannot be packed and on_jam is Fail.
 PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                           const PackOptions& options, const Work& work = {});
 

@@ -1,4 +1,5 @@
 #include "nodes/anneal/population.h"
+#include "nodes/common/mesh.h"
 #include "nodes/common/size_kernel.h"
 
 #include <fmt/format.h>
@@ -44,6 +45,10 @@ void check(const SizeDistribution& d, const Shapes& shapes) {
                   "use a closed, outward oriented mesh");
     if (!(s.probability >= 0))
       throw Error("bad-shape", fmt::format("shape '{}' has no valid probability", s.name));
+    if (s.probability > 0)
+      if (const auto faults = mesh_faults(s.mesh); !faults.empty())
+        throw Error("open-mesh", fmt::format("shape '{}' does not bound a solid: {}", s.name, faults.front()),
+                    "close its holes, with `repair` of LoadMesh for example");
     probability += s.probability;
   }
   if (!(probability > 0)) throw Error("bad-shape", "all shapes have probability 0");
@@ -94,10 +99,8 @@ void largest(const SizeDistribution& d, const Shapes& shapes, double& size, doub
 
 Vec3 choose_box(const PopulationOptions& o, double density, double size, double diameter, Population& out) {
   if (!o.edges.empty()) {
-    const Vec3 box = o.edges.size() == 1 ? Vec3::Constant(o.edges[0])
-                     : o.edges.size() == 3
-                         ? Vec3(o.edges[0], o.edges[1], o.edges[2])
-                         : throw Error("bad-size", "a box needs one edge or three", "").parameter("size");
+    if (o.edges.size() > 3) throw Error("bad-size", "a box has at most three edges", "").parameter("size");
+    const Vec3 box(o.edges[0], o.edges[o.edges.size() == 3 ? 1 : 0], o.edges.back());
     if (!box.allFinite() || !(box.minCoeff() > 0))
       throw Error("bad-size", "the box edges must be positive numbers", "").parameter("size");
     if (diameter + o.binder_gap >= box.minCoeff())
@@ -189,8 +192,9 @@ double total_volume(const std::vector<Member>& members, const Shapes& shapes) {
 
 // Bends the ranks within their classes by one exponent until the volume is met as nearly as it can be.
 void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const Shapes& shapes,
-                  double volume) {
+                  double volume, const Work& work) {
   const auto apply = [&](double exponent) {
+    work.check();
     for (auto& m : members) {
       if (m.start >= 0) continue;
       const double lo = d.class_edges[m.size_class], hi = d.class_edges[m.size_class + 1];
@@ -210,7 +214,7 @@ void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const
 }  // namespace
 
 Population populate(const SizeDistribution& d, const Shapes& shapes, const Particles* start,
-                    const PopulationOptions& o) {
+                    const PopulationOptions& o, const Work& work) {
   check(d, shapes);
   Population out;
   auto cells = cells_of(d, shapes);
@@ -282,7 +286,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     throw Error("no-particles", fmt::format("the box holds {:.2g} particles on average, so none", expected),
                 "make the box larger")
         .parameter("size");
-  choose_sizes(members, d, shapes, target);
+  choose_sizes(members, d, shapes, target, work);
 
   const auto radius = [&](const Member& m) {
     return std::cbrt(unit_volume(shapes.shapes[m.shape])) * m.size;

@@ -8,11 +8,12 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
+#include "runtime/work.h"
 
 namespace terrazzo::anneal {
 
 struct PopulationOptions {
-  std::vector<double> edges;  // mm, one or three; empty: a cube for about `count` particles
+  std::vector<double> edges;  // mm, one to three (node.cpp tells); empty: a cube for about `count` particles
   std::int64_t count = 2000;
   std::int64_t most = 1'000'000;     // refuses more
   bool keep_volume_fraction = true;  // where densities and volume fraction disagree, the fraction holds
@@ -35,8 +36,8 @@ struct Population {
 // best; sizes stratified within their class and bent within it until the fraction is met. Shapes of entries
 // with shape −1 are drawn evenly by probability. Particles of `start` (may be null) whose class has room are
 // kept. Throws Error "bad-distribution", "no-particles", "box-too-small", "too-many-particles",
-// "impossible-density".
+// "impossible-density", "open-mesh".
 Population populate(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
-                    const PopulationOptions& options);
+                    const PopulationOptions& options, const Work& work = {});
 
 }  // namespace terrazzo::anneal

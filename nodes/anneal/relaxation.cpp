@@ -8,8 +8,33 @@
 namespace terrazzo::anneal {
 
 namespace {
-constexpr double kSlack = 0.015;  // travel for which candidates are collected, in sizes
+
+constexpr double kCandidateSlack = 0.015;  // travel for which candidates are collected, in sizes
+constexpr float kRidge = 0.1f;             // keeps a body with one contact from turning instead of moving
+
+void add(Demand& sum, const Demand& d) {
+  for (int k = 0; k < 21; ++k) sum.square[k] += d.square[k];
+  for (int k = 0; k < 6; ++k) sum.side[k] += d.side[k];
 }
+
+// The displacement and turn that meet the demand best, turns being weighed by `arm`.
+void solve(const Demand& demand, double arm, Vec3& dx, Vec3& dw) {
+  Eigen::Matrix<float, 6, 6> m;
+  Eigen::Matrix<float, 6, 1> r;
+  const auto inverse = static_cast<float>(1 / arm);
+  int at = 0;
+  for (int i = 0; i < 6; ++i) {
+    const float si = i < 3 ? 1 : inverse;
+    r[i] = demand.side[i] * si;
+    for (int j = i; j < 6; ++j) m(j, i) = demand.square[at++] * si * (j < 3 ? 1 : inverse);
+    m(i, i) += kRidge;
+  }
+  const Eigen::Matrix<float, 6, 1> x = m.selfadjointView<Eigen::Lower>().llt().solve(r);
+  dx = x.head<3>().cast<double>();
+  dw = x.tail<3>().cast<double>() / arm;
+}
+
+}  // namespace
 
 Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap)
     : shapes_(shapes),
@@ -20,7 +45,11 @@ Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing
       drift_(packing.count(), Vec3::Zero()),
       velocity_(packing.count(), Vec3::Zero()),
       spin_(packing.count(), Vec3::Zero()),
-      strain_(packing.count(), 0.0) {}
+      strain_(packing.count(), 0.0) {
+  spheres_ = true;
+  for (std::int32_t s : packing.shape)
+    spheres_ = spheres_ && shapes[s].field.kind() == DistanceField::Kind::Sphere;
+}
 
 double Relaxation::required_margin(std::size_t pair) const {
   const Pair& p = pairs_[pair];
@@ -47,8 +76,18 @@ void Relaxation::rebuild(const Work& work) {
   }
   for (const auto& [pair, margin] : extra.of_pair)
     radius[pair.first] += margin, radius[pair.second] += margin;
-  reach_ = 0.15 * mean / static_cast<double>(std::max<std::size_t>(n, 1));
-  pairs_ = near_pairs(packing_.box, packing_.position, radius, 2 * reach_, work);
+  if (steps_since_ < 6) skin_ = std::min(0.35, 1.4 * skin_);
+  if (steps_since_ > 25) skin_ = std::max(0.05, 0.8 * skin_);
+  steps_since_ = 0;
+  reach_ = skin_ * mean / static_cast<double>(std::max<std::size_t>(n, 1));
+  pairs_ = near_pairs(packing_.box, packing_.position, radius, 3 * reach_, work);
+  listed_ = packing_.shrink;
+  stale_ = false;
+  if (spheres_ && extra.of_pair.empty()) {
+    list_spheres();
+    return;
+  }
+  neighbours_.clear(), first_neighbour_.clear();
   incidence_ = incidence_of(n, pairs_);
   extra_.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -63,11 +102,11 @@ void Relaxation::rebuild(const Work& work) {
   noted_.assign(pairs_.size(), 0.0);
   slack_.assign(pairs_.size(), -1.f);
   stamp_.assign(pairs_.size(), 0.0);
-  stale_ = false;
 }
 
 Overlap Relaxation::find_contacts(const Work& work) {
   if (stale_) rebuild(work);
+  if (!first_neighbour_.empty()) return find_sphere_contacts(work);
   const auto combine = [](Overlap x, const Overlap& y) {
     x.worst = std::max(x.worst, y.worst);
     x.energy += y.energy;
@@ -89,7 +128,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
           const double margin = required + surplus * std::min(packing_.size[p.a], packing_.size[p.b]);
           const Vec3 offset = offset_of(p, packing_.box, packing_.position);
           const double size = std::min(packing_.size[p.a], packing_.size[p.b]) * packing_.shrink;
-          const double slack = kSlack * size;
+          const double slack = kCandidateSlack * size;
           ContactCandidates& candidates = candidates_[k];
           if (candidates.known && travelled - noted_[k] > 0.99 * slack) candidates.known = false;
           if (!candidates.known) noted_[k] = travelled;
@@ -136,17 +175,13 @@ void Relaxation::move(const Work& work) {
       [&](std::size_t begin, std::size_t end) {
         double far = 0;
         for (std::size_t i = begin; i < end; ++i) {
-          Vec3f push = Vec3f::Zero(), turn = Vec3f::Zero();
-          float lever = 0, deepest = 0;
+          Demand demand;
+          float deepest = 0;
           int touching = 0;
           for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e) {
             const Contact& c = contacts_[incidence_.entry[e] >> 1];
             if (!(c.depth > 0)) continue;
-            const bool is_a = (incidence_.entry[e] & 1) == 0;
-            if (is_a)
-              push += c.push, turn += c.turn_a, lever += c.lever_a;
-            else
-              push -= c.push, turn += c.turn_b, lever += c.lever_b;
+            add(demand, (incidence_.entry[e] & 1) == 0 ? c.a : c.b);
             deepest = std::max(deepest, c.depth);
             ++touching;
           }
@@ -154,10 +189,9 @@ void Relaxation::move(const Work& work) {
           Vec3 v = Vec3::Zero(), w = Vec3::Zero();
           if (touching > 0) {
             const double arm = bodies_[i].shape->gyration * bodies_[i].scale;
-            // The mean of many contacts asks for too little, their sum for too much.
-            const double step = step_length / std::sqrt(static_cast<double>(touching));
-            const Vec3 dx = push.cast<double>() * step;
-            const Vec3 dw = turn.cast<double>() * (step * touching / (lever + 0.5 * arm * arm * touching));
+            Vec3 dx, dw;
+            solve(demand, arm, dx, dw);
+            dx *= step_length, dw *= step_length;
             const bool on = velocity_[i].dot(dx) + spin_[i].dot(dw) * arm * arm > 0;
             v = dx + (on ? memory : 0.0) * velocity_[i];
             w = dw + (on ? memory : 0.0) * spin_[i];
@@ -177,11 +211,30 @@ void Relaxation::move(const Work& work) {
         return far;
       },
       [](double x, double y) { return std::max(x, y); });
-  // Positions leave the box by a little between rebuilds, so that the images of the pairs stay valid.
-  if (farthest > reach_) {
-    for (std::size_t i = 0; i < n; ++i) wrap(i);
-    stale_ = true;
+  end_move(farthest);
+}
+
+// Positions leave the box by a little between rebuilds, so that the images of the pairs stay valid.
+void Relaxation::end_move(double farthest) {
+  if (farthest <= reach_) return;
+  for (std::size_t i = 0; i < packing_.count(); ++i) wrap(i);
+  stale_ = true;
+}
+
+void Relaxation::resize(double shrink) {
+  if (shrink == packing_.shrink) return;
+  const double change = std::abs(shrink - packing_.shrink);
+  packing_.shrink = shrink;
+  if (stale_) return;
+  double largest = 0;
+  for (std::size_t i = 0; i < packing_.count(); ++i) {
+    Body& body = bodies_[i];
+    const double radius = body.shape->bounding_radius * packing_.scale[i];
+    body.scale = static_cast<float>(packing_.scale[i] * shrink);
+    travel_[i] += radius * change;
+    largest = std::max(largest, radius);
   }
+  if (largest * (shrink - listed_) > 0.5 * reach_) stale_ = true;
 }
 
 void Relaxation::wrap(std::size_t i) {
@@ -194,12 +247,19 @@ void Relaxation::wrap(std::size_t i) {
 
 Overlap Relaxation::step(double enough, const Work& work) {
   const Overlap found = find_contacts(work);
-  if (found.worst > enough) move(work);
+  ++steps_since_;
+  if (found.worst > enough) {
+    if (first_neighbour_.empty())
+      move(work);
+    else
+      move_spheres(work);
+  }
   return found;
 }
 
 Overlap Relaxation::measure(const Work& work) {
   const Overlap found = find_contacts(work);
+  if (!first_neighbour_.empty()) return found;
   for (std::size_t i = 0; i < packing_.count(); ++i) {
     float deepest = 0;
     for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e)

@@ -37,29 +37,35 @@ struct Margins {
   std::map<std::pair<std::int32_t, std::int32_t>, double> of_pair;  // mm; the lower index first
 };
 
-// A Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy ball):
-// each body takes a step between the mean and the sum of what its contacts ask for. Every contact is found
-// once, by one thread, and each body sums its own in a fixed order, so that the result has the same bits for
-// any number of threads.
+// A block Jacobi iteration on the contacts of all bodies with a memory of the last moves (Polyak's heavy
+// ball): each body takes the displacement and turn that would meet all its contacts' demands best if only it
+// moved, times `step_length`. About 0.5 comes to rest; towards 1 the bodies overshoot and are agitated as by
+// a temperature. Every contact is found once, by one thread, and each body sums its own in a fixed order, so
+// that the result has the same bits for any number of threads.
 class Relaxation {
  public:
   Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap);
 
-  bool fine = true;        // all elements, or the coarse subset
+  static constexpr double kCold = 0.5;  // a step length that comes to rest
+  bool fine = true;                     // all elements, or the coarse subset
   double surplus = 0.002;  // distance aimed for beyond what is asked, in sizes: makes the end finite
-  double step_length = 0.6, memory = 0.87;
+  double step_length = kCold, memory = 0.87;
   Margins extra;
 
   // One iteration. Returns the overlap found; moves nothing where it is no deeper than `enough`.
   Overlap step(double enough, const Work& work);
   // The overlap now, nothing moved; also fills strain().
   Overlap measure(const Work& work);
+  // Whether all bodies are spheres.
+  bool spheres() const { return spheres_; }
   // Deepest contact of each body, in its own size, as of the last step or measure.
   const std::vector<double>& strain() const { return strain_; }
   // Moves bodies at random by up to amplitude · size, and turns them by up to 2 · amplitude radians: all, or
   // those whose strain is above `above`.
   void shake(double amplitude, std::uint64_t seed, std::uint64_t round, double above, const Work& work);
-  // Call after changing packing.shrink, fine, surplus or extra from outside.
+  // Changes packing.shrink, keeping what is known of the neighbours.
+  void resize(double shrink);
+  // Call after changing fine, surplus or extra from outside.
   void forget() { stale_ = true; }
   // Call after changing positions or orientations from outside.
   void rest();
@@ -81,13 +87,31 @@ class Relaxation {
   std::vector<Vec3> drift_;     // displacement since pairs_ was made
   std::vector<Vec3> velocity_, spin_;
   std::vector<double> strain_;
-  double reach_ = 0;
+  double skin_ = 0.1;  // reach_ in mean radii: wider the sooner neighbours had to be found anew
+  int steps_since_ = 10;
+  double reach_ = 0, listed_ = 1;  // travel allowed until neighbours are found anew; shrink when they were
   bool stale_ = true;
+
+  // Packings of spheres alone need no contacts: each body looks at its neighbours itself.
+  struct Neighbour {
+    std::int32_t other;
+    std::int32_t image;  // of 27, the middle one 13
+  };
+  bool spheres_ = false;
+  std::vector<std::int32_t> first_neighbour_;  // n + 1
+  std::vector<Neighbour> neighbours_;
+  std::vector<double> radius_;  // at shrink 1
+  std::vector<Vec3> wish_;
+
+  void list_spheres();
+  Overlap find_sphere_contacts(const Work& work);
+  void move_spheres(const Work& work);
 
   double required_margin(std::size_t pair) const;
   void rebuild(const Work& work);
   Overlap find_contacts(const Work& work);
   void move(const Work& work);
+  void end_move(double farthest);
   void wrap(std::size_t i);
   void displace(std::size_t i, const Vec3& by, const Vec3& turn);
 };

@@ -7,6 +7,12 @@
 namespace terrazzo::anneal {
 namespace {
 
+constexpr double kHot = 0.9;    // step length that agitates the bodies
+constexpr int kAgitated = 150;  // iterations of it
+constexpr double kRate = 0.02;  // of shrinking, in mean overlaps an iteration
+constexpr double kGain = 3e-4;  // growth in kPatience rounds below which bodies count as jammed
+constexpr int kPatience = 5;
+
 enum class Outcome { Free, Stalled, OutOfTime };
 
 class Schedule {
@@ -41,7 +47,8 @@ class Schedule {
   void set(double shrink, bool fine, double surplus);
   void grow();
   bool free_by_shrinking(double down);
-  bool compact();
+  bool decompress();
+  bool compact(double over, double step);
   void save();
   void restore();
 };
@@ -56,10 +63,10 @@ void Schedule::tell() {
 }
 
 void Schedule::set(double shrink, bool fine, double surplus) {
-  packing_.shrink = shrink;
+  if (relax_.fine != fine || relax_.surplus != surplus) relax_.forget();
+  relax_.resize(shrink);
   relax_.fine = fine;
   relax_.surplus = surplus;
-  relax_.forget();
 }
 
 // Iterates until no overlap is deeper than `tolerance`, or the energy falls by less than `least_progress` in
@@ -94,9 +101,9 @@ void Schedule::grow() {
   double rate = 0.06;
   set(std::min(1.0, options_.start_shrink), false, 0.005);
   relax(0.03, 60, 0.05);
-  while (packing_.shrink < 1 && left() > 0) {
+  while (packing_.shrink < options_.aim && left() > 0) {
     const int before = used_;
-    set(std::min(1.0, packing_.shrink * (1 + rate)), false, 0.005);
+    set(std::min(options_.aim, packing_.shrink * (1 + rate)), false, 0.005);
     relax(0.03, 40, 0.05);
     if (used_ - before < 10) rate = std::min(0.1, rate * 1.5);
     if (used_ - before >= 40) rate = std::max(0.01, rate * 0.6);
@@ -121,7 +128,8 @@ void Schedule::restore() {
 // Shrinks by `down` and more each time until no overlap is left.
 bool Schedule::free_by_shrinking(double down) {
   for (;;) {
-    limit_ = std::max(limit_, used_ + 200);  // a free state comes first, whatever it costs
+    if (best_.position.empty())
+      limit_ = std::max(limit_, used_ + 200);  // a free state comes first, at any cost
     set(packing_.shrink * (1 - down), true, 0.002 * packing_.shrink);
     if (relax(0, 150, 0.3) == Outcome::Free) return true;
     if (packing_.shrink < 0.05) return false;
@@ -129,29 +137,51 @@ bool Schedule::free_by_shrinking(double down) {
   }
 }
 
-// From a jammed state: shrink until free, then shake and grow by small steps. A step that fails is taken back
-// and halved.
-bool Schedule::compact() {
-  if (!free_by_shrinking(std::max(0.003, 0.5 * last_.worst))) return false;
-  save();
-  double up = 0.003, temperature = 0.01;
-  while (best_.shrink < options_.enough && left() > 0) {
-    relax_.shake(temperature, options_.seed, ++shakes_, -1, quiet_);
-    const double gap = 1 - best_.shrink;
-    const double step = std::min(up, gap);
-    set(std::min(1.0, best_.shrink + step), true, std::clamp(0.2 * step, 1e-4, 0.002));
-    if (relax(0, 300, 0.15) == Outcome::Free) {
-      save();
-      up *= 1.4;
-    } else {
-      restore();
-      up *= 0.5;
-      temperature = std::max(0.5 * temperature, 0.5 * up);
-      if (up < 2e-4) break;
-    }
+// Bodies that overlap shrink as fast as their overlaps say while they go on parting, so that they come free
+// just where they jam. False where time runs out.
+bool Schedule::decompress() {
+  for (;;) {
+    if (left() <= 0 && !best_.position.empty()) return false;
+    last_ = relax_.step(0, quiet_);
+    ++used_;
+    tell();
+    if (last_.worst <= 0) break;
+    const double mean = std::sqrt(last_.energy / static_cast<double>(std::max<std::size_t>(last_.pairs, 1)));
+    if (last_.worst < 1e-4 || mean < 2e-5) break;
+    const double before = packing_.shrink;
+    const double after = before * (1 - std::min(kRate * mean, 0.01));
+    relax_.resize(after);
+    for (const double goal : {options_.aim, 1.0})  // the sizes that are asked for are worth a longer try
+      if (before > goal && after <= goal) {
+        relax_.resize(goal);
+        if (relax(0, 400, 0.1) == Outcome::Free) return true;
+        break;
+      }
   }
-  restore();
-  return true;
+  return last_.worst <= 0 || free_by_shrinking(std::max(1e-4, 0.5 * last_.worst));
+}
+
+// Rounds of pressing jammed bodies into each other, agitated by steps that are too long, and letting them
+// expand to where they jam: each finds a denser state than the last, until `enough` is reached or rounds gain
+// no more. `over` is the share of a size by which they are pressed.
+bool Schedule::compact(double over, double step) {
+  bool any = false;
+  std::vector<double> reached;
+  for (;;) {
+    set(any ? packing_.shrink * (1 + over) : packing_.shrink, true, 2e-4);
+    relax_.step_length = step;
+    relax(0, kAgitated, -1);
+    relax_.step_length = Relaxation::kCold;
+    if (!decompress()) break;
+    if (!any || packing_.shrink > best_.shrink) save();
+    any = true;
+    reached.push_back(best_.shrink);
+    if (best_.shrink >= options_.enough || left() <= 0) break;
+    if (reached.size() > kPatience && reached.back() < reached[reached.size() - 1 - kPatience] * (1 + kGain))
+      break;
+  }
+  if (any) restore();
+  return any;
 }
 
 AnnealResult Schedule::run() {
@@ -159,15 +189,17 @@ AnnealResult Schedule::run() {
   if (packing_.count() == 0) return result.free = true, result;
   if (options_.settle) {
     set(packing_.shrink, true, 0.0005);
-    result.free = relax(0, 400, 0.1) == Outcome::Free || compact();
+    result.free = relax(0, 400, 0.1) == Outcome::Free ||
+                  (packing_.shrink < options_.enough ? decompress() : compact(0.01, Relaxation::kCold));
   } else {
     grow();
-    if (packing_.shrink == 1) {
-      set(1, true, 0.002);
+    if (packing_.shrink == options_.aim) {
+      set(options_.aim, true, 0.002);
       result.free = relax(0, 600, 0.1) == Outcome::Free;
     }
-    if (!result.free) result.free = compact();
+    if (!result.free) result.free = compact(relax_.spheres() ? 0.1 : 0.05, kHot);
   }
+  if (packing_.shrink > 1) packing_.shrink = 1;
   result.iterations = used_;
   result.overlap = last_;
   return result;

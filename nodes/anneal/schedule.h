@@ -11,7 +11,8 @@ struct AnnealOptions {
   int iterations = 4000;      // of all bodies, at most
   double start_shrink = 0.6;  // size at which growth begins
   bool settle = false;        // only mend a packing that is almost free, at the size it has
-  double enough = 1;          // where the bodies jam, a size at which to stop growing
+  double aim = 1;     // a size beyond 1 to reach where it takes no rounds: leaves room for the audit's finds
+  double enough = 1;  // where the bodies jam, a size at which to stop growing
   Margins extra;
 };
 

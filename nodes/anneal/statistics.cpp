@@ -2,10 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-
-#include "nodes/anneal/neighbours.h"
 
 namespace terrazzo::anneal {
 
@@ -45,27 +44,87 @@ double nematic_order(const Shapes& shapes, const Particles& particles) {
   return Eigen::SelfAdjointEigenSolver<Mat3>(q).eigenvalues()[2];
 }
 
+Vec3 sections_per_area(const Shapes& shapes, const Particles& particles, const Work& work) {
+  const Vec3 sum = work.reduce<Vec3>(
+      particles.count(), 256, Vec3::Zero(),
+      [&](std::size_t begin, std::size_t end) {
+        Vec3 extents = Vec3::Zero();
+        for (std::size_t i = begin; i < end; ++i) {
+          const Mat3 turn = particles.orientation[i].toRotationMatrix();
+          Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+          for (const auto& v : shapes.shapes[particles.shape[i]].mesh.vertices) {
+            const Vec3 p = turn * v;
+            low = low.cwiseMin(p), high = high.cwiseMax(p);
+          }
+          extents += particles.scale[i] * (high - low);
+        }
+        return extents;
+      },
+      [](const Vec3& x, const Vec3& y) { return Vec3(x + y); });
+  return sum / particles.box.prod();
+}
+
 Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   Table table;
   table.columns = {"r mm", "g"};
   const std::size_t n = particles.count();
   if (n < 2) return table;
-  // Far enough to see the order around a particle, and no more pairs than that takes.
+  constexpr std::size_t kMost = 20000;
+  const std::size_t stride = 1 + (n - 1) / kMost, looked = (n + stride - 1) / stride;
   const double per_particle = particles.box.prod() / static_cast<double>(n);
   const double farthest = std::min(0.5 * particles.box.minCoeff(), 5 * std::cbrt(per_particle));
-  const std::vector<double> radius(n, 0.5 * std::cbrt(per_particle));
-  const double reach = farthest - 2 * radius[0];
-  std::vector<double> count(bins, 0);
-  const auto pairs = near_pairs(particles.box, particles.position, radius, std::max(reach, 0.0), work);
-  for (const auto& p : pairs) {
-    const double r = offset_of(p, particles.box, particles.position).norm();
-    const int bin = static_cast<int>(r / farthest * bins);
-    if (bin >= 0 && bin < bins) count[bin] += 2;
+  // A grid of cells as wide as the mean spacing; a walk over the cells within reach.
+  std::array<int, 3> cells;
+  for (int a = 0; a < 3; ++a)
+    cells[a] = std::clamp(static_cast<int>(particles.box[a] / std::cbrt(per_particle)), 1, 256);
+  const auto cell_of = [&](const Vec3& p, int a) {
+    return std::clamp(static_cast<int>(p[a] / particles.box[a] * cells[a]), 0, cells[a] - 1);
+  };
+  std::vector<std::vector<std::int32_t>> members(static_cast<std::size_t>(cells[0]) * cells[1] * cells[2]);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3& p = particles.position[i];
+    members[(static_cast<std::size_t>(cell_of(p, 2)) * cells[1] + cell_of(p, 1)) * cells[0] + cell_of(p, 0)]
+        .push_back(static_cast<std::int32_t>(i));
   }
+  using Counts = std::vector<std::int64_t>;
+  const Counts count = work.reduce<Counts>(
+      looked, 64, Counts(bins, 0),
+      [&](std::size_t begin, std::size_t end) {
+        Counts part(bins, 0);
+        for (std::size_t m = begin; m < end; ++m) {
+          const std::size_t i = m * stride;
+          const Vec3& p = particles.position[i];
+          std::array<int, 3> lo, hi;
+          for (int a = 0; a < 3; ++a) {
+            lo[a] = static_cast<int>(std::floor((p[a] - farthest) / particles.box[a] * cells[a]));
+            hi[a] = std::min(static_cast<int>(std::floor((p[a] + farthest) / particles.box[a] * cells[a])),
+                             lo[a] + cells[a] - 1);
+          }
+          const auto wrapped = [&](int c, int a) { return ((c % cells[a]) + cells[a]) % cells[a]; };
+          for (int z = lo[2]; z <= hi[2]; ++z)
+            for (int y = lo[1]; y <= hi[1]; ++y)
+              for (int x = lo[0]; x <= hi[0]; ++x)
+                for (std::int32_t j :
+                     members[(static_cast<std::size_t>(wrapped(z, 2)) * cells[1] + wrapped(y, 1)) * cells[0] +
+                             wrapped(x, 0)]) {
+                  if (static_cast<std::size_t>(j) == i) continue;
+                  Vec3 d = particles.position[j] - p;
+                  for (int a = 0; a < 3; ++a) d[a] -= std::round(d[a] / particles.box[a]) * particles.box[a];
+                  const int bin = static_cast<int>(d.norm() / farthest * bins);
+                  if (bin < bins) ++part[bin];
+                }
+        }
+        return part;
+      },
+      [](Counts x, const Counts& y) {
+        for (std::size_t k = 0; k < x.size(); ++k) x[k] += y[k];
+        return x;
+      });
   for (int k = 0; k < bins; ++k) {
     const double lo = farthest * k / bins, hi = farthest * (k + 1) / bins;
     const double shell = 4.0 / 3 * std::numbers::pi * (hi * hi * hi - lo * lo * lo);
-    table.rows.push_back({0.5 * (lo + hi), count[k] / (static_cast<double>(n) * shell / per_particle)});
+    table.rows.push_back({0.5 * (lo + hi), static_cast<double>(count[k]) /
+                                               (static_cast<double>(looked) * shell / per_particle)});
   }
   return table;
 }

@@ -15,8 +15,11 @@ double volume_fraction(const Shapes& shapes, const Particles& particles);
 // where all are parallel, about 1/√n where none are related. 0 without particles.
 double nematic_order(const Shapes& shapes, const Particles& particles);
 
-// g(r) of the centres in `bins` rings up to half the smallest box edge, relative to an even spread: columns
-// "r mm", "g".
+// Particles cut per area by planes across x, y and z, per mm²: ΣH/V with H the extents along that axis.
+Vec3 sections_per_area(const Shapes& shapes, const Particles& particles, const Work& work = {});
+
+// g(r) of the centres in `bins` rings up to five mean spacings or half the smallest box edge, relative to an
+// even spread: columns "r mm", "g". Of more than 20,000 particles every k-th is looked from.
 Table pair_correlation(const Particles& particles, int bins, const Work& work = {});
 
 // Requested and achieved particles and volume of each size class: columns "size_low mm", "size_high mm",

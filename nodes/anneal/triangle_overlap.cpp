@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/anneal/mesh_distance.h"
+
 namespace terrazzo::anneal {
 
 double triangle_penetration(const Corners& a, const Corners& b) {
@@ -34,6 +36,36 @@ double triangle_penetration(const Corners& a, const Corners& b) {
   for (const Vec3& v : eb)
     if (!part(v.cross(nb), v.norm() * lb * lb)) return -1;
   return std::max(least, 0.0);
+}
+
+namespace {
+
+// Nearest points of two segments (Ericson 2005, 5.1.9).
+double segment_distance(const Vec3& p1, const Vec3& q1, const Vec3& p2, const Vec3& q2) {
+  const Vec3 d1 = q1 - p1, d2 = q2 - p2, r = p1 - p2;
+  const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r), c = d1.dot(r), b = d1.dot(d2);
+  const double det = a * e - b * b;
+  double s = det > 1e-14 * a * e ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0;
+  double t = e > 0 ? (b * s + f) / e : 0;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = a > 0 ? std::clamp((b * t - c) / a, 0.0, 1.0) : 0;
+  }
+  return (p1 + s * d1 - p2 - t * d2).norm();
+}
+
+}  // namespace
+
+double triangle_distance(const Corners& a, const Corners& b) {
+  double least = 1e300;
+  int feature;
+  for (int i = 0; i < 3; ++i) {
+    least = std::min(least, (a[i] - closest_point_on_triangle(a[i], b[0], b[1], b[2], feature)).norm());
+    least = std::min(least, (b[i] - closest_point_on_triangle(b[i], a[0], a[1], a[2], feature)).norm());
+    for (int k = 0; k < 3; ++k)
+      least = std::min(least, segment_distance(a[i], a[(i + 1) % 3], b[k], b[(k + 1) % 3]));
+  }
+  return least;
 }
 
 }  // namespace terrazzo::anneal

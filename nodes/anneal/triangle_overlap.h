@@ -14,4 +14,7 @@ using Corners = std::array<Vec3, 3>;
 // matter where the triangles are coplanar (Gottschalk 1996).
 double triangle_penetration(const Corners& a, const Corners& b);
 
+// Distance of two triangles that do not cross.
+double triangle_distance(const Corners& a, const Corners& b);
+
 }  // namespace terrazzo::anneal

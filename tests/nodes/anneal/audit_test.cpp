@@ -3,6 +3,7 @@
 #include "nodes/anneal/audit.h"
 #include "nodes/anneal/mesh_distance.h"
 #include "nodes/anneal/neighbours.h"
+#include "nodes/anneal/polytope_contact.h"
 #include "nodes/anneal/triangle_overlap.h"
 #include "runtime/random.h"
 #include "tests/nodes/anneal/brute_force.h"
@@ -95,6 +96,59 @@ TEST(AnnealAudit, TrianglePenetration) {
   EXPECT_NEAR(anneal::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);
   const anneal::Corners beside{Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)};
   EXPECT_EQ(anneal::triangle_penetration(flat, beside), -1);
+}
+
+TEST(AnnealAudit, DistancesBelowTheGap) {
+  const auto shapes = test::shapes_of({test::cube()});
+  const Vec3 box(10, 10, 10);
+  const auto faces = two(box, {5, 5, 5}, {6.1, 5.3, 5.2});  // 0.1 apart
+  EXPECT_EQ(audit(shapes, faces, 0.099).worst, 0);
+  EXPECT_NEAR(audit(shapes, faces, 0.3).found.at(0).depth, 0.2, 1e-9);
+  auto corners = two(box, {5, 5, 5}, {6.1, 6.2, 6.2});  // corner to corner
+  EXPECT_NEAR(audit(shapes, corners, 0.4).found.at(0).depth, 0.4 - 0.3, 1e-9);
+  EXPECT_EQ(audit(shapes, corners, 0.29).worst, 0);
+  EXPECT_NEAR(audit(shapes, two(box, {5, 5, 5}, {5.9, 5.2, 5.1}), 0.3).worst * 1.0, (0.3 + 0.1) / 1.0, 1e-9);
+}
+
+// The separating axis test against the exact one, for polyhedra of all attitudes and depths.
+TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
+  const auto shapes = test::shapes_of({test::cube(), test::tetrahedron()});
+  anneal::Polytope polytopes[2] = {anneal::make_polytope(shapes.shapes[0].mesh, 40),
+                                   anneal::make_polytope(shapes.shapes[1].mesh, 40)};
+  EXPECT_EQ(polytopes[0].faces.size(), 6u);
+  EXPECT_EQ(polytopes[0].edges.size(), 12u);
+  EXPECT_EQ(polytopes[1].edges.size(), 6u);
+  EXPECT_TRUE(anneal::make_polytope(test::angle(), 40).empty());
+  int overlapping = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    Random random(5, 0, trial);
+    Particles p = two(Vec3(20, 20, 20), {10, 10, 10}, {10, 10, 10});
+    anneal::PlacedPolytope bodies[2];
+    for (int k = 0; k < 2; ++k) {
+      p.shape[k] = static_cast<int>(random.below(2));
+      p.orientation[k] =
+          Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+      p.scale[k] = random.uniform(0.5, 1.5);
+      bodies[k] = {&polytopes[p.shape[k]], p.orientation[k].toRotationMatrix().cast<float>(),
+                   static_cast<float>(p.scale[k])};
+    }
+    const Vec3 offset =
+        3 * random.uniform() * Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    p.position[1] += offset;
+    Vec3f hint = Vec3f::Zero();
+    anneal::Manifold m;
+    anneal::find_manifold(bodies[0], bodies[1], offset.cast<float>(), 0, hint, m);
+    if (std::abs(m.separation) < 1e-4) continue;
+    const bool overlap = audit(shapes, p).worst > 0;
+    EXPECT_EQ(m.separation < 0, overlap) << "trial " << trial;
+    overlapping += overlap;
+    if (!overlap) continue;
+    // Moved apart along the axis by the depth, they are free; by a little less, they are not.
+    p.position[1] += m.normal.cast<double>() * (1e-4 - m.separation);
+    EXPECT_EQ(audit(shapes, p).worst, 0) << "trial " << trial;
+    EXPECT_GT(m.count, 0);
+  }
+  EXPECT_GT(overlapping, 80);
 }
 
 TEST(AnnealAudit, SignedDistanceOfACube) {

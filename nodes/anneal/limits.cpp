@@ -1,0 +1,76 @@
+#include "nodes/anneal/limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "graph/diagnostic.h"
+#include "nodes/anneal/distance_field.h"
+#include "nodes/anneal/mesh_distance.h"
+
+namespace terrazzo::anneal {
+namespace {
+
+// Of the ball about the centroid.
+std::vector<double> inner_radii(const Shapes& shapes, const std::vector<std::int32_t>& used) {
+  std::vector<double> radius(shapes.shapes.size(), -1);
+  for (std::int32_t s : used)
+    if (radius[s] < 0)
+      radius[s] = std::max(0.0, -MeshDistance(shapes.shapes[s].mesh).signed_distance(Vec3::Zero()));
+  return radius;
+}
+
+// Bytes free for new work, or 0 where the system does not tell.
+double memory_available() {
+  std::ifstream file("/proc/meminfo");
+  std::string name, unit;
+  double value;
+  while (file >> name >> value) {
+    if (name == "MemAvailable:") return 1024 * value;
+    std::getline(file, unit);
+  }
+  return 0;
+}
+
+}  // namespace
+
+double memory_needed(const Population& population, const Shapes& shapes) {
+  std::vector<bool> round;
+  for (const auto& s : shapes.shapes) round.push_back(is_sphere(s.mesh));
+  double bytes = 0;
+  for (std::int32_t s : population.particles.shape) bytes += round[s] ? 1500 : 5000;
+  return bytes;
+}
+
+void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap) {
+  const Particles& p = population.particles;
+  const auto inner = inner_radii(shapes, p.shape);
+  std::vector<double> radius(p.count());
+  for (std::size_t i = 0; i < p.count(); ++i) radius[i] = inner[p.shape[i]] * p.scale[i] + 0.5 * binder_gap;
+  std::sort(radius.rbegin(), radius.rend());
+  const double densest = std::numbers::pi / std::sqrt(18.0);
+  double worst = 0;
+  for (std::size_t k = 0; k < radius.size(); ++k)  // the k + 1 largest, as balls of the smallest of them
+    worst = std::max(worst, static_cast<double>(k + 1) * std::pow(radius[k], 3));
+  worst *= 4.0 / 3 * std::numbers::pi / p.box.prod();
+  if (worst > densest)
+    throw Error(
+        "impossible-density",
+        fmt::format("{} particles were to fill {:.3f} of the box{}: the balls inside them would fill {:.3f} "
+                    "of it, and balls of one size fill at most {:.4f}",
+                    p.count(), population.fraction,
+                    binder_gap > 0 ? fmt::format(" at distances of {} mm", binder_gap) : "", worst, densest),
+        "lower the volume fraction or binder_gap");
+  const double needed = memory_needed(population, shapes), available = memory_available();
+  if (available > 0 && needed > 0.9 * available)
+    throw Error("not-enough-memory",
+                fmt::format("{} particles take about {:.1f} GB to pack, and {:.1f} GB are free", p.count(),
+                            needed / 1e9, available / 1e9),
+                "make the box smaller, or leave out the finest classes")
+        .parameter("size");
+}
+
+}  // namespace terrazzo::anneal
