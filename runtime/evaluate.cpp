@@ -12,6 +12,7 @@
 
 #include "graph/write_graph.h"
 #include "runtime/compute_node.h"
+#include "runtime/thread_marks.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -119,10 +120,12 @@ class Run {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(std::max(threads, 1)));
     arena_.initialize(std::max(threads, 1));
+    mark_.before();
     arena_.execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
       group_.wait();
     });
+    mark_.after();
     for (std::size_t i = 0; i < states_.size(); ++i)
       if (states_[i].seconds_again > 0)
         result_.nodes[i].status = Status::Computed, result_.nodes[i].seconds = states_[i].seconds_again;
@@ -154,6 +157,7 @@ class Run {
   const GraphNode& node(int i) const { return graph_.nodes[static_cast<std::size_t>(i)]; }
 
   void visit(int i) {
+    mark_.after();
     try {
       if (!evaluate(i)) return;  // visited again once another node or run is done with the same key
     } catch (const Cancelled&) {
@@ -172,6 +176,7 @@ class Run {
           const std::lock_guard lock(state(w.node).mutex);
           state(w.node).values.clear();
         }
+    mark_.before();
     for (const int c : state(i).consumers)
       if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
   }
@@ -369,6 +374,7 @@ class Run {
   RunResult result_;
   tbb::task_group group_;
   tbb::task_arena arena_;
+  ThreadMark mark_;
   std::mutex observer_mutex_;
 };
 
