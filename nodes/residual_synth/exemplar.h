@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "nodes/common/quantiles.h"
 #include "nodes/data/image.h"
-#include "nodes/residual_synth/quantiles.h"
 #include "runtime/work.h"
 
 namespace terrazzo {

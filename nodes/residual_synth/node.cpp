@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "nodes/data/volume.h"
-#include "nodes/residual_synth/pyramid.h"
+#include "nodes/common/dense_grid.h"
+#include "nodes/common/steerable_pyramid.h"
 #include "nodes/residual_synth/residual_image.h"
 #include "nodes/residual_synth/synthesize.h"
 #include "runtime/context.h"
@@ -23,36 +23,6 @@ Vec3i volume_size(const Context& c) {
                 "at most 800³: the volume tiles")
         .parameter("size");
   return size;
-}
-
-// Plain voxels as a dense grid, by leaves.
-openvdb::Vec3SGrid::Ptr to_grid(const std::vector<Vec3f>& voxels, const Vec3i& size, double voxel,
-                                const Work& work) {
-  auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
-  grid->setName("residual");
-  grid->setTransform(voxel_transform(voxel));
-  using Leaf = openvdb::Vec3STree::LeafNodeType;
-  const Vec3i blocks = (size.array() + 7) / 8;
-  std::vector<std::unique_ptr<Leaf>> leaves(blocks.prod());
-  work.parallel(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const openvdb::Coord lo(8 * (static_cast<int>(n) % blocks.x()),
-                              8 * (static_cast<int>(n) / blocks.x() % blocks.y()),
-                              8 * (static_cast<int>(n) / blocks.x() / blocks.y()));
-      auto leaf = std::make_unique<Leaf>(lo, openvdb::Vec3s(0.0f));
-      openvdb::Index at = 0;
-      for (int i = lo.x(); i < lo.x() + 8; ++i)
-        for (int j = lo.y(); j < lo.y() + 8; ++j)
-          for (int k = lo.z(); k < lo.z() + 8; ++k, ++at) {
-            if (i >= size.x() || j >= size.y() || k >= size.z()) continue;
-            const Vec3f& v = voxels[(static_cast<std::size_t>(k) * size.y() + j) * size.x() + i];
-            leaf->setValueOn(at, openvdb::Vec3s(v.x(), v.y(), v.z()));
-          }
-      leaves[n] = std::move(leaf);
-    }
-  });
-  for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());
-  return grid;
 }
 
 void compute(Context& c) {
@@ -78,7 +48,9 @@ void compute(Context& c) {
   initialize_openvdb();
   Volume volume;
   volume.resolution = size;
-  volume.grids = {to_grid(voxels, size, image.pixel_size, work.part(0.95, 1))};
+  volume.grids = {dense_grid<openvdb::Vec3SGrid>(
+      "residual", size, image.pixel_size, work.part(0.95, 1),
+      [&](std::size_t i) { return openvdb::Vec3s(voxels[i].x(), voxels[i].y(), voxels[i].z()); })};
   c.metric("filled", residual.filled);
   c.metric("specks", residual.specks);
   c.metric("deviation", exemplar.channels > 0 ? exemplar.values[0].deviation : 0);
@@ -93,7 +65,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType residual_synth_node() {
-  return NodeType("ResidualSynth", 2)
+  return NodeType("ResidualSynth", 3)
       .doc_(
           "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
           "binder, at the "

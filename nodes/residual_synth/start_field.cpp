@@ -7,7 +7,8 @@
 #include <memory>
 #include <numbers>
 
-#include "nodes/residual_synth/pyramid.h"
+#include "nodes/common/slice_axes.h"
+#include "nodes/common/steerable_pyramid.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -60,8 +61,8 @@ PowerFactors fit_power(const std::vector<Quantiles>& bands, int scales) {
   for (std::size_t j = 0; j < grid.size(); ++j)
     for (int a = 0; a < 3; ++a)
       for (std::size_t b = 0; b < nb; ++b) {
-        const double g = band_gain(names[b].scale, names[b].orientation, scales, grid[j].k[(a + 1) % 3],
-                                   grid[j].k[(a + 2) % 3]);
+        const double g = band_gain(names[b].scale, names[b].orientation, scales, grid[j].k[kSliceColumns[a]],
+                                   grid[j].k[kSliceRows[a]]);
         response[(j * 3 + a) * nb + b] = g * g;
       }
   PowerFactors factor;
@@ -95,7 +96,7 @@ std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size, in
   // Square roots of the factors of the spectrum, on each axis' plane of frequencies.
   std::array<std::vector<float>, 3> plane;
   for (int a = 0; a < 3; ++a) {
-    const int nu = size[(a + 1) % 3], nv = size[(a + 2) % 3];
+    const int nu = size[kSliceColumns[a]], nv = size[kSliceRows[a]];
     for (int v = 0; v < nv; ++v)
       for (int u = 0; u < nu; ++u) {
         const double ku = 2 * kPi * (2 * u < nu ? u : u - nu) / nu,
@@ -115,8 +116,7 @@ std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size, in
       for (int y = 0; y < size.y(); ++y)
         for (int x = 0; x < size.x(); ++x) {
           const std::size_t i = (z * size.y() + y) * size.x() + x;
-          const float amplitude = plane[0][z * size.y() + y] *
-                                  plane[1][static_cast<std::size_t>(x) * size.z() + z] *
+          const float amplitude = plane[0][z * size.y() + y] * plane[1][z * size.x() + x] *
                                   plane[2][static_cast<std::size_t>(y) * size.x() + x];
           Random random(seed, stream, i);
           // Uniform noise of unit variance: sums of thousands of terms are Gaussian whatever the terms are.

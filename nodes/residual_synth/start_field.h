@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "nodes/common/linear.h"
-#include "nodes/residual_synth/quantiles.h"
+#include "nodes/common/quantiles.h"
 #include "runtime/work.h"
 
 namespace terrazzo {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/residual_synth/slice_family.h"
+#include "nodes/common/slice_family.h"
 #include "nodes/residual_synth/start_field.h"
 
 namespace terrazzo {

@@ -3,10 +3,10 @@
 #include <complex>
 #include <numbers>
 
+#include "nodes/common/quantiles.h"
+#include "nodes/common/slice_family.h"
+#include "nodes/common/steerable_pyramid.h"
 #include "nodes/residual_synth/exemplar.h"
-#include "nodes/residual_synth/pyramid.h"
-#include "nodes/residual_synth/quantiles.h"
-#include "nodes/residual_synth/slice_family.h"
 #include "nodes/residual_synth/start_field.h"
 #include "runtime/random.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "nodes/common/linear.h"
-#include "nodes/residual_synth/pyramid.h"
-#include "nodes/residual_synth/quantiles.h"
+#include "nodes/common/quantiles.h"
+#include "nodes/common/steerable_pyramid.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
@@ -18,13 +18,13 @@ class SliceFamily {
     std::vector<LaneComplex> input, output, band;  // of all groups of eight slices, one after the other
   };
 
-  // Slices across `axis`, with columns along the next axis and rows along the one after, cyclically.
+  // Slices across `axis`, with columns and rows as in slice_axes.h.
   SliceFamily(const Vec3i& size, int axis, int scales);
 
   // Gives every band of all slices together its target distribution, and adds share · (the slices put
-  // together again) to `sum`. Volumes are x fastest.
+  // together again) to `sum`. Volumes are x fastest. Of scales beyond `last_scale` nothing is changed.
   void match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-             std::vector<float>& sum, Workspace&, const Work&) const;
+             std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20) const;
   // Standard deviation of each band over all slices / its target's; 1 where that is 0.
   std::vector<double> deviations(const std::vector<float>& volume, const std::vector<Quantiles>& bands,
                                  Workspace&, const Work&) const;

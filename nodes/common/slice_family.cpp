@@ -1,7 +1,9 @@
-#include "nodes/residual_synth/slice_family.h"
+#include "nodes/common/slice_family.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "nodes/common/slice_axes.h"
 
 namespace terrazzo {
 namespace {
@@ -22,12 +24,12 @@ void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int u
 SliceFamily::SliceFamily(const Vec3i& size, int axis, int scales)
     : groups_((size[axis] + kAtOnce - 1) / kAtOnce),
       slices_(size[axis]),
-      fft_(size[(axis + 1) % 3], size[(axis + 2) % 3]),
+      fft_(size[kSliceColumns[axis]], size[kSliceRows[axis]]),
       bands_(pyramid_bands(fft_.width(), fft_.height(), scales)) {
   for (const Band& b : bands_) crops_.emplace_back(b.width, b.height);
   const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x()),
                                 static_cast<std::size_t>(size.x()) * size.y()};
-  step_u_ = steps[(axis + 1) % 3], step_v_ = steps[(axis + 2) % 3], step_slice_ = steps[axis];
+  step_u_ = steps[kSliceColumns[axis]], step_v_ = steps[kSliceRows[axis]], step_slice_ = steps[axis];
 }
 
 void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, const Work& work) const {
@@ -49,11 +51,25 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
 }
 
 void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-                        std::vector<float>& sum, Workspace& space, const Work& work) const {
+                        std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
   const Work quiet = work.part(0, 0);
   transform(volume, space, quiet);
   space.output.resize(space.input.size());
+  // What the bands left alone hold of each coefficient: the frame is tight.
+  std::vector<float> rest(fft_.count(), 0.0f);
+  for (const Band& b : bands_)
+    if (b.scale > last_scale)
+      for (std::size_t i = 0; i < b.gain.size(); ++i)
+        if (b.gain[i] != 0) rest[b.source[i]] += b.gain[i] * b.gain[i];
+  quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g)
+      for (std::size_t i = 0; i < fft_.count(); ++i) {
+        const LaneComplex& in = space.input[g * fft_.count() + i];
+        space.output[g * fft_.count() + i] = {in.re * rest[i], in.im * rest[i]};
+      }
+  });
   for (std::size_t b = 0; b < bands_.size(); ++b) {
+    if (bands_[b].scale > last_scale) continue;
     const std::size_t each = crops_[b].count();
     space.band.resize(std::max(space.band.size(), each * groups_));
     Remap remap(bands[b]);
@@ -75,7 +91,6 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       for (std::size_t g = begin; g < end; ++g) {
         LaneComplex* group = &space.band[g * each];
         LaneComplex* output = &space.output[g * fft_.count()];
-        if (b == 0) std::fill(output, output + fft_.count(), LaneComplex{Lane{}, Lane{}});
         remap.apply(lanes(group[0]), each * kAtOnce);
         add_band(bands_[b], crops_[b], group, fft_.count(), output, scratch);
       }

@@ -20,6 +20,9 @@ struct Quantiles {
 // From values in any order; at most 65,536 of them, evenly picked, are sorted.
 Quantiles quantiles_of(const std::vector<float>& values);
 
+// Of the values behind several tables, each with equal weight.
+Quantiles mixture(const std::vector<const Quantiles*>&);
+
 // The rising map, piecewise linear on equal bins, that turns the distribution of counted values into a
 // target's. Bins reach beyond the target's range by half of it; what lies further out goes to the target's
 // extremes.

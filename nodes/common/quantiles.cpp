@@ -1,4 +1,4 @@
-#include "nodes/residual_synth/quantiles.h"
+#include "nodes/common/quantiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,6 +33,18 @@ Quantiles quantiles_of(const std::vector<float>& values) {
     q.at.push_back(picked[lo] + static_cast<float>(c - static_cast<double>(lo)) * (picked[hi] - picked[lo]));
   }
   return q;
+}
+
+Quantiles mixture(const std::vector<const Quantiles*>& parts) {
+  if (parts.size() == 1) return *parts[0];
+  std::vector<float> values;
+  for (const Quantiles* q : parts) values.insert(values.end(), q->at.begin(), q->at.end());
+  Quantiles out = quantiles_of(values);
+  double mean = 0, square = 0;
+  for (const Quantiles* q : parts) mean += q->mean, square += q->deviation * q->deviation + q->mean * q->mean;
+  const double n = static_cast<double>(parts.size());
+  out.mean = mean / n, out.deviation = std::sqrt(std::max(0.0, square / n - out.mean * out.mean));
+  return out;
 }
 
 Remap::Remap(const Quantiles& target) : target_(target) {

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "nodes/residual_synth/lane_fft.h"
+#include "nodes/common/lane_fft.h"
 
 namespace terrazzo {
 

@@ -1,4 +1,4 @@
-#include "nodes/residual_synth/lane_fft.h"
+#include "nodes/common/lane_fft.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "nodes/residual_synth/pyramid.h"
+#include "nodes/common/steerable_pyramid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,29 @@
+// The patches over a voxel.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "nodes/solid_optimize/patch_space.h"
+
+namespace terrazzo::solid_optimize {
+
+// The patches over a coordinate, along one axis: their number there, and how far in the coordinate lies.
+struct PatchCover {
+  int count = 0;
+  std::array<int, 5> patch{}, offset{};  // 4 where the size is even; the wrap of an odd one may have 5
+};
+constexpr int kMostCovering = 80;  // 3 planes of 5 × 5, rounded up to whole vectors
+
+inline std::vector<PatchCover> patch_covers(int size) {
+  std::vector<PatchCover> out(static_cast<std::size_t>(size));
+  for (int p = 0; p < (size + 1) / 2; ++p)
+    for (int o = 0; o < kPatch; ++o) {
+      PatchCover& c = out[static_cast<std::size_t>((2 * p + o) % size)];
+      if (c.count == 5) continue;
+      c.patch[static_cast<std::size_t>(c.count)] = p, c.offset[static_cast<std::size_t>(c.count++)] = o;
+    }
+  return out;
+}
+
+}  // namespace terrazzo::solid_optimize

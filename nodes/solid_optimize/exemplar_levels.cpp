@@ -1,0 +1,104 @@
+#include "nodes/solid_optimize/exemplar_levels.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo::solid_optimize {
+namespace {
+
+// Which pixels of a line make one of a shorter line, and how much of each.
+struct Footprint {
+  int first = 0;
+  std::vector<float> weight;
+};
+std::vector<Footprint> footprints(int from, int to) {
+  std::vector<Footprint> out(static_cast<std::size_t>(to));
+  const double step = static_cast<double>(from) / to;
+  for (int i = 0; i < to; ++i) {
+    const double lo = i * step, hi = (i + 1) * step;
+    auto& f = out[static_cast<std::size_t>(i)];
+    f.first = std::min(from - 1, static_cast<int>(lo + 1e-9));
+    for (int k = f.first; k < from && k < hi - 1e-9; ++k)
+      f.weight.push_back(static_cast<float>((std::min<double>(hi, k + 1) - std::max<double>(lo, k)) / step));
+  }
+  return out;
+}
+
+std::vector<Vec3f> shrink(const std::vector<Vec3f>& in, int w0, int h0, int w, int h) {
+  const auto fx = footprints(w0, w), fy = footprints(h0, h);
+  std::vector<Vec3f> rows(static_cast<std::size_t>(w) * static_cast<std::size_t>(h0), Vec3f::Zero());
+  for (int y = 0; y < h0; ++y)
+    for (int x = 0; x < w; ++x)
+      for (std::size_t k = 0; k < fx[x].weight.size(); ++k)
+        rows[static_cast<std::size_t>(y) * w + x] +=
+            fx[x].weight[k] * in[static_cast<std::size_t>(y) * w0 + fx[x].first + k];
+  std::vector<Vec3f> out(static_cast<std::size_t>(w) * h, Vec3f::Zero());
+  for (int y = 0; y < h; ++y)
+    for (std::size_t k = 0; k < fy[y].weight.size(); ++k)
+      for (int x = 0; x < w; ++x)
+        out[static_cast<std::size_t>(y) * w + x] += fy[y].weight[k] * rows[(fy[y].first + k) * w + x];
+  return out;
+}
+
+}  // namespace
+
+SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
+  SolidExemplar out;
+  out.width = width, out.height = height;
+  out.pixels = shrink(e.pixels, e.width, e.height, width, height);
+  if (!e.features.empty()) out.features = shrink(e.features, e.width, e.height, width, height);
+  if (!e.usable.empty()) {
+    std::vector<Vec3f> mask;
+    for (const auto u : e.usable) mask.push_back(Vec3f(u ? 1.0f : 0.0f, 0, 0));
+    for (const auto& m : shrink(mask, e.width, e.height, width, height)) out.usable.push_back(m[0] > 0.999f);
+  }
+  return out;
+}
+
+std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int levels,
+                                           double share, int most, const Work& work) {
+  std::vector<ExemplarLevel> out(static_cast<std::size_t>(levels));
+  for (int l = levels - 1; l >= 0; --l) {
+    work.check();
+    ExemplarLevel& e = out[static_cast<std::size_t>(l)];
+    const int w = level_size(working.width, l, levels), h = level_size(working.height, l, levels);
+    const bool full = l == levels - 1;
+    const SolidExemplar small = full ? SolidExemplar{} : shrink(working, w, h);
+    const SolidExemplar& s = full ? working : small;
+    e.width = w, e.height = h, e.channels = channels;
+    e.texels.assign(4 * s.pixels.size(), 0.0f);
+    for (std::size_t i = 0; i < s.pixels.size(); ++i)
+      for (int c = 0; c < channels; ++c) e.texels[4 * i + static_cast<std::size_t>(c)] = s.pixels[i][c];
+    e.usable.assign(s.pixels.size(), 0);
+    // Pixels that are not usable up to and including each, so that a patch is tested by four of them.
+    std::vector<int> bad(static_cast<std::size_t>(w + 1) * static_cast<std::size_t>(h + 1), 0);
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x)
+        bad[static_cast<std::size_t>(y + 1) * (w + 1) + x + 1] =
+            bad[static_cast<std::size_t>(y + 1) * (w + 1) + x] +
+            bad[static_cast<std::size_t>(y) * (w + 1) + x + 1] -
+            bad[static_cast<std::size_t>(y) * (w + 1) + x] +
+            (!s.usable.empty() && !s.usable[static_cast<std::size_t>(y) * w + x]);
+    const auto sum = [&](int x, int y) { return bad[static_cast<std::size_t>(y) * (w + 1) + x]; };
+    for (int y = 0; y + kPatch <= h; ++y)
+      for (int x = 0; x + kPatch <= w; ++x)
+        if (sum(x + kPatch, y + kPatch) - sum(x, y + kPatch) - sum(x + kPatch, y) + sum(x, y) == 0) {
+          e.usable[static_cast<std::size_t>(y) * w + x] = 1;
+          e.starts.push_back(static_cast<std::uint32_t>(y * w + x));
+        }
+    if (e.starts.size() < 16)
+      throw Error("exemplar-too-small",
+                  fmt::format("at a scale of {} × {} pixels the exemplar holds {} usable patches of {} × {}",
+                              w, h, e.starts.size(), kPatch, kPatch),
+                  "take a larger exemplar, a mask that leaves more of it, or fewer levels");
+    e.space = principal_axes(e, share, most);
+    measure_patches(e, work.quiet());
+  }
+  return out;
+}
+
+}  // namespace terrazzo::solid_optimize

@@ -1,0 +1,242 @@
+#include "nodes/solid_optimize/solid_optimize.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/quantiles.h"
+#include "nodes/solid_optimize/finish.h"
+#include "nodes/solid_optimize/measures.h"
+#include "nodes/solid_optimize/papers.h"
+#include "nodes/solid_optimize/patch_tree.h"
+#include "runtime/random.h"
+
+namespace terrazzo::solid_optimize {
+namespace {
+
+Vec3i box_at(const Vec3i& full, int level, int levels) {
+  Vec3i s;
+  for (int a = 0; a < 3; ++a) s[a] = level_size(full[a], level, levels);
+  return s;
+}
+
+// Per channel, the values of all exemplars that are seen, each plane with equal weight.
+std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exemplars,
+                                    const SolidSettings& s, int channels) {
+  std::vector<Quantiles> out;
+  for (int c = 0; c < channels; ++c) {
+    std::vector<Quantiles> each;
+    for (const auto* e : exemplars) {
+      // What usable patches cover.
+      std::vector<std::uint8_t> seen(e->usable.size(), 0);
+      for (const auto start : e->starts)
+        for (int v = 0; v < kPatch; ++v)
+          std::fill_n(seen.begin() + start + v * e->width, kPatch, std::uint8_t{1});
+      std::vector<float> values;
+      for (std::size_t i = 0; i < seen.size(); ++i)
+        if (seen[i]) values.push_back(e->texels[4 * i + static_cast<std::size_t>(c)]);
+      each.push_back(quantiles_of(values));
+    }
+    std::vector<const Quantiles*> planes;
+    for (const int p : s.plane)
+      if (p >= 0) planes.push_back(&each[static_cast<std::size_t>(p)]);
+    out.push_back(mixture(planes));
+  }
+  return out;
+}
+
+void match_all(SolidField& field, const std::vector<Quantiles>& targets, const Work& work) {
+  for (std::size_t c = 0; c < targets.size(); ++c) match_values(field.channel[c], targets[c], work.quiet());
+}
+
+// Texels drawn at random: every voxel looks like some voxel.
+void random_texels(SolidField& field, const ExemplarLevel& e, std::uint64_t seed) {
+  for (std::size_t i = 0; i < field.channel[0].size(); ++i) {
+    const std::size_t texel = e.starts[Random(seed, 0x10, i).below(e.starts.size())];
+    for (std::size_t c = 0; c < field.channel.size(); ++c) field.channel[c][i] = e.texels[4 * texel + c];
+  }
+}
+
+using Pyramid = std::vector<ExemplarLevel>;
+
+std::vector<const ExemplarLevel*> level_of(const std::vector<Pyramid>& pyramids, int level) {
+  std::vector<const ExemplarLevel*> out;
+  for (const auto& p : pyramids) out.push_back(&p[static_cast<std::size_t>(level)]);
+  return out;
+}
+
+std::size_t voxels(const Vec3i& size) {
+  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
+         static_cast<std::size_t>(size.z());
+}
+
+std::vector<MatchFamily> random_families(const Vec3i& size,
+                                         const std::vector<const ExemplarLevel*>& exemplars,
+                                         const SolidSettings& s) {
+  std::vector<MatchFamily> out;
+  for (int a = 0; a < 3; ++a)
+    if (const int p = s.plane[static_cast<std::size_t>(a)]; p >= 0)
+      out.push_back(random_matches(size, a, p, *exemplars[static_cast<std::size_t>(p)], s.seed));
+  return out;
+}
+
+// Iterations of each level, and where each level's share of the work ends, by voxels visited.
+struct Schedule {
+  std::vector<int> iterations;
+  std::vector<double> end;
+  Schedule(const SolidSettings& s, int levels) {
+    double sum = 0;
+    for (int l = 0; l < levels; ++l) {
+      iterations.push_back(s.iterations[std::min(static_cast<std::size_t>(l), s.iterations.size() - 1)]);
+      end.push_back(sum += iterations.back() * std::pow(8.0, l));
+    }
+    for (auto& e : end) e /= sum;
+  }
+  Work part(const Work& work, int level, int from, int to) const {
+    const double a = level > 0 ? end[static_cast<std::size_t>(level) - 1] : 0,
+                 b = end[static_cast<std::size_t>(level)];
+    const double n = iterations[static_cast<std::size_t>(level)];
+    return work.part(a + (b - a) * from / n, a + (b - a) * to / n);
+  }
+};
+
+void by_coherence(const std::vector<SolidExemplar>& exemplars, std::vector<Pyramid>& pyramids,
+                  const SolidSettings& s, SolidResult& out, const Work& work) {
+  const int levels = out.levels, channels = out.axes.channels;
+  const Schedule schedule(s, levels);
+  std::vector<MatchFamily> families;
+  SolidField& field = out.field;
+  int iteration = 0;
+  for (int level = 0; level < levels; ++level) {
+    const Vec3i size = box_at(s.size, level, levels);
+    for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(level)], work.quiet());
+    const auto at_level = level_of(pyramids, level);
+    const auto targets = level_values(at_level, s, channels);
+    field.size = size;
+    field.channel.assign(static_cast<std::size_t>(channels), std::vector<float>(voxels(size)));
+    if (level == 0) {
+      random_texels(field, *at_level[0], s.seed);
+      families = random_families(size, at_level, s);
+    } else {
+      for (auto& f : families) {
+        const Pyramid& p = pyramids[static_cast<std::size_t>(f.exemplar)];
+        f = carry_up(f, box_at(s.size, level - 1, levels), size, p[static_cast<std::size_t>(level) - 1],
+                     p[static_cast<std::size_t>(level)], s.seed, work.quiet());
+      }
+      blend_patches(at_level, families, {static_cast<float>(10 * s.window)}, field, nullptr, nullptr,
+                    work.quiet());
+      match_all(field, targets, work);
+    }
+    const int rounds = schedule.iterations[static_cast<std::size_t>(level)];
+    for (int i = 0; i < rounds; ++i, ++iteration) {
+      const Work step = schedule.part(work, level, i, i + 1);
+      SearchSettings search;
+      search.overuse = static_cast<float>(s.overuse), search.seed = s.seed, search.iteration = iteration;
+      search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000;
+      search_matches(field, at_level, families, search, step.part(0, 0.6));
+      for (auto& f : families) weigh(f, s.exponent, work.quiet());
+      const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
+      const BlendSettings blend{static_cast<float>(s.window * std::pow(10, 1 - fall))};
+      BlendSources* sources = nullptr;
+      std::vector<const std::vector<Vec3f>*> features;
+      if (s.sources && level == levels - 1 && i == rounds - 1) {
+        sources = &out.sources;
+        sources->texel.resize(voxels(size)), sources->exemplar.resize(voxels(size));
+        bool any = false;
+        for (const auto& e : exemplars) features.push_back(&e.features), any |= !e.features.empty();
+        if (any) sources->features.assign(voxels(size), Vec3f::Zero());
+      }
+      blend_patches(at_level, families, blend, field, sources, &features, step.part(0.6, 0.95));
+      match_all(field, targets, work);
+      step.progress(1);
+    }
+  }
+  out.measures = measure_copies(families);
+}
+
+void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, SolidResult& out,
+               const Work& work) {
+  const Schedule schedule(s, out.levels);
+  // The paper's windows, in the colour range [0, 1]; levels between the first and the last share the second.
+  constexpr double windows[3] = {10, 0.05, 0.01};
+  std::vector<MatchFamily> families;
+  for (int level = 0; level < out.levels; ++level) {
+    const Vec3i size = box_at(s.size, level, out.levels);
+    const auto at_level = level_of(pyramids, level);
+    if (level == 0) {
+      out.field.size = size;
+      out.field.channel.assign(static_cast<std::size_t>(out.axes.channels), std::vector<float>(voxels(size)));
+      random_texels(out.field, *at_level[0], s.seed);
+    } else {
+      out.field = resample(out.field, size, work.quiet());
+    }
+    families = random_families(size, at_level, s);
+    const int rounds = schedule.iterations[static_cast<std::size_t>(level)];
+    optimize_by_papers(at_level, families, rounds, s.exponent,
+                       windows[level == 0               ? 0
+                               : level + 1 < out.levels ? 1
+                                                        : 2] *
+                           out.axes.scale,
+                       s.seed, out.field, schedule.part(work, level, 0, rounds));
+  }
+  out.measures = measure_copies(families);
+}
+
+}  // namespace
+
+int natural_levels(const std::vector<SolidExemplar>& exemplars, const Vec3i& size) {
+  int side = 1 << 20;
+  for (const auto& e : exemplars) side = std::min({side, e.width, e.height});
+  int levels = 1;
+  while (level_size(side, 0, levels + 1) >= 24 && level_size(size.minCoeff(), 0, levels + 1) >= kPatch)
+    ++levels;
+  return levels;
+}
+
+SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
+                           const Work& work) {
+  SolidResult out;
+  out.size = s.size;
+  std::vector<const std::vector<Vec3f>*> pictures;
+  for (const auto& e : exemplars) pictures.push_back(&e.pixels);
+  out.axes = color_axes(pictures, s.lab);
+  const int channels = out.axes.channels;
+  if (channels == 0)
+    throw Error("one-color", "the exemplar is of one colour", "there is no texture in it to synthesise");
+  std::vector<SolidExemplar> working = exemplars;
+  for (auto& e : working)
+    for (auto& p : e.pixels) p = out.axes.to(p);
+
+  const int levels = out.levels = s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
+  std::vector<Pyramid> pyramids;
+  for (auto& e : working)
+    pyramids.push_back(s.papers
+                           ? exemplar_levels(e, channels, levels, 0.95, PatchTree::kMostDims, work.quiet())
+                           : exemplar_levels(e, channels, levels, 0.98, 32, work.quiet()));
+  if (s.papers)
+    by_papers(pyramids, s, out, work.part(0, 0.97));
+  else
+    by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97));
+  pyramids.clear();
+  if (s.finish > 0 && !s.papers) finish_bands(working, s, out.field, work.part(0.85, 0.97));
+  measure_planes(working, s, out.field, out.measures, work.part(0.97, 1));
+  return out;
+}
+
+double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+  const double voxels = s.size.cast<double>().prod();
+  double planes = 0, pixels = 0;
+  for (const int p : s.plane) planes += p >= 0;
+  for (const auto& e : exemplars) pixels += static_cast<double>(e.width) * e.height;
+  const double channels = 3;
+  // Patches' features, similar ones, texels; of all levels together a third more.
+  const double exemplar = pixels * (32 * 4 + ExemplarLevel::kSimilar * 4 + 16 + 40) * 4 / 3;
+  const double optimizing = voxels * (4 * channels + planes * 2) + exemplar;
+  const double finishing = voxels * (4 * channels + 4 + 12);
+  const double handing_over = voxels * (4 * channels + 14);
+  return std::max({optimizing, finishing, handing_over}) + voxels * (s.sources ? 5 : 0);
+}
+
+}  // namespace terrazzo::solid_optimize

@@ -1,0 +1,62 @@
+// Solid textures from pictures of their sections: texture optimization, coarse to fine.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nodes/solid_optimize/blend.h"
+#include "nodes/solid_optimize/colors.h"
+
+namespace terrazzo::solid_optimize {
+
+struct SolidSettings {
+  Vec3i size = Vec3i::Constant(64);
+  std::array<int, 3> plane = {0, 0, 0};       // the exemplar seen on slices across x, y, z; −1: none
+  std::vector<int> iterations = {20, 10, 5};  // from the coarsest level on; the last one for levels beyond
+  int levels = 0;                             // 0: until the smallest exemplar has 24 to 47 pixels a side
+  bool lab = true;
+  double exponent = 0.8;  // r of ‖·‖^r
+  double overuse = 1;
+  double window = 0.05;  // of the mean shift at the end of each level; it starts ten times as wide
+  int finish = 3;        // rounds of matching the finest bands
+  bool sources = false;  // say where each voxel comes from
+  bool papers = false;   // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
+  std::uint64_t seed = 1;
+};
+
+// Of all slices across one axis, unless the name says worst.
+struct PlaneMeasures {
+  int axis = 0;
+  double histogram = 0;  // mean over quantiles of |Q_s − Q_e|, mean of the channels
+  double patches = 0;    // sliced Wasserstein distance of 7 × 7 patches, root mean square of three scales
+  double patches_floor = 0;   // the same between two halves of the exemplar
+  double seam = 1;            // gradient across the wrap along this axis / inside
+  double copied = 0;          // share of neighbouring matches that go on in the exemplar as they lie
+  double copied_worst = 0;    // of the slice where it is largest
+  double stripes_worst = 1;   // squared gradients along columns over those along rows, against the exemplar's
+                              // (or the inverse), of the slice where it is largest
+  std::vector<double> bands;  // per scale (high-pass, scales, low-pass): σ of the slices' bands / the
+                              // exemplar's, root mean square over orientations and channels
+};
+
+struct SolidResult {
+  Vec3i size = Vec3i::Zero();
+  ColorAxes axes;
+  SolidField field;      // in the working axes
+  BlendSources sources;  // of the last blending, before the finish
+  int levels = 0;
+  std::vector<PlaneMeasures> measures;  // of each constrained axis
+};
+
+// Exemplars at the scale of the solid: a pixel is a voxel. The result tiles. Throws Error
+// "exemplar-too-small", "one-color".
+SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&);
+
+// Levels that optimize_solid takes for `levels` = 0.
+int natural_levels(const std::vector<SolidExemplar>&, const Vec3i& size);
+// Bytes at the peak, within a tenth or so.
+double memory_forecast(const std::vector<SolidExemplar>&, const SolidSettings&);
+
+}  // namespace terrazzo::solid_optimize
