@@ -46,6 +46,7 @@ class Reader {
 
   void bytes(void* out, std::size_t size) {
     if (size > left_) throw Error("damaged", "the stored value ends too early");
+    if (size == 0) return;  // `out` may be null then
     std::memcpy(out, at_, size);
     at_ += size;
     left_ -= size;
