@@ -38,6 +38,8 @@ double TrueSizes::between(double low, double high) const {
 ProfileSampler::ProfileSampler(const TrueSizes& truth, const KMatrix& k) : k_(k) {
   double probability = 0, seen = 0;
   for (const auto& e : k.shapes) probability += e.probability;
+  if (!(probability > 0))
+    throw Error("no-shapes", "the K matrix holds no shapes", "connect one that KMatrix made of some");
   for (std::size_t s = 0; s < k.shapes.size(); ++s) {
     const auto& e = k.shapes[s];
     const double unit = std::sqrt(4 * e.max_section_area / std::numbers::pi);

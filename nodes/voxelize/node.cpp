@@ -41,7 +41,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType voxelize_node() {
-  return NodeType("Voxelize", 2)
+  return NodeType("Voxelize", 3)
       .doc_("Particles, binder and fine detail as OpenVDB grids that tile: density, surface, Cd and id.")
       .input("particles", "Particles", "in their periodic box")
       .input("shapes", "Shapes", "the particles' meshes")

@@ -12,6 +12,7 @@
 #include "nodes/voxelize/detail.h"
 #include "nodes/voxelize/slab.h"
 #include "nodes/voxelize/sparse.h"
+#include "runtime/random.h"
 
 namespace terrazzo {
 namespace {
@@ -130,6 +131,13 @@ void fill_slab(Slab& slab, std::vector<Stamp> stamps, const Particles& particles
   }
 }
 
+constexpr std::uint64_t kShiftStream = 0x73686966;
+
+// Index within a plane of the place that a shift leads to, around the box.
+std::size_t moved(const Eigen::Vector2i& at, const Eigen::Vector2i& shift, const Vec3i& n) {
+  return static_cast<std::size_t>((at.y() + shift.y()) % n.y()) * n.x() + (at.x() + shift.x()) % n.x();
+}
+
 }  // namespace
 
 Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* residual,
@@ -156,6 +164,16 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
        {static_cast<openvdb::GridBase*>(density.get()), static_cast<openvdb::GridBase*>(surface.get()),
         static_cast<openvdb::GridBase*>(color.get()), static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
+
+  // Where the detail repeats within the box every particle sees another part of it: grains are not alike
+  // inside because they lie a period apart.
+  std::vector<Eigen::Vector2i> shifts;
+  if (detail.periods().maxCoeff() > 1)
+    for (std::size_t p = 0; p < particles.count(); ++p) {
+      Random random(1, kShiftStream, p);
+      const int x = static_cast<int>(random.below(static_cast<std::uint64_t>(n.x())));
+      shifts.emplace_back(x, static_cast<int>(random.below(static_cast<std::uint64_t>(n.y()))));
+    }
 
   std::vector<double> mesh_volumes, volumes;
   for (const auto& s : shapes.shapes) mesh_volumes.push_back(mesh_volume(s.mesh));
@@ -193,8 +211,17 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
               const Vec3f binder = linear_to_srgb(particles.binder_color);
               for (std::size_t i = 0; i < plane; ++i)
                 colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
-              detail.add_plane(z0 + static_cast<int>(k), colors);
-              for (std::size_t i = 0; i < plane; ++i) colors[i] = srgb_to_linear(colors[i].cwiseMax(0.0f));
+              std::vector<Vec3f> offsets(plane, Vec3f::Zero());
+              detail.add_plane(z0 + static_cast<int>(k), offsets.data());
+              const std::int32_t* ids = &slab.id[k * plane];
+              for (int j = 0; j < n.y(); ++j)
+                for (int i = 0; i < n.x(); ++i) {
+                  const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
+                  colors[at] += ids[at] < 0 || shifts.empty()
+                                    ? offsets[at]
+                                    : offsets[moved({i, j}, shifts[static_cast<std::size_t>(ids[at])], n)];
+                  colors[at] = srgb_to_linear(colors[at].cwiseMax(0.0f));
+                }
             }
           }
           return sum;

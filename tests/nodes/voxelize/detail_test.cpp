@@ -120,6 +120,36 @@ TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
   }
 }
 
+TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
+  // Two equal cubes half a box apart, on a residual that repeats after half a box.
+  Particles p = test::one_particle(Vec3::Constant(3.2), Vec3::Constant(0.8), 1.0);
+  const Particles one = p;
+  p.resize(2);
+  p.shape[1] = one.shape[0], p.orientation[1] = one.orientation[0], p.scale[1] = one.scale[0];
+  p.size[1] = one.size[0], p.color[1] = one.color[0];
+  p.position[1] = one.position[0] + Vec3(1.6, 0, 0);
+  const Volume v = noise(16, 0.1);
+  VoxelReport report;
+  const Volume made =
+      voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
+  ASSERT_EQ(report.detail_periods, Vec3i::Constant(2));
+  const auto color = made.find<openvdb::Vec3SGrid>("Cd");
+  const auto id = made.find<openvdb::Int32Grid>("id");
+  int inside = 0, inside_alike = 0, outside = 0, outside_alike = 0;
+  for (auto it = color->cbeginValueOn(); it; ++it) {
+    const auto at = it.getCoord();
+    if (at.x() >= 16) continue;
+    const auto there = at.offsetBy(16, 0, 0);
+    const bool alike = *it == color->tree().getValue(there);
+    const int a = id->tree().getValue(at), b = id->tree().getValue(there);
+    if (a == 0 && b == 1) ++inside, inside_alike += alike;
+    if (a < 0 && b < 0) ++outside, outside_alike += alike;
+  }
+  EXPECT_GT(inside, 500);
+  EXPECT_LT(inside_alike, inside / 4);  // black stays black
+  EXPECT_EQ(outside_alike, outside);    // the binder is one body, whose detail tiles
+}
+
 TEST(Detail, DarkParticlesStayDark) {
   Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 1.2);
   p.color[0] = Vec3f::Constant(0.02f), p.binder_color = Vec3f::Constant(0.6f);
