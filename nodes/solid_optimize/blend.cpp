@@ -10,6 +10,11 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
+// Texels count less towards a patch's edge (a Gaussian of 1.5 texels), or the grid on which patches start
+// would show as blocks of two voxels.
+constexpr std::array<float, kPatch> kInner = {0.0657285f, 0.2493522f, 0.6065307f, 0.9459595f,
+                                              0.9459595f, 0.6065307f, 0.2493522f, 0.0657285f};
+
 struct RowTask {
   const std::vector<const ExemplarLevel*>& exemplars;
   const std::vector<MatchFamily>& families;
@@ -52,7 +57,10 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
               f.at[patch] + down + static_cast<std::uint32_t>(cu.offset[static_cast<std::size_t>(a)]);
           for (int c = 0; c < C; ++c)
             value[c][n] = e.texels[4 * static_cast<std::size_t>(source) + static_cast<std::size_t>(c)];
-          weight[n] = f.weight[patch];
+          weight[n] = f.weight[patch] *
+                      kInner[static_cast<std::size_t>(cu.offset[static_cast<std::size_t>(a)])] *
+                      kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
+
           total += weight[n];
           texel[n] = source, from[n] = static_cast<std::uint8_t>(f.exemplar);
         }

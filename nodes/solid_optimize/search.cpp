@@ -74,12 +74,20 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   float* weight = &f.weight[static_cast<std::size_t>(t.slice) * plane];
   const int last_x = e.width - kPatch, last_y = e.height - kPatch;
   const bool forwards = t.settings.iteration % 2 == 0;
+  // Each sweep starts somewhere else: what it makes coherent along its way does not fit where it ends, which
+  // must not always be the wrap.
+  Random origin(
+      t.settings.seed,
+      0x4000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 + static_cast<std::uint64_t>(f.axis),
+      static_cast<std::uint64_t>(t.slice));
+  const int first_i = static_cast<int>(origin.below(static_cast<std::uint64_t>(f.columns))),
+            first_j = static_cast<int>(origin.below(static_cast<std::uint64_t>(f.rows)));
 
   for (int jj = 0; jj < f.rows; ++jj) {
-    const int j = forwards ? jj : f.rows - 1 - jj;
+    const int j = (first_j + (forwards ? jj : f.rows - 1 - jj)) % f.rows;
     project(e.space, t.picture + static_cast<std::size_t>(2 * j) * pitch, pitch, 2, f.columns, t.features);
     for (int ii = 0; ii < f.columns; ++ii) {
-      const int i = forwards ? ii : f.columns - 1 - ii;
+      const int i = (first_i + (forwards ? ii : f.columns - 1 - ii)) % f.columns;
       const std::size_t n =
           static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + static_cast<std::size_t>(i);
       const float* query = t.features + static_cast<std::ptrdiff_t>(i) * dims;
