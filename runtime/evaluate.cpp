@@ -49,6 +49,15 @@ bool RunResult::cancelled() const {
   return false;
 }
 
+std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>& targets) {
+  std::vector<int> out;
+  for (const auto& t : targets) {
+    const int node = graph.find(t);
+    out.push_back(node >= 0 ? node : graph.wire_to(t).node);
+  }
+  return out;
+}
+
 std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targets) {
   std::vector<bool> needed(graph.nodes.size(), false);
   for (const int t : targets) needed[static_cast<std::size_t>(t)] = true;

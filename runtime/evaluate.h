@@ -26,8 +26,8 @@ struct NodeResult {
   Status status = Status::Unneeded;
   double seconds = 0;         // of this run
   double cached_seconds = 0;  // that the cached computation once took
-  Hash key;     // of the computation
-  Hash record;  // under which it is recorded
+  Hash key;                   // of the computation
+  Hash record;                // under which it is recorded
   std::map<std::string, OutputRecord> outputs;
   std::map<std::string, double> metrics;
   std::vector<std::string> warnings;
@@ -88,6 +88,9 @@ class Evaluator {
   std::mutex mutex_;
   std::unordered_map<Hash, std::vector<std::function<void()>>> busy_;
 };
+
+// The nodes that "NODE", "NODE.PORT" or names of outputs mean. Throws Error "unknown-node" / "unknown-port".
+std::vector<int> target_nodes(const Graph&, const std::vector<std::string>& targets);
 
 // Nodes that the targets need, themselves included.
 std::vector<bool> needed_nodes(const Graph&, const std::vector<int>& targets);

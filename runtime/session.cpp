@@ -143,21 +143,12 @@ Diagnostics Session::connect(const std::string& node_input, const std::vector<st
   return load(std::move(o));
 }
 
-std::vector<int> Session::nodes_of(const std::vector<std::string>& targets) const {
-  std::vector<int> out;
-  for (const auto& t : targets) {
-    const int node = graph_->find(t);
-    out.push_back(node >= 0 ? node : graph_->wire_to(t).node);
-  }
-  return out;
-}
-
 std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& targets, Observer* observer) {
   std::shared_ptr<Evaluation> e(new Evaluation);
   e->graph_ = graph_;
   e->cancel_node_.resize(graph_->nodes.size());
   RunOptions& o = e->options_;
-  o.targets = nodes_of(targets);
+  o.targets = target_nodes(*graph_, targets);
   o.output_folder = options_.output_folder;
   o.threads = options_.threads;
   o.cancel = options_.cancel;

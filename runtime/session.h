@@ -84,7 +84,6 @@ class Session {
 
  private:
   Diagnostics load(Overrides);
-  std::vector<int> nodes_of(const std::vector<std::string>& targets) const;
 
   const Registry& registry_;
   SessionOptions options_;

@@ -40,6 +40,19 @@ Corners corners(const Mesh& mesh, int t) {
   return {mesh.vertices[tri[0]], mesh.vertices[tri[1]], mesh.vertices[tri[2]]};
 }
 
+// Goes on with the halves of the larger of two boxes; `scale`: b's unit in a's.
+void descend(const Solid& a, const Solid& b, int i, int j, double scale,
+             std::vector<std::pair<int, int>>& stack) {
+  const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
+  const bool split_a =
+      n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
+                                           (n.box.high - n.box.low).squaredNorm() * scale * scale);
+  if (split_a)
+    stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
+  else
+    stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+}
+
 // Deepest crossing of triangles in a's unit; 0 where some only touch, −1 where none meet.
 double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   const Mat3 magnitude = b_to_a.linear.cwiseAbs();
@@ -61,13 +74,7 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
       continue;
     }
     const double scale = magnitude.col(0).norm();
-    const bool split_a =
-        n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
-                                             (n.box.high - n.box.low).squaredNorm() * scale * scale);
-    if (split_a)
-      stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
-    else
-      stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+    descend(a, b, i, j, scale, stack);
   }
   return deepest;
 }
@@ -95,13 +102,7 @@ double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound
       }
       continue;
     }
-    const bool split_a =
-        n.right == 0 || (m.right != 0 && (m.box.high - m.box.low).squaredNorm() >=
-                                             (n.box.high - n.box.low).squaredNorm() * scale * scale);
-    if (split_a)
-      stack.insert(stack.end(), {{m.right, j}, {i + 1, j}});
-    else
-      stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
+    descend(a, b, i, j, scale, stack);
   }
   return bound;
 }

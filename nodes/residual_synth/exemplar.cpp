@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "nodes/common/band_statistics.h"
+#include "nodes/common/principal_axes.h"
 
 namespace terrazzo {
 namespace {
@@ -36,11 +37,8 @@ Exemplar measure_exemplar(const Image& residual, int scales, const Work& work) {
   out.scales = scales;
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(residual, work));
   const double largest = solver.eigenvalues()[2];
+  out.axes = principal_axes(solver);
   for (int c = 0; c < 3; ++c) {
-    Vec3 axis = solver.eigenvectors().col(2 - c);
-    Eigen::Index i;
-    axis.cwiseAbs().maxCoeff(&i);
-    out.axes.col(c) = axis[i] < 0 ? Vec3(-axis) : axis;  // the solver's sign is arbitrary
     const double variance = solver.eigenvalues()[2 - c];
     if (variance > 1e-14 && variance > 1e-6 * largest) out.channels = c + 1;
   }

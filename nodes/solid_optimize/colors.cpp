@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/color.h"
+#include "nodes/common/principal_axes.h"
 
 namespace terrazzo::solid_optimize {
 
@@ -34,11 +35,8 @@ ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, bool 
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(square - mean * mean.transpose());
   const double total = solver.eigenvalues().cwiseMax(0).sum();
   out.mean = mean.cast<float>();
+  out.axes = principal_axes(solver);
   for (int c = 0; c < 3; ++c) {
-    Vec3 axis = solver.eigenvectors().col(2 - c);
-    Eigen::Index i;
-    axis.cwiseAbs().maxCoeff(&i);
-    out.axes.col(c) = axis[i] < 0 ? Vec3(-axis) : axis;  // the solver's sign is arbitrary
     const double variance = solver.eigenvalues()[2 - c];
     if (variance > 1e-12 && variance > 1e-5 * total) out.channels = c + 1;
   }

@@ -33,15 +33,6 @@ void add_run_options(CLI::App& app, GraphOptions& o) {
   add_cache_options(app, o);
 }
 
-std::vector<int> target_nodes(const Graph& graph, const GraphOptions& o) {
-  std::vector<int> out;
-  for (const auto& t : o.targets) {
-    const int node = graph.find(t);
-    out.push_back(node >= 0 ? node : graph.wire_to(t).node);
-  }
-  return out;
-}
-
 }  // namespace cli
 
 int run_command_line(int argc, char** argv, const Program& program) {

@@ -27,6 +27,5 @@ void add_reproduce(CLI::App&, const Program&, int& exit_code);
 
 // Prints the plan of a run; shared by `explain` and `run --dry-run`.
 void print_plan(Session&, const GraphOptions&, bool reasons);
-std::vector<int> target_nodes(const Graph&, const GraphOptions&);
 
 }  // namespace terrazzo::cli

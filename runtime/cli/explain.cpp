@@ -13,7 +13,7 @@ namespace terrazzo::cli {
 void print_plan(Session& session, const GraphOptions& o, bool reasons) {
   const Graph& graph = *session.graph();
   RunOptions options;
-  options.targets = target_nodes(graph, o);
+  options.targets = target_nodes(graph, o.targets);
   options.output_folder = o.out;
   const Plan plan =
       plan_run(graph, options, session.evaluator().store(), session.evaluator().hashes(), session.history());

@@ -36,7 +36,7 @@ int run(const Program& program, const RunCommand& o) {
     print_plan(session, o, false);
     return done;
   }
-  ProgressLine line(session, target_nodes(graph, o), o.quiet);
+  ProgressLine line(session, target_nodes(graph, o.targets), o.quiet);
   const auto evaluation = session.evaluate(o.targets, &line);
   const RunResult& result = evaluation->wait();
   line.close();

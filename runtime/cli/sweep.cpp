@@ -52,7 +52,7 @@ class LocalExecutor : public Executor {
     Diagnostics found;
     const Graph graph = load_graph(o_.graph, program_.registry, point.overrides, found);
     RunOptions options;
-    for (const auto& t : target_nodes(graph, o_)) options.targets.push_back(t);
+    options.targets = target_nodes(graph, o_.targets);
     options.output_folder = fs::path(o_.out) / point.folder;
     options.threads = std::max(1, threads(o_) / o_.jobs);
     options.cancel = cancel;

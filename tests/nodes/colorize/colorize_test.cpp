@@ -10,10 +10,13 @@
 #include "nodes/colorize/kmeans.h"
 #include "nodes/common/color.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+
+using test::code_of;
 
 Profile profile(double size, Vec3f color, double weight = 1, int cls = 0) {
   Profile p;
@@ -27,15 +30,6 @@ Particles particles(std::size_t n, double size = 1, int cls = 0) {
   p.resize(n);
   for (std::size_t i = 0; i < n; ++i) p.size[i] = size, p.cls[i] = cls;
   return p;
-}
-
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
 }
 
 TEST(Colorize, RandomDrawsByWeightAndNeverABorderProfile) {

@@ -14,19 +14,13 @@
 #include "nodes/common/color.h"
 #include "nodes/common/color_config.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
-}
+using test::code_of;
 
 Image noise(int width, int height) {
   Image image(width, height, 1, 1);

@@ -4,19 +4,13 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/image_file.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
-}
+using test::code_of;
 
 TEST(LoadImage, StackInTheOrderOfNames) {
   const auto folder = test::temporary_folder();

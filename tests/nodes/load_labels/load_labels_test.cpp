@@ -3,10 +3,13 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/data/labels.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+
+using test::code_of;
 
 template <class T>
 std::string write(const std::filesystem::path& path, int w, int h, int channels, const std::vector<T>& data,
@@ -21,15 +24,6 @@ std::string write(const std::filesystem::path& path, int w, int h, int channels,
 Labels load(const std::string& path, const std::string& kind) {
   return test::run_node("LoadLabels", {}, {{"path", path}, {"kind", kind}, {"pixel_size", "0.5"}})
       .output<Labels>("labels");
-}
-
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
 }
 
 TEST(LoadLabels, InstancesKeepTheirOrder) {

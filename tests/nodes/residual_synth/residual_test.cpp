@@ -9,10 +9,13 @@
 #include "nodes/residual_synth/residual_image.h"
 #include "nodes/residual_synth/synthesize.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+
+using test::code_of;
 
 struct Picture {
   Image image;
@@ -48,15 +51,6 @@ Picture discs(int w, int h, double grain, double blur = 1.5) {
       if (d < 0) p.labels.ids[p.labels.index(x, y)] = id + 1;
     }
   return p;
-}
-
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
 }
 
 test::NodeRun run(const Picture& p, std::map<std::string, std::string> parameters, int threads = 0) {

@@ -8,21 +8,15 @@
 #include "nodes/common/image_file.h"
 #include "nodes/data/table.h"
 #include "tests/nodes/segment/synthetic_section.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 
-using test::Disc;
+using test::code_of;
 
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
-}
+using test::Disc;
 
 const Profile* at(const Profiles& profiles, const Disc& d, int height) {
   const Profile* best = nullptr;

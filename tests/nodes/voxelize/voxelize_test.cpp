@@ -5,10 +5,13 @@
 #include <functional>
 
 #include "tests/nodes/voxelize/bodies.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+
+using test::code_of;
 
 using openvdb::FloatGrid;
 using openvdb::Int32Grid;
@@ -18,15 +21,6 @@ using test::one_particle;
 using test::random_turn;
 using test::shapes_of;
 using test::sphere_mesh;
-
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
-}
 
 struct Made {
   Volume volume;

@@ -1,0 +1,21 @@
+// The code of the error that a piece of a test throws.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo::test {
+
+// "" where it throws none.
+inline std::string code_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.diagnostic().code;
+  }
+  return "";
+}
+
+}  // namespace terrazzo::test
