@@ -37,7 +37,8 @@ void make_periodic(std::vector<LaneComplex>& spectrum, const std::vector<LaneCom
 
 }  // namespace
 
-BandStatistics measure_bands(const Image& image, int channels, int scales, const Work& work) {
+BandStatistics measure_bands(const Image& image, int channels, int scales, const Work& work,
+                             int orientations) {
   BandStatistics out;
   constexpr int largest_side = 720;
   const int sections = std::min(image.sections, 8);
@@ -46,7 +47,7 @@ BandStatistics measure_bands(const Image& image, int channels, int scales, const
   const int h = out.height = fast_size_below(std::min(image.height, std::max(16, static_cast<int>(side))));
   const int x0 = (image.width - w) / 2, y0 = (image.height - h) / 2;
   const LaneFft2 fft(w, h);
-  const auto bands = pyramid_bands(w, h, scales);
+  const auto bands = pyramid_bands(w, h, scales, orientations);
 
   std::vector<std::vector<LaneComplex>> spectra(sections), pictures(sections);
   work.part(0, 0.3).parallel(sections, 1, [&](std::size_t begin, std::size_t end) {
@@ -74,6 +75,16 @@ BandStatistics measure_bands(const Image& image, int channels, int scales, const
     return v;
   };
   for (int c = 0; c < channels; ++c) out.values.push_back(quantiles_of(values_of(pictures, c)));
+  // Parseval: Σ |spectrum|² / count² is the mean square.
+  for (int c = 0; c < channels; ++c) {
+    double square = 0;
+    for (const auto& spectrum : spectra)
+      for (std::size_t i = 1; i < spectrum.size(); ++i) {
+        const double re = spectrum[i].re[c], im = spectrum[i].im[c];
+        square += re * re + im * im;
+      }
+    out.deviation.push_back(std::sqrt(square / sections) / static_cast<double>(fft.count()));
+  }
   out.bands.assign(channels, std::vector<Quantiles>(bands.size()));
   work.part(0.3, 1).parallel(bands.size(), 1, [&](std::size_t begin, std::size_t end) {
     std::vector<LaneComplex> scratch;

@@ -13,6 +13,13 @@ float Quantiles::of(double u) const {
   return at[i] + static_cast<float>(x - static_cast<double>(i)) * (at[i + 1] - at[i]);
 }
 
+void Quantiles::widen(double factor) {
+  const auto move = [&](float& v) { v = static_cast<float>(mean + (v - mean) * factor); };
+  for (float& v : at) move(v);
+  move(least), move(most);
+  deviation *= factor;
+}
+
 Quantiles quantiles_of(const std::vector<float>& values) {
   Quantiles q;
   double sum = 0, squares = 0;
@@ -24,13 +31,26 @@ Quantiles quantiles_of(const std::vector<float>& values) {
   const std::size_t most = std::min<std::size_t>(values.size(), 65536);
   for (std::size_t i = 0; i < most; ++i) picked.push_back(values[i * values.size() / most]);
   std::sort(picked.begin(), picked.end());
-  // Entry i stands for the middle of its share of the samples; the ends are the extremes.
+  q.least = picked.front(), q.most = picked.back();
+  // Entry i stands for the middle of its share of the samples.
   constexpr std::size_t entries = 2049;
   for (std::size_t i = 0; i < entries; ++i) {
     const double x = static_cast<double>(i) / (entries - 1) * static_cast<double>(most) - 0.5;
     const double c = std::clamp(x, 0.0, static_cast<double>(most - 1));
     const std::size_t lo = static_cast<std::size_t>(c), hi = std::min(lo + 1, most - 1);
     q.at.push_back(picked[lo] + static_cast<float>(c - static_cast<double>(lo)) * (picked[hi] - picked[lo]));
+  }
+  // Outermost entries: not the extremes but what gives the outermost cells their samples' means. A straight
+  // line up to one outlier would widen the distribution by several per cent.
+  const std::size_t cell = most / (entries - 1);
+  if (cell >= 2) {
+    double low = 0, high = 0;
+    for (std::size_t i = 0; i < cell; ++i) low += picked[i], high += picked[most - 1 - i];
+    const auto end = [&](double mean_of_cell, float inner) {
+      return static_cast<float>(2 * mean_of_cell / static_cast<double>(cell) - inner);
+    };
+    q.at.front() = std::clamp(end(low, q.at[1]), picked.front(), q.at[1]);
+    q.at.back() = std::clamp(end(high, q.at[entries - 2]), q.at[entries - 2], picked.back());
   }
   return q;
 }
@@ -42,14 +62,16 @@ Quantiles mixture(const std::vector<const Quantiles*>& parts) {
   Quantiles out = quantiles_of(values);
   double mean = 0, square = 0;
   for (const Quantiles* q : parts) mean += q->mean, square += q->deviation * q->deviation + q->mean * q->mean;
+  for (const Quantiles* q : parts)
+    out.least = std::min(out.least, q->least), out.most = std::max(out.most, q->most);
   const double n = static_cast<double>(parts.size());
   out.mean = mean / n, out.deviation = std::sqrt(std::max(0.0, square / n - out.mean * out.mean));
   return out;
 }
 
 Remap::Remap(const Quantiles& target) : target_(target) {
-  const float width = std::max(target.at.back() - target.at.front(), 1e-12f);
-  lo_ = target.at.front() - width / 2, scale_ = kBins / (2 * width);
+  const float width = std::max(target.most - target.least, 1e-12f);
+  lo_ = target.least - width / 2, scale_ = kBins / (2 * width);
 }
 
 namespace {

@@ -11,10 +11,12 @@
 namespace terrazzo {
 
 struct Quantiles {
-  std::vector<float> at;  // evenly spaced from the 0th to the last, rising
-  double deviation = 0;   // standard deviation of all values
+  std::vector<float> at;      // evenly spaced from the 0th to the last, rising
+  float least = 0, most = 0;  // extremes; at's ends lie within
+  double deviation = 0;       // standard deviation of all values
   double mean = 0;
-  float of(double u) const;  // u in 0 … 1, linear between entries
+  float of(double u) const;   // u in 0 … 1, linear between entries
+  void widen(double factor);  // about the mean
 };
 
 // From values in any order; at most 65,536 of them, evenly picked, are sorted.
@@ -24,8 +26,8 @@ Quantiles quantiles_of(const std::vector<float>& values);
 Quantiles mixture(const std::vector<const Quantiles*>&);
 
 // The rising map, piecewise linear on equal bins, that turns the distribution of counted values into a
-// target's. Bins reach beyond the target's range by half of it; what lies further out goes to the target's
-// extremes.
+// target's. Bins reach beyond the target's range by half of it; what lies further out goes to the ends of
+// the target's table.
 class Remap {
  public:
   static constexpr int kBins = 4096;

@@ -8,15 +8,37 @@
 namespace terrazzo {
 namespace {
 
+constexpr int kLanes = sizeof(LaneComplex) / sizeof(float);
+
 float* lanes(LaneComplex& c) { return reinterpret_cast<float*>(&c); }
+
+// Of the band's values in the group: what they hold about all slices' standard deviation.
+struct Moments {
+  double n = 0, first = 0, second = 0;
+  double deviation() const {
+    const double mean = n > 0 ? first / n : 0;
+    return n > 0 ? std::sqrt(std::max(0.0, second / n - mean * mean)) : 0;
+  }
+  void add(const Moments& m) { n += m.n, first += m.first, second += m.second; }
+};
+
+Moments moments_of(LaneComplex* group, std::size_t each, int used) {
+  Moments m;
+  for (std::size_t i = 0; i < each; ++i)
+    for (int l = 0; l < used; ++l) {
+      const double v = lanes(group[i])[l];
+      m.first += v, m.second += v * v;
+    }
+  m.n = static_cast<double>(each) * used;
+  return m;
+}
 
 // The band's values in the group, but for those of slices that only fill it up. Large bands are told by a
 // quarter of their values.
 void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int used, Remap::Counts& counts) {
   const std::size_t step = each > 2048 ? 4 : 1;
-  constexpr int all = sizeof(LaneComplex) / sizeof(float);
   for (std::size_t i = 0; i < each; i += step)
-    remap.count(lanes(group[i]), static_cast<std::size_t>(std::min(used, all)), counts);
+    remap.count(lanes(group[i]), static_cast<std::size_t>(std::min(used, kLanes)), counts);
 }
 
 }  // namespace
@@ -50,8 +72,12 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
   });
 }
 
-void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-                        std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
+double SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+                          std::vector<float>& sum, Workspace& space, const Work& work, int last_scale,
+                          std::vector<float>* drive) const {
+  const bool first = drive && drive->empty();  // nothing is known yet of what gets lost
+  if (first) drive->assign(bands_.size(), 1.0f);
+  double furthest = drive && !first ? 0 : 1;
   const Work quiet = work.part(0, 0);
   transform(volume, space, quiet);
   space.output.resize(space.input.size());
@@ -74,6 +100,7 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
     space.band.resize(std::max(space.band.size(), each * groups_));
     Remap remap(bands[b]);
     std::vector<Remap::Counts> counts(groups_);
+    std::vector<Moments> moments(groups_);
     quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
       std::vector<LaneComplex> scratch;
       for (std::size_t g = begin; g < end; ++g) {
@@ -81,17 +108,30 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
         extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), group, scratch);
         counts[g].assign(Remap::kBins, 0);
         count_group(remap, group, each, slices_in(g), counts[g]);
+        if (drive && !first) moments[g] = moments_of(group, each, std::min(slices_in(g), kLanes));
       }
     });
     for (int g = 1; g < groups_; ++g)
       for (int i = 0; i < Remap::kBins; ++i) counts[0][i] += counts[g][i];
     remap.finish(counts[0]);
+    float gain = 1;
+    if (drive && !first) {
+      for (int g = 1; g < groups_; ++g) moments[0].add(moments[g]);
+      const double now = moments[0].deviation();
+      if (bands[b].deviation > 0) furthest = std::max(furthest, std::abs(now / bands[b].deviation - 1));
+      float& d = (*drive)[b];
+      if (now > 0 && bands[b].deviation > 0)
+        d = std::clamp(d * static_cast<float>(bands[b].deviation / now), 0.25f, 4.0f);
+      gain = d;
+    }
     quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
       std::vector<LaneComplex> scratch;
       for (std::size_t g = begin; g < end; ++g) {
         LaneComplex* group = &space.band[g * each];
         LaneComplex* output = &space.output[g * fft_.count()];
         remap.apply(lanes(group[0]), each * kAtOnce);
+        if (gain != 1)
+          for (std::size_t i = 0; i < each * kAtOnce; ++i) lanes(group[0])[i] *= gain;
         add_band(bands_[b], crops_[b], group, fft_.count(), output, scratch);
       }
     });
@@ -112,6 +152,7 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       });
     }
   });
+  return furthest;
 }
 
 std::vector<double> SliceFamily::deviations(const std::vector<float>& volume,
@@ -122,31 +163,23 @@ std::vector<double> SliceFamily::deviations(const std::vector<float>& volume,
   std::vector<double> out;
   for (std::size_t b = 0; b < bands_.size(); ++b) {
     const std::size_t each = crops_[b].count();
-    struct Sums {
-      double n = 0, first = 0, second = 0;
-    };
-    const Sums all = quiet.reduce<Sums>(
+    const Moments all = quiet.reduce<Moments>(
         groups_, 1, {},
         [&](std::size_t begin, std::size_t end) {
-          Sums s;
+          Moments m;
           std::vector<LaneComplex> scratch, band(each);
           for (std::size_t g = begin; g < end; ++g) {
             extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), band.data(),
                          scratch);
-            const int used = slices_in(g);
-            for (auto& c : band)
-              for (int l = 0; l < used; ++l) {
-                const double v = lanes(c)[l];
-                s.n += 1, s.first += v, s.second += v * v;
-              }
+            m.add(moments_of(band.data(), each, slices_in(g)));
           }
-          return s;
+          return m;
         },
-        [](Sums a, Sums b) {
-          return Sums{a.n + b.n, a.first + b.first, a.second + b.second};
+        [](Moments a, const Moments& b) {
+          a.add(b);
+          return a;
         });
-    const double mean = all.first / all.n, variance = std::max(0.0, all.second / all.n - mean * mean);
-    out.push_back(bands[b].deviation > 0 ? std::sqrt(variance) / bands[b].deviation : 1);
+    out.push_back(bands[b].deviation > 0 ? all.deviation() / bands[b].deviation : 1);
   }
   return out;
 }

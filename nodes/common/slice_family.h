@@ -23,8 +23,13 @@ class SliceFamily {
 
   // Gives every band of all slices together its target distribution, and adds share · (the slices put
   // together again) to `sum`. Volumes are x fastest. Of scales beyond `last_scale` nothing is changed.
-  void match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-             std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20) const;
+  // `drive`, a factor per band or empty, is first moved by how much too weak the band came out of the round
+  // before, then multiplies its target: over rounds, what averaging and matching voxels take away is made
+  // good. Returns how far from 1 a band's standard deviation in `volume` over its target's lies at most, from
+  // the second round with drive on; 1 before.
+  double match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+               std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20,
+               std::vector<float>* drive = nullptr) const;
   // Standard deviation of each band over all slices / its target's; 1 where that is 0.
   std::vector<double> deviations(const std::vector<float>& volume, const std::vector<Quantiles>& bands,
                                  Workspace&, const Work&) const;

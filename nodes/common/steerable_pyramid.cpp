@@ -39,21 +39,26 @@ int pyramid_scales(int smallest_side, int most) {
   return scales;
 }
 
-double band_gain(int scale, int orientation, int scales, double u, double v) {
-  const double r = std::hypot(u, v), top = upper_edge(scale);
+double radial_gain(int scale, int scales, double r) {
+  const double top = upper_edge(scale);
   if (scale == 0) return high_pass(r, kPi);
-  if (scale > scales) return low_pass(r, top);
-  const double c =
-      r > 0 ? (u * std::cos(orientation * kPi / 4) + v * std::sin(orientation * kPi / 4)) / r : 0;
-  return low_pass(r, top) * high_pass(r, top / 2) * c * c * c / std::sqrt(1.25);
+  return low_pass(r, top) * (scale > scales ? 1 : high_pass(r, top / 2));
 }
 
-std::vector<Band> pyramid_bands(int width, int height, int scales) {
+double band_gain(int scale, int orientation, int scales, double u, double v) {
+  const double r = std::hypot(u, v), radial = radial_gain(scale, scales, r);
+  if (scale == 0 || scale > scales) return radial;
+  const double c =
+      r > 0 ? (u * std::cos(orientation * kPi / 4) + v * std::sin(orientation * kPi / 4)) / r : 0;
+  return radial * c * c * c / std::sqrt(1.25);
+}
+
+std::vector<Band> pyramid_bands(int width, int height, int scales, int orientations) {
   std::vector<Band> bands;
   for (int scale = 0; scale <= scales + 1; ++scale)
-    for (int o = 0; o < (scale == 0 || scale > scales ? 1 : 4); ++o) {
+    for (int o = 0; o < (scale == 0 || scale > scales ? 1 : orientations); ++o) {
       Band b;
-      b.scale = scale, b.orientation = o, b.odd = scale > 0 && scale <= scales;
+      b.scale = scale, b.orientation = o, b.odd = orientations > 1 && scale > 0 && scale <= scales;
       b.width = cropped(width, upper_edge(scale)), b.height = cropped(height, upper_edge(scale));
       b.gain.resize(static_cast<std::size_t>(b.width) * b.height);
       b.source.resize(b.gain.size());
@@ -61,7 +66,8 @@ std::vector<Band> pyramid_bands(int width, int height, int scales) {
         for (int x = 0; x < b.width; ++x) {
           const int fx = signed_frequency(x, b.width), fy = signed_frequency(y, b.height);
           const double u = 2 * kPi * fx / width, v = 2 * kPi * fy / height;
-          const double g = band_gain(scale, o, scales, u, v);
+          const double g = orientations == 1 ? radial_gain(scale, scales, std::hypot(u, v))
+                                             : band_gain(scale, o, scales, u, v);
           const std::size_t at = static_cast<std::size_t>(y) * b.width + x;
           b.gain[at] = static_cast<float>(g);
           b.source[at] = static_cast<std::size_t>((fy + height) % height) * width + (fx + width) % width;

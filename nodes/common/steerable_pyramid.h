@@ -20,8 +20,10 @@ struct Band {
 
 // Simoncelli and Freeman 1995: a tight frame, Σ |transfer|² = 1. Radial windows are half-cosines in log
 // frequency, an octave wide; four orientations by cos³. Frequencies are cycles per pixel, so bands mean the
-// same for pictures of any size.
-std::vector<Band> pyramid_bands(int width, int height, int scales);
+// same for pictures of any size. With orientations = 1 bands are even and take in all directions.
+std::vector<Band> pyramid_bands(int width, int height, int scales, int orientations = 4);
+// The radial window of a scale, at r radians per pixel.
+double radial_gain(int scale, int scales, double r);
 // Transfer of a band at a frequency in radians per pixel, less the factor i of odd bands.
 double band_gain(int scale, int orientation, int scales, double u, double v);
 // The scales that fit into a picture of that smallest side: the low-pass residue keeps at least 4 × 4

@@ -28,14 +28,18 @@ Mat3 covariance(const Image& image, const Work& work) {
 
 }  // namespace
 
-Exemplar measure_exemplar(const Image& residual, int scales, const Work& work) {
-  if (residual.width < 16 || residual.height < 16)
-    throw Error("image-too-small",
-                fmt::format("the photograph has {} × {} pixels", residual.width, residual.height),
-                "the residual's statistics need 16 × 16 at least");
+Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<int, 3>& picture, int scales,
+                          int orientations, const Work& work) {
+  Mat3 pooled = Mat3::Zero();
+  for (const Image& r : residuals) {
+    if (r.width < 16 || r.height < 16)
+      throw Error("image-too-small", fmt::format("the photograph has {} × {} pixels", r.width, r.height),
+                  "the residual's statistics need 16 × 16 at least");
+    pooled += covariance(r, work.part(0, 0)) / static_cast<double>(residuals.size());
+  }
   Exemplar out;
-  out.scales = scales;
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(residual, work));
+  out.scales = scales, out.picture = picture;
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(pooled);
   const double largest = solver.eigenvalues()[2];
   out.axes = principal_axes(solver);
   for (int c = 0; c < 3; ++c) {
@@ -44,11 +48,33 @@ Exemplar measure_exemplar(const Image& residual, int scales, const Work& work) {
   }
   if (out.channels == 0) return out;
 
-  Image rotated = residual;
   const Eigen::Matrix3f to_axes = out.axes.cast<float>().transpose();
-  for (auto& p : rotated.pixels) p = to_axes * p;
-  const BandStatistics s = measure_bands(rotated, out.channels, scales, work);
-  out.values = s.values, out.bands = s.bands, out.width = s.width, out.height = s.height;
+  std::vector<BandStatistics> measured;
+  for (std::size_t r = 0; r < residuals.size(); ++r) {
+    // Pictures run downwards, slices upwards: a slanted grain must lean the same way.
+    const Image& from = residuals[r];
+    Image rotated(from.width, from.height, from.sections, from.pixel_size);
+    for (int s = 0; s < from.sections; ++s)
+      for (int y = 0; y < from.height; ++y)
+        for (int x = 0; x < from.width; ++x)
+          rotated.at(x, from.height - 1 - y, s) = to_axes * from.at(x, y, s);
+    const double n = static_cast<double>(residuals.size());
+    measured.push_back(measure_bands(rotated, out.channels, scales,
+                                     work.part(static_cast<double>(r) / n, static_cast<double>(r + 1) / n),
+                                     orientations));
+    out.bands.push_back(measured.back().bands);
+    // Values as wide as the bands together, or matching the one undoes matching the others.
+    for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
+      Quantiles& values = measured.back().values[c];
+      if (values.deviation > 0) values.widen(measured.back().deviation[c] / values.deviation);
+    }
+  }
+  for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
+    std::vector<const Quantiles*> values;
+    for (const int p : picture) values.push_back(&measured[static_cast<std::size_t>(p)].values[c]);
+    const bool one = picture[0] == picture[1] && picture[1] == picture[2];
+    out.values.push_back(one ? *values[0] : mixture(values));
+  }
   return out;
 }
 

@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "graph/node_type.h"
+#include "nodes/common/color.h"
 #include "nodes/common/dense_grid.h"
 #include "nodes/common/steerable_pyramid.h"
+#include "nodes/residual_synth/radial.h"
 #include "nodes/residual_synth/residual_image.h"
 #include "nodes/residual_synth/synthesize.h"
 #include "runtime/context.h"
@@ -25,25 +29,92 @@ Vec3i volume_size(const Context& c) {
   return size;
 }
 
+// Encoded colours to scene-linear ones, clipped to what a display shows.
+Vec3f to_linear(const Vec3f& encoded) { return srgb_to_linear(encoded.cwiseMax(0.0f).cwiseMin(1.0f)); }
+
+// What figure 6 of 2004 shows: mean colours, and the residual about the binder's.
+void output_pictures(Context& c, const ResidualImage& residual) {
+  Image means = residual.means, about = residual.image;
+  for (auto& p : means.pixels) p = to_linear(p);
+  for (auto& p : about.pixels) p = to_linear(residual.binder + p);
+  c.output("means", std::move(means));
+  c.output("residual", std::move(about));
+}
+
+struct Measured {
+  std::vector<Image> residuals;
+  std::array<int, 3> picture = {0, 0, 0};  // of the slices across x, y and z
+  double filled = 0, specks = 0;           // means over the pictures
+  Vec3f binder = Vec3f::Zero();            // of `image`, encoded
+};
+
+Measured measure_pictures(Context& c) {
+  constexpr std::array<const char*, 3> kSuffix = {"", "_y", "_z"};
+  Measured out;
+  const auto edge = static_cast<int>(c.integer("edge"));
+  for (int a = 0; a < 3; ++a) {
+    const std::string image_port = std::string("image") + kSuffix[a],
+                      labels_port = std::string("labels") + kSuffix[a];
+    if (!c.has(image_port)) {
+      if (c.has(labels_port))
+        throw Error("missing-input", fmt::format("{} is wired, {} is not", labels_port, image_port),
+                    "labels belong to a picture");
+      continue;
+    }
+    const auto& image = c.input<Image>(image_port);
+    const double first = c.input<Image>("image").pixel_size;
+    if (std::abs(image.pixel_size - first) > 1e-6 * first)
+      throw Error("size-mismatch",
+                  fmt::format("a pixel of {} is {} mm, of image {} mm", image_port, image.pixel_size, first),
+                  "give pictures of one scale");
+    Labels none;
+    none.width = image.width, none.height = image.height, none.sections = image.sections;
+    none.pixel_size = image.pixel_size;
+    const bool labelled = c.has(labels_port);
+    if (!labelled) none.ids.assign(image.pixels.size(), 0);
+    const ResidualImage residual = residual_image(as_displayed(image, c.work().part(0, 0)),
+                                                  labelled ? c.input<Labels>(labels_port) : none, edge,
+                                                  c.number("specks"), c.work().part(0.01, 0.05));
+    if (residual.edge < edge)
+      c.warn(fmt::format("outlines of {} are left out by {} pixels instead of {}: little else would be left",
+                         image_port, residual.edge, edge));
+    if (a == 0) {
+      output_pictures(c, residual);
+      out.binder = residual.binder;
+    }
+    out.picture[a] = static_cast<int>(out.residuals.size());
+    out.residuals.push_back(residual.image);
+    out.filled += residual.filled, out.specks += residual.specks;
+  }
+  out.filled /= static_cast<double>(out.residuals.size());
+  out.specks /= static_cast<double>(out.residuals.size());
+  return out;
+}
+
 void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const Vec3i size = volume_size(c);
   const Work& work = c.work();
-  const auto edge = static_cast<int>(c.integer("edge"));
-  const ResidualImage residual =
-      residual_image(as_displayed(image, work.part(0, 0.01)), c.input<Labels>("labels"), edge,
-                     c.number("specks"), work.part(0.01, 0.05));
-  if (residual.edge < edge)
-    c.warn(fmt::format("outlines are left out by {} pixels instead of {}: little else would be left",
-                       residual.edge, edge));
-  const int scales = pyramid_scales(std::min({size.minCoeff(), image.width, image.height}));
-  const Exemplar exemplar = measure_exemplar(residual.image, scales, work.part(0.05, 0.15));
+  const bool radial = c.text("method") == "radial";
+  if (radial && (c.has("image_y") || c.has("image_z")))
+    throw Error("bad-value", "bands of the volume take no picture per axis",
+                "use slices with several pictures")
+        .parameter("method");
+  const Measured measured = measure_pictures(c);
+  int shortest = size.minCoeff();
+  for (const Image& r : measured.residuals) shortest = std::min({shortest, r.width, r.height});
+  const Exemplar exemplar = measure_exemplar(measured.residuals, measured.picture, pyramid_scales(shortest),
+                                             radial ? 1 : 4, work.part(0.05, 0.15));
   if (exemplar.channels == 0)
     c.warn("nothing is left of the photograph without its profiles' colours: the residual is zero");
-  SynthReport report;
-  const auto voxels =
-      synthesize_residual(exemplar, size, static_cast<int>(c.integer("rounds")),
-                          static_cast<std::uint64_t>(c.integer("seed")), report, work.part(0.15, 0.95));
+  const auto rounds = static_cast<int>(c.integer("rounds"));
+  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto voxels = radial ? synthesize_radial(exemplar, size, rounds, seed, work.part(0.15, 0.9))
+                             : synthesize_residual(exemplar, size, rounds, seed, work.part(0.15, 0.9));
+  const Exemplar told = radial ? measure_exemplar(measured.residuals, measured.picture, exemplar.scales, 4,
+                                                  work.part(0.9, 0.92))
+                               : exemplar;
+  const auto deviation = slice_deviations(told, size, voxels, work.part(0.92, 0.95));
 
   initialize_openvdb();
   Volume volume;
@@ -51,30 +122,48 @@ void compute(Context& c) {
   volume.grids = {dense_grid<openvdb::Vec3SGrid>(
       "residual", size, image.pixel_size, work.part(0.95, 1),
       [&](std::size_t i) { return openvdb::Vec3s(voxels[i].x(), voxels[i].y(), voxels[i].z()); })};
-  c.metric("filled", residual.filled);
-  c.metric("specks", residual.specks);
+  if (c.boolean("preview"))
+    volume.grids.push_back(
+        dense_grid<openvdb::Vec3SGrid>("Cd", size, image.pixel_size, work.part(0.99, 1), [&](std::size_t i) {
+          const Vec3f v = to_linear(measured.binder + voxels[i]);
+          return openvdb::Vec3s(v.x(), v.y(), v.z());
+        }));
+  c.metric("filled", measured.filled);
+  c.metric("specks", measured.specks);
   c.metric("deviation", exemplar.channels > 0 ? exemplar.values[0].deviation : 0);
-  for (std::size_t s = 0; s < report.deviation.size(); ++s)
-    c.metric(s == 0                             ? "band_high"
-             : s + 1 == report.deviation.size() ? "band_low"
-                                                : fmt::format("band_{}", s),
-             report.deviation[s]);
+  for (std::size_t s = 0; s < deviation.size(); ++s)
+    c.metric(s == 0                      ? "band_high"
+             : s + 1 == deviation.size() ? "band_low"
+                                         : fmt::format("band_{}", s),
+             deviation[s]);
   c.output("volume", std::move(volume));
 }
 
 }  // namespace
 
 NodeType residual_synth_node() {
-  return NodeType("ResidualSynth", 3)
+  return NodeType("ResidualSynth", 4)
       .doc_(
           "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
           "binder, at the "
           "photograph's scale.")
       .source_("Heeger, Bergen 1995; Jagnow, Dorsey, Rushmeier 2004, section 4.3; Moisan 2011")
       .input("image", "Image", "the photograph, one or more sections")
-      .input("labels", "Labels", "its profiles; all zero for a picture without particles")
-      .output("volume", "Volume",
-              "grid residual: offsets of mean 0 to the sRGB-encoded colour, one voxel a pixel, periodic")
+      .optional_input("labels", {"Labels"}, "its profiles; without them it counts as one colour")
+      .optional_input(
+          "image_y", {"Image"},
+          "what slices across y are to look like, where it differs from image (which then counts "
+          "for the others). On x and y columns run along y and x, rows upwards along z; on z along "
+          "x and y")
+      .optional_input("labels_y", {"Labels"}, "its profiles; without them it counts as one colour")
+      .optional_input("image_z", {"Image"}, "what slices across z are to look like")
+      .optional_input("labels_z", {"Labels"}, "its profiles")
+      .output(
+          "volume", "Volume",
+          "grid residual: offsets of mean 0 to the sRGB-encoded colour, one voxel a pixel, periodic; with "
+          "preview also Cd")
+      .output("means", "Image", "each pixel's profile's mean colour, as figure 6b of 2004")
+      .output("residual", "Image", "image less its means, about the binder's mean colour, as figure 6c")
       .parameter(
           Parameter::ints("size", {128})
               .count(1, 3)
@@ -85,12 +174,14 @@ NodeType residual_synth_node() {
                      .range(0, 9007199254740991)
                      .doc_("Of the noise that synthesis starts from"))
       .parameter(
-          Parameter::choice("method", "slices", {"slices"})
+          Parameter::choice("method", "slices", {"slices", "radial"})
               .doc_(
-                  "slices: a steerable pyramid on all slices across each axis, matched to the photograph's"))
-      .parameter(Parameter::integer("rounds", 4)
+                  "slices: a steerable pyramid on all slices across each axis, matched to the photograph's. "
+                  "radial: bands of the volume itself, as in 2004, for comparison: slices come out wrong"))
+      .parameter(Parameter::integer("rounds", 8)
                      .range(0, 100)
-                     .doc_("Of matching; 0 leaves Gaussian noise of the photograph's spectrum and values"))
+                     .doc_("Of matching at most: slices ends a colour axis once no band is further than 4 % "
+                           "off. 0 leaves Gaussian noise of the photograph's spectrum and values"))
       .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
           "Pixels to each side of outlines that are filled from beyond instead of used"))
       .parameter(Parameter::number("specks", 6)
@@ -98,6 +189,8 @@ NodeType residual_synth_node() {
                      .doc_("Binder pixels more than this many robust standard deviations from the binder's "
                            "median are particles that the "
                            "labels miss: they are filled like outlines. 0 keeps them"))
+      .parameter(Parameter::boolean("preview", false)
+                     .doc_("Also give the grid Cd, the residual about the binder's mean colour: to look at"))
       .compute_(compute);
 }
 

@@ -107,19 +107,30 @@ std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double li
   return far;
 }
 
-// Each valid pixel less the mean of the valid ones of its label.
-void subtract_means(Vec3f* pixels, const std::int32_t* ids, const std::vector<std::uint8_t>& valid) {
-  std::map<std::int32_t, std::pair<Vec3, double>> sums;
-  for (std::size_t i = 0; i < valid.size(); ++i) {
-    if (!valid[i]) continue;
-    auto& [sum, count] = sums.try_emplace(ids[i], Vec3::Zero(), 0.0).first->second;
-    sum += pixels[i].cast<double>(), ++count;
-  }
-  for (std::size_t i = 0; i < valid.size(); ++i)
-    if (valid[i]) {
-      const auto& [sum, count] = sums.at(ids[i]);
-      pixels[i] -= (sum / count).cast<float>();
+// Each pixel less the mean of the valid ones of its label, which goes to `means`; of all its pixels where
+// none is valid.
+void subtract_means(Vec3f* pixels, Vec3f* means, const std::int32_t* ids,
+                    const std::vector<std::uint8_t>& valid) {
+  struct Sum {
+    Vec3 valid = Vec3::Zero(), all = Vec3::Zero();
+    double valid_count = 0, count = 0;
+    Vec3f mean() const {
+      return (valid_count > 0 ? Vec3(valid / valid_count) : Vec3(all / count)).cast<float>();
     }
+  };
+  std::map<std::int32_t, Sum> sums;
+  for (std::size_t i = 0; i < valid.size(); ++i) {
+    Sum& s = sums[ids[i]];
+    const Vec3 v = pixels[i].cast<double>();
+    s.all += v, ++s.count;
+    if (valid[i]) s.valid += v, ++s.valid_count;
+  }
+  std::map<std::int32_t, Vec3f> mean;
+  for (const auto& [id, sum] : sums) mean[id] = sum.mean();
+  for (std::size_t i = 0; i < valid.size(); ++i) {
+    means[i] = mean.at(ids[i]);
+    pixels[i] -= means[i];
+  }
 }
 
 // Pixels that are not valid get the value mirrored at the nearest valid one, or its own where the mirror
@@ -164,7 +175,7 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   const int w = image.width, h = image.height;
   const std::size_t plane = static_cast<std::size_t>(w) * h;
   ResidualImage out;
-  out.image = image, out.edge = edge;
+  out.image = out.means = image, out.edge = edge;
   std::vector<std::uint8_t> depth;
   for (int s = 0; s < image.sections; ++s) {
     const auto d = depth_in_label(labels, s, edge, work);
@@ -185,7 +196,7 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
     std::vector<std::uint8_t> valid(plane);
     for (std::size_t i = 0; i < plane; ++i) valid[i] = depth[s * plane + i] >= out.edge;
     if (specks > 0) far += clear_specks(pixels, ids, specks, edge, w, h, valid);
-    subtract_means(pixels, ids, valid);
+    subtract_means(pixels, &out.means.pixels[s * plane], ids, valid);
     fill(pixels, valid, w, h);
     for (std::size_t i = 0; i < plane; ++i) total += pixels[i].cast<double>(), filled += !valid[i];
   }
@@ -193,6 +204,14 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   out.filled = static_cast<double>(filled) / pixels, out.specks = static_cast<double>(far) / pixels;
   const Vec3f mean = (total / pixels).cast<float>();
   for (auto& p : out.image.pixels) p -= mean;
+  Vec3 binder = Vec3::Zero(), all = Vec3::Zero();
+  double count = 0;
+  for (std::size_t i = 0; i < out.means.pixels.size(); ++i) {
+    const Vec3 m = out.means.pixels[i].cast<double>();
+    all += m;
+    if (labels.ids[i] == 0) binder += m, ++count;
+  }
+  out.binder = (count > 0 ? Vec3(binder / count) : Vec3(all / pixels)).cast<float>();
   return out;
 }
 

@@ -8,10 +8,12 @@
 namespace terrazzo {
 
 struct ResidualImage {
-  Image image;        // colour offsets, mean 0 over all pixels
-  double filled = 0;  // share of the pixels whose own value was not used
-  double specks = 0;  // share that is binder by its label but not by its colour
-  int edge = 0;       // the band left out, pixels: less than asked for where too little would have been left
+  Image image;                   // colour offsets, mean 0 over all pixels
+  Image means;                   // encoded: the mean colour of each pixel's label
+  Vec3f binder = Vec3f::Zero();  // mean of means over binder pixels, over all pixels where there are none
+  double filled = 0;             // share of the pixels whose own value was not used
+  double specks = 0;             // share that is binder by its label but not by its colour
+  int edge = 0;  // the band left out, pixels: less than asked for where too little would have been left
 };
 
 // The picture in the encoded values of a display (sRGB), in which the paper's residuals are differences: in

@@ -53,7 +53,7 @@ std::vector<Sample> polar_grid() {
 
 }  // namespace
 
-PowerFactors fit_power(const std::vector<Quantiles>& bands, int scales) {
+PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands, int scales) {
   const auto names = band_names(scales);
   const auto grid = polar_grid();
   const std::size_t nb = names.size();
@@ -82,7 +82,8 @@ PowerFactors fit_power(const std::vector<Quantiles>& bands, int scales) {
     }
     for (int a = 0; a < 3; ++a)
       for (std::size_t b = 0; b < nb; ++b) {
-        const double wanted = bands[b].deviation * bands[b].deviation;
+        const double deviation = (*bands[static_cast<std::size_t>(a)])[b].deviation,
+                     wanted = deviation * deviation;
         const double ratio = variance[a][b] > 0 ? std::max(wanted, 1e-20) / variance[a][b] : 1;
         factor[a][b] *= std::pow(std::clamp(ratio, 1e-3, 1e3), 0.4);
       }

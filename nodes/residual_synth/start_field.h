@@ -15,9 +15,10 @@ namespace terrazzo {
 // S(k) = Π_axis Σ_band factor[axis][band] · |transfer_band(k without the axis' component)|².
 using PowerFactors = std::array<std::vector<double>, 3>;
 
-// Factors whose slices have bands of these variances, by iterative proportional fitting on a polar grid of
-// frequencies. A slice's spectrum is the volume's integrated along the axis, so a factor alone would not do.
-PowerFactors fit_power(const std::vector<Quantiles>& bands, int scales);
+// Factors whose slices across x, y and z have bands of these variances, by iterative proportional fitting on
+// a polar grid of frequencies. A slice's spectrum is the volume's integrated along the axis, so a factor
+// alone would not do.
+PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands, int scales);
 
 // A periodic field of that spectrum, mean 0, x fastest.
 std::vector<float> start_field(const PowerFactors&, const Vec3i& size, int scales, std::uint64_t seed,

@@ -144,12 +144,12 @@ TEST(StartField, SlicesHaveTheBandsAskedFor) {
             picture.at(x, y) +=
                 Vec3f::Constant(white[(y + v) % n * n + (x + u) % n] * 0.05f / static_cast<float>(box));
   }
-  const Exemplar exemplar = measure_exemplar(picture, scales);
+  const Exemplar exemplar = measure_exemplar({picture}, {0, 0, 0}, scales, 4);
   ASSERT_EQ(exemplar.channels, 1);
   const Vec3i size(48, 40, 54);
   const auto names = pyramid_bands(64, 64, scales);
-  const auto& bands = exemplar.bands[0];
-  const auto field = start_field(fit_power(bands, scales), size, scales, 3, 0, {});
+  const auto& bands = exemplar.wanted(0, 0);
+  const auto field = start_field(fit_power({&bands, &bands, &bands}, scales), size, scales, 3, 0, {});
   SliceFamily::Workspace space;
   for (int axis = 0; axis < 3; ++axis) {
     const SliceFamily family(size, axis, scales);
