@@ -8,6 +8,7 @@
 #include "nodes/shape/closed_form.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
+#include "nodes/shape/stones.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -92,10 +93,23 @@ void compute(Context& c) {
       shapes.shapes.push_back(sized(count > 1 ? fmt::format("rock {}", i + 1) : "rock",
                                     {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
     }
+  } else if (kind == "pebble" || kind == "shard" || kind == "clinker") {
+    StoneOptions o;
+    o.kind = kind;
+    o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    o.axes = axes_of(c);
+    o.detail = static_cast<int>(c.integer("detail"));
+    const auto count = c.integer("count");
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
+      o.item = static_cast<std::uint64_t>(i);
+      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", kind, i + 1) : kind,
+                                    {stone_mesh(o, part), {}, kind != "shard"}, size, 1.0 / count, part));
+    }
   } else {
     if (c.integer("count") != 1)
       throw Error("bad-count", fmt::format("{} copies of one {} are one shape", c.integer("count"), kind),
-                  "only rocks differ from each other: set count to 1 or kind to rock")
+                  "only stones differ from each other: set count to 1 or kind to rock")
           .parameter("count");
     shapes.shapes.push_back(sized(kind, solid(c, kind), size, 1, c.work()));
   }
@@ -121,11 +135,13 @@ NodeType shape_node() {
           "seed. "
           "Volume, surface, mean caliper and largest section are exact where a closed form is known.")
       .source_("closed forms: Santaló 1976; superquadrics: Barr 1981")
-      .output("shapes", "Shapes", "one shape, or `count` different rocks of equal probability")
-      .parameter(Parameter::choice("kind", "sphere",
-                                   {"sphere", "ellipsoid", "box", "cylinder", "tetrahedron", "octahedron",
-                                    "dodecahedron", "icosahedron", "superquadric", "rock"})
-                     .doc_("which solid"))
+      .output("shapes", "Shapes", "one shape, or `count` different stones of equal probability")
+      .parameter(Parameter::choice(
+                     "kind", "sphere",
+                     {"sphere", "ellipsoid", "box", "cylinder", "tetrahedron", "octahedron", "dodecahedron",
+                      "icosahedron", "superquadric", "rock", "pebble", "shard", "clinker"})
+                     .doc_("which solid; of stones, from a seed: rock, angular; pebble, worn smooth; shard, "
+                           "longish with a few flat sides; clinker, lobed and bent, far from convex"))
       .parameter(Parameter::number("size", 1).unit_("mm").above(0).doc_(
           "the particle's size √(4·A_max/π), A_max being its largest plane section: a sphere's diameter"))
       .parameter(
@@ -141,8 +157,8 @@ NodeType shape_node() {
               .range(0.1, 2.5)
               .doc_(
                   "of a superquadric, along z and around it: near 0 a box, 1 an ellipsoid, 2 an octahedron"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the rocks"))
-      .parameter(Parameter::integer("count", 1).range(1, 100).doc_("how many different rocks"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the stones"))
+      .parameter(Parameter::integer("count", 1).range(1, 100).doc_("how many different stones"))
       .parameter(Parameter::integer("facets", 13).range(4, 30).doc_("large fracture faces of a rock"))
       .parameter(Parameter::integer("chips", 6).range(0, 20).doc_("corners and edges broken off a rock"))
       .parameter(Parameter::number("roughness", 0.02)
@@ -150,7 +166,9 @@ NodeType shape_node() {
                      .doc_("unevenness of a rock's faces, as a share of its radius"))
       .parameter(Parameter::integer("detail", 3)
                      .range(0, 6)
-                     .doc_("tessellation: 20·4^detail triangles of a sphere, about 60·2^detail of a rock"))
+                     .doc_("tessellation: 20·4^detail triangles of a sphere or the other stones, about "
+                           "60·2^detail of a "
+                           "rock"))
       .compute_(compute);
 }
 

@@ -34,13 +34,25 @@ struct Estimate {
 struct EstimateMethod {
   std::string name;
   std::size_t least;  // profiles that one shape is made of
+  std::size_t most;   // 0: any number
   std::string doc;
   Estimate (*run)(const EstimateRequest&, const Work&);
 };
 
 const std::vector<EstimateMethod>& estimate_methods();
 
-// Jagnow et al. 2008, section 3.4.
+// Jagnow et al. 2008, section 3.1: Hobolth and Jensen's model, 30 terms. `index` and `seed` make particles
+// differ.
+Estimate spherical_harmonics(const EstimateRequest&, const Work&);
+// Section 3.2; `deviation` is the silhouettes'. `base` 0…5 permutes the profiles.
+Estimate csg(const EstimateRequest&, const Work&);
+// Section 3.3, after Dischler and Ghazanfarpour 1999.
+Estimate generalized_cylinder(const EstimateRequest&, const Work&);
+// Section 3.4.
 Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
+
+// The surface swept over a frame, with as many control points as keep its curves (morph_frame.h).
+struct MorphFrame;
+Estimate swept_surface(const MorphFrame&, const EstimateRequest&, const Work&);
 
 }  // namespace terrazzo::shape_estimate

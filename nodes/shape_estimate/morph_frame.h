@@ -30,6 +30,13 @@ struct MorphFrame {
 // heights are the geometric means of what the profiles ask for.
 MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, int base = 0);
 
+// Jagnow et al. 2008, 3.3, as a frame whose standing curves are one: the right half of the second profile by
+// aspect ratio (upright where `axis` is "long"), cut along the vertical line through its centroid, scaled
+// until it is tangent to the base at angle 0, and stretched with the base's radius. The base plane is where
+// that half is widest. Of three profiles two are used, others with another `base`. Not only star-shaped
+// curves; what strays behind the axis is held at it. Throws Error "flat-profile".
+MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis, int base = 0);
+
 // The frame's closed curves in their own planes: the base in (x, y), each morph curve in (distance along its
 // half-plane 0 ≤ j < n − 1, z).
 std::vector<std::vector<Vec2>> frame_curves(const MorphFrame&);

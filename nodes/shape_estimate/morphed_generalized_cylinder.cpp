@@ -126,8 +126,7 @@ Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& 
 
 }  // namespace
 
-Estimate morphed_generalized_cylinder(const EstimateRequest& request, const Work& work) {
-  const MorphFrame frame = morph_frame(request.chosen, request.axis, request.base);
+Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, const Work& work) {
   Estimate out;
   // A finer tessellation is asked for where more of the profiles is to be kept.
   const int most = request.control ? request.control : 4 + 2 * std::min(request.subdivision, 4);
@@ -144,6 +143,10 @@ Estimate morphed_generalized_cylinder(const EstimateRequest& request, const Work
   for (const auto& o : request.chosen) corners += o.corners;
   out.smooth = corners < 3 * static_cast<int>(request.chosen.size());
   return out;
+}
+
+Estimate morphed_generalized_cylinder(const EstimateRequest& request, const Work& work) {
+  return swept_surface(morph_frame(request.chosen, request.axis, request.base), request, work);
 }
 
 }  // namespace terrazzo::shape_estimate

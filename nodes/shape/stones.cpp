@@ -1,0 +1,108 @@
+#include "nodes/shape/stones.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "nodes/shape/solids.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+
+namespace {
+
+using std::numbers::pi;
+
+enum Stream : std::uint64_t { kField = 121, kSides, kBend, kAxes };
+
+Vec3 random_direction(Random& r) {
+  const double z = r.uniform(-1, 1), a = r.uniform(0, 2 * pi), s = std::sqrt(1 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+// Scales radii by exp of a random field of the direction, of wavelengths `shortest` to `longest` (of the
+// radius) and standard deviation `sd`: rays stay rays, so nothing folds.
+void swell(Mesh& mesh, Random r, double sd, double shortest, double longest) {
+  constexpr int kWaves = 32;
+  std::vector<Vec3> wave;
+  std::vector<double> phase, weight;
+  double power = 0;
+  for (int i = 0; i < kWaves; ++i) {
+    const double length = std::exp(r.uniform(std::log(shortest), std::log(longest)));
+    wave.push_back(random_direction(r) * (2 * pi / length));
+    phase.push_back(r.uniform(0, 2 * pi));
+    weight.push_back(length);
+    power += length * length / 2;
+  }
+  std::vector<double> f;
+  double mean = 0;
+  for (const auto& v : mesh.vertices) {
+    const Vec3 u = v.normalized();
+    double sum = 0;
+    for (int i = 0; i < kWaves; ++i) sum += weight[i] * std::cos(wave[i].dot(u) + phase[i]);
+    f.push_back(sd * sum / std::sqrt(power));
+    mean += f.back() / static_cast<double>(mesh.vertices.size());
+  }
+  for (std::size_t i = 0; i < f.size(); ++i) mesh.vertices[i] *= std::exp(f[i] - mean);
+}
+
+// Presses what sticks out of planes flat, to a hundredth of its height.
+void flatten(Mesh& mesh, Random r, int sides, double from, double to) {
+  std::vector<Vec3> normals;
+  for (int tries = 0; static_cast<int>(normals.size()) < sides && tries < 1000; ++tries) {
+    const Vec3 n = random_direction(r);
+    if (std::all_of(normals.begin(), normals.end(), [&](const Vec3& m) { return m.dot(n) < 0.5; }))
+      normals.push_back(n);
+  }
+  for (const Vec3& n : normals) {
+    double high = 0;
+    for (const auto& v : mesh.vertices) high = std::max(high, n.dot(v));
+    const double at = high * r.uniform(from, to);
+    for (auto& v : mesh.vertices) v -= 0.99 * std::max(0.0, n.dot(v) - at) * n;
+  }
+}
+
+// Bends the x axis into an arc of `turn` radians.
+void bend(Mesh& mesh, double turn) {
+  double half = 0;
+  for (const auto& v : mesh.vertices) half = std::max(half, std::abs(v.x()));
+  const double radius = 2 * half / turn;
+  for (auto& v : mesh.vertices) {
+    const double a = v.x() / radius, reach = radius + v.y();
+    v = {reach * std::sin(a), reach * std::cos(a) - radius, v.z()};
+  }
+}
+
+}  // namespace
+
+Mesh stone_mesh(const StoneOptions& o, const Work& work) {
+  Mesh mesh = ellipsoid_mesh({2, 2, 2}, o.detail);
+  const auto random = [&](Stream s) { return Random(o.seed, s, o.item); };
+  Random a = random(kAxes);
+  Vec3 axes = o.axes;
+  for (int k = 0; k < 3; ++k) axes[k] *= a.uniform(0.85, 1.1);
+  const auto stretch = [&] {
+    for (auto& v : mesh.vertices) v = v.cwiseProduct(axes);
+  };
+  work.check();
+  if (o.kind == "pebble") {
+    axes = axes.cwiseProduct(Vec3(1.15, 1, 0.8));
+    swell(mesh, random(kField), 0.05, 1.8, 4);
+    stretch();
+  } else if (o.kind == "shard") {
+    axes = axes.cwiseProduct(Vec3(1.7, 1, 0.8));
+    swell(mesh, random(kField), 0.05, 1.5, 4);
+    flatten(mesh, random(kSides), 5, 0.72, 0.85);
+    stretch();
+  } else {
+    // A lobed bar, thin enough that the bend does not press its inner side together.
+    swell(mesh, random(kField), 0.22, 0.9, 3);
+    axes = axes.cwiseProduct(Vec3(2, 0.8, 0.9));
+    stretch();
+    bend(mesh, random(kBend).uniform(2.2, 2.8));
+  }
+  return mesh;
+}
+
+}  // namespace terrazzo

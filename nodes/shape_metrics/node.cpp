@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include "graph/node_type.h"
+#include "nodes/common/mesh.h"
+#include "nodes/shape_metrics/metrics.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+struct Population {
+  std::string name;
+  Shapes shapes;
+};
+
+Shapes alone(const Shape& s) {
+  Shapes one;
+  one.shapes.push_back(s);
+  one.shapes[0].probability = 1;
+  return one;
+}
+
+std::vector<Population> populations(const Context& c) {
+  const auto& wires = c.list("shapes");
+  const std::string rows = c.text("rows");
+  const bool sets = rows == "set" || (rows == "auto" && wires.size() > 1);
+  std::vector<Population> out;
+  for (const Value& v : wires) {
+    const auto& shapes = v.as<Shapes>();
+    if (sets) {
+      out.push_back({fmt::format("set {}", out.size() + 1), shapes});
+    } else {
+      for (const Shape& s : shapes.shapes) out.push_back({s.name, alone(s)});
+    }
+  }
+  if (out.empty()) throw Error("no-shapes", "there are no shapes to measure", "connect some to shapes");
+  for (const auto& p : out) {
+    if (p.shapes.shapes.empty())
+      throw Error("no-shapes", p.name + " holds no shapes", "look at what comes before");
+    for (const Shape& s : p.shapes.shapes)
+      if (const auto faults = mesh_faults(s.mesh); !faults.empty())
+        throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
+  }
+  if (c.keyword("names").empty()) {
+    const auto names = c.texts("names");
+    if (names.size() != out.size())
+      throw Error("bad-names", fmt::format("{} names for {} rows", names.size(), out.size()),
+                  "one name a row, in the order of the wires")
+          .parameter("names");
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].name = names[i];
+  }
+  return out;
+}
+
+void compute(Context& c) {
+  shape_metrics::MetricsChoice choice;
+  choice.sections = static_cast<std::size_t>(c.integer("sections"));
+  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  choice.measuring.points = static_cast<int>(c.integer("points"));
+  const auto all = populations(c);
+  std::vector<shape_metrics::MetricsRow> rows;
+  const auto n = static_cast<double>(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double from = static_cast<double>(i) / n;
+    rows.push_back(
+        {all[i].name,
+         summarise(all[i].shapes, SectionKind::Central, choice, c.work().part(from, from + 0.5 / n)),
+         summarise(all[i].shapes, SectionKind::Random, choice, c.work().part(from + 0.5 / n, from + 1 / n))});
+  }
+  c.metric("shapes", n);
+  c.metric("circularity_central", rows[0].central.mean[0]);
+  c.metric("circularity_random", rows[0].random.mean[0]);
+  c.metric("total_curvature_central", rows[0].central.mean[1]);
+  c.metric("total_curvature_random", rows[0].random.mean[1]);
+  c.output("table", table_of(rows));
+  c.output("figure", figure_of(rows));
+}
+
+}  // namespace
+
+NodeType shape_metrics_node() {
+  return NodeType("ShapeMetrics", 1)
+      .doc_(
+          "What sections of shapes look like: mean and spread of area/perimeter² and total curvature over "
+          "central "
+          "and random sections, and of curvature along the outline, symmetry, anisotropy and corners.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.1, figure 13; what section 5 asks for")
+      .input_list("shapes", {"Shapes"},
+                  "one set, each shape of which is measured, or several, each measured as a population; rows "
+                  "are compared with the first")
+      .output("table", "Table",
+              "a row per shape or set and kind of section: mean, standard deviation and deviation from the "
+              "first row of each measure")
+      .output("figure", "Image", "means with standard deviations, and distributions of curvature")
+      .parameter(Parameter::integer("sections", 10000)
+                     .range(1, 10000000)
+                     .doc_("central sections, and as many random ones, of each row"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the sections' planes"))
+      .parameter(Parameter::integer("points", 128)
+                     .range(32, 1024)
+                     .doc_("points of equal distance along an outline at which it is measured, so that its "
+                           "tessellation does not count"))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto").doc_("of the rows"))
+      .parameter(
+          Parameter::choice("rows", "auto", {"auto", "shape", "set"})
+              .doc_("a row per shape, or per set of shapes with their probabilities; auto: shapes of a "
+                    "single set, several sets as such"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "graph/node_type.h"
+#include "nodes/common/mesh.h"
+#include "nodes/shape_sections/sections.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+void compute(Context& c) {
+  const auto& shapes = c.input<Shapes>("shapes");
+  if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to cut", "connect some to shapes");
+  for (const Shape& s : shapes.shapes)
+    if (const auto faults = mesh_faults(s.mesh); !faults.empty())
+      throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
+  const std::string planes = c.text("planes");
+  const auto count = static_cast<std::size_t>(c.integer("count"));
+  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  std::vector<BodySection> sections;
+  if (planes == "principal") {
+    sections = shape_sections::principal_sections(shapes);
+  } else {
+    const SectionKind kind = planes == "central" ? SectionKind::Central : SectionKind::Random;
+    sections = random_sections(shapes, count, {kind, seed, 0}, c.work().part(0, 0.7));
+  }
+  const double extent = shape_sections::largest_extent(sections);
+  if (!(extent > 0)) throw Error("no-section", "no section of the shapes has an area", "look at the shapes");
+  const int columns = c.keyword("columns").empty()
+                          ? static_cast<int>(c.integer("columns"))
+                          : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sections.size()))));
+  const int cell = static_cast<int>(c.integer("cell"));
+  constexpr double kMost = 64e6;
+  const double pixels =
+      static_cast<double>(cell) * cell * columns * std::ceil(static_cast<double>(sections.size()) / columns);
+  Profiles profiles = shape_sections::profiles_of(sections, columns, 1.15 * extent);
+  c.metric("profiles", static_cast<double>(profiles.profiles.size()));
+  c.metric("sections", static_cast<double>(sections.size()));
+  // A picture of all would be too large: of the first rows then, which is what one can look at.
+  if (pixels > kMost) {
+    const auto rows = std::max<std::size_t>(
+        1, static_cast<std::size_t>(kMost / (static_cast<double>(cell) * cell * columns)));
+    const std::size_t shown = std::min(sections.size(), rows * static_cast<std::size_t>(columns));
+    c.warn(fmt::format("the picture shows the first {} of {} sections", shown, sections.size()));
+    sections.resize(shown);
+  }
+  c.output("image", shape_sections::picture_of(sections, columns, cell, cell / (1.15 * extent),
+                                               c.work().part(0.7, 1)));
+  c.output("profiles", std::move(profiles));
+}
+
+}  // namespace
+
+NodeType shape_sections_node() {
+  return NodeType("ShapeSections", 1)
+      .doc_(
+          "Exact sections of single shapes: their profiles, and a picture of them side by side, black on "
+          "white at one scale.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4 and figure 12")
+      .input("shapes", "Shapes", "shapes to cut; several are drawn from by probability")
+      .output(
+          "profiles", "Profiles",
+          "one per connected region, with its outer contour; areas are without holes. Places are those in "
+          "the picture")
+      .output("image", "Image", "the sections on a grid")
+      .parameter(Parameter::choice("planes", "random", {"random", "central", "principal"})
+                     .doc_("random: any plane that meets a shape alike, as on a polished face; central: "
+                           "through the centroid, "
+                           "any direction alike; principal: the three across each shape's principal axes, "
+                           "whatever `count`"))
+      .parameter(Parameter::integer("count", 16).range(1, 1000000).doc_("sections, but of principal planes"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the planes"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "columns", "auto")
+                     .range(1, 1000)
+                     .doc_("sections in a row of the picture; auto: as many as rows"))
+      .parameter(
+          Parameter::integer("cell", 96).unit_("pixels").range(16, 1024).doc_("edge of a section's place"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
