@@ -291,6 +291,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
       blur = sigma;
     }
   }
+  o.blur = blur;
   const double area = blur > 0 ? signed_area(p) : 0;
   p = densified(p, length(p) / kPoints);
   align(p);

@@ -23,6 +23,7 @@ struct Outline {
   double aspect = 0;             // height / width
   double convexity = 0;          // area / area of the convex hull
   int corners = 0;               // turns of at least `crease`, either way
+  double blur = 0;               // standard deviation of what smoothed pixels' steps, mm
 
   // Points of the curve mirrored in x, in y, or turned by a quarter; still counter-clockwise.
   Outline mirrored_x() const;
