@@ -37,6 +37,8 @@ struct EstimateMethod {
   std::size_t most;   // 0: any number
   std::string doc;
   Estimate (*run)(const EstimateRequest&, const Work&);
+  std::size_t permutations = 0;  // bodies that the same profiles make; 0: as many as there are profiles
+  bool silhouettes = false;      // profiles are kept as silhouettes, not as sections
 };
 
 const std::vector<EstimateMethod>& estimate_methods();

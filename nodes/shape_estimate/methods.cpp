@@ -8,7 +8,7 @@ const std::vector<EstimateMethod>& estimate_methods() {
        "a sphere whose radius is a random function of the direction with the profiles' spectrum, another one "
        "each",
        spherical_harmonics},
-      {"csg", 3, 3, "what three extruded profiles have in common: they are its silhouettes", csg},
+      {"csg", 3, 3, "what three extruded profiles have in common: they are its silhouettes", csg, 6, true},
       {"generalized_cylinder", 2, 2, "half of one profile swept round another", generalized_cylinder},
       {"morphed_generalized_cylinder", 3, 0,
        "a profile swept round another while it morphs between two and more", morphed_generalized_cylinder},

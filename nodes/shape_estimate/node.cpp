@@ -42,7 +42,8 @@ struct Chosen {
 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
   const auto shapes = static_cast<std::size_t>(c.integer("count"));
-  const auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
+  auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
+  if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
   Chosen out;
   CandidateOptions options;
@@ -138,13 +139,23 @@ void compute(Context& c) {
     const bool upright = axis == "long" || (axis == "alternate" && s % 2 == 1);
     request.axis = upright ? "long" : "short";
     // The same profiles again: another one of them becomes the base.
-    request.base = chosen.same ? static_cast<int>(s % request.chosen.size()) : 0;
+    const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
+    request.base = chosen.same ? static_cast<int>(s % permutations) : 0;
     Made made = make(method, request, !chosen.same, work);
     std::string name;
     for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
     if (made.self_intersections > 0)
       c.warn(fmt::format("the shape of {} passes through itself ({} pairs of triangles)", name,
                          made.self_intersections));
+    const Mesh& mesh = made.estimate.mesh;
+    if (const auto handles = 1 - (static_cast<std::int64_t>(mesh.vertices.size()) -
+                                  static_cast<std::int64_t>(mesh.triangles.size()) / 2) /
+                                     2;
+        handles > 0)
+      c.warn(fmt::format("the shape of {} has {} handle{}", name, handles, handles == 1 ? "" : "s"));
+    if (method.silhouettes && made.estimate.deviation > 0.01)
+      c.warn(fmt::format("the silhouettes of {} cut each other: kept to {:.1f} % of their diameter", name,
+                         100 * made.estimate.deviation));
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
     triangles += shape.mesh.triangles.size();
@@ -164,7 +175,11 @@ Parameter method_parameter() {
   std::string doc = "how profiles become a shape:";
   for (const auto& m : estimate_methods()) {
     names.push_back(m.name);
-    doc += fmt::format(" {} ({} profiles or more): {};", m.name, m.least, m.doc);
+    doc += fmt::format(" {} ({}{} profile{}): {};", m.name, m.least,
+                       m.most == m.least ? ""
+                       : m.most          ? fmt::format(" to {}", m.most)
+                                         : " or more",
+                       m.least == 1 && m.most == 1 ? "" : "s", m.doc);
   }
   doc.back() = '.';
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
@@ -178,7 +193,8 @@ NodeType shape_estimate_node() {
           "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
           "sections of "
           "different particles lie in space; each method makes one assumption.")
-      .source_("Jagnow, Dorsey, Rushmeier 2008, sections 3.2 and 3.4")
+      .source_(
+          "Jagnow, Dorsey, Rushmeier 2008, section 3; Hobolth, Jensen 2002; Dischler, Ghazanfarpour 1999")
       .input("profiles", "Profiles", "with contours, as from Segment or Section")
       .output("shapes", "Shapes", "`count` shapes of equal probability, of the size that the profiles have")
       .parameter(method_parameter())
@@ -193,8 +209,9 @@ NodeType shape_estimate_node() {
                   "are then "
                   "made, each with another one as its base"))
       .parameter(Parameter::integer("count", 3).range(1, 100).doc_("how many different shapes"))
-      .parameter(
-          Parameter::integer("profiles_per_shape", 3).range(3, 12).doc_("profiles that a shape is made of"))
+      .parameter(Parameter::integer("profiles_per_shape", 3)
+                     .range(1, 12)
+                     .doc_("profiles that a shape is made of, within what its method takes"))
       .parameter(Parameter::integer("subdivision", 1)
                      .range(0, 4)
                      .doc_("levels of Catmull–Clark subdivision; each gives four times the triangles (about "

@@ -1,0 +1,258 @@
+// The methods of 2008 beside the morphed cylinder.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/mesh.h"
+#include "nodes/common/mesh_section.h"
+#include "nodes/shape_estimate/extrusions.h"
+#include "nodes/shape_estimate/method.h"
+#include "nodes/shape_estimate/morph_frame.h"
+#include "nodes/shape_estimate/self_intersections.h"
+#include "nodes/shape_estimate/silhouettes.h"
+#include "nodes/shape_estimate/spherical_harmonics.h"
+#include "tests/nodes/shape_estimate/synthetic_profiles.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using namespace shape_estimate;
+namespace made = shape_estimate::test;
+
+using made::Contour;
+using std::numbers::pi;
+
+int euler(const Mesh& m) {
+  return static_cast<int>(m.vertices.size()) - static_cast<int>(m.triangles.size()) / 2;
+}
+
+EstimateRequest request_of(const std::vector<Contour>& contours, int subdivision = 2) {
+  EstimateRequest r;
+  r.subdivision = subdivision;
+  for (const auto& c : contours)
+    r.chosen.push_back(make_outline(static_cast<int>(r.chosen.size()) + 1, c, 30));
+  return r;
+}
+
+std::vector<Contour> stars(std::uint64_t seed, double amplitude, int n = 3) {
+  Random r(seed, 6);
+  std::vector<Contour> c;
+  for (int i = 0; i < n; ++i) c.push_back(made::random_star(r, amplitude));
+  return c;
+}
+
+TEST(ShapeEstimateCsg, RectanglesMakeTheBox) {
+  const auto e = csg(request_of({made::rectangle(3, 2), made::rectangle(3, 1), made::rectangle(2, 1)}), {});
+  EXPECT_NEAR(mesh_volume(e.mesh), 6, 1e-4);
+  EXPECT_NEAR(mesh_surface_area(e.mesh), 22, 1e-3);
+  EXPECT_LT(e.deviation, 0.001);
+}
+
+// Steinmetz: three equal cylinders have 8(2 − √2) r³ in common.
+TEST(ShapeEstimateCsg, ThreeCylindersMakeSteinmetzSolid) {
+  Polygon circle = made::ellipse(1, 1, 120, {0, 0}, 0.013);
+  const Mesh m = intersect_extrusions({circle, circle, circle});
+  EXPECT_TRUE(mesh_faults(m).empty());
+  EXPECT_EQ(euler(m), 2);
+  EXPECT_NEAR(mesh_volume(m) / (8 * (2 - std::numbers::sqrt2)), 1, 0.003);
+}
+
+// Convex or not, the intersection is closed and its volume is that of the points in all three extrusions.
+TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    SCOPED_TRACE(seed);
+    Random r(seed, 9);
+    std::array<Polygon, 3> p;
+    for (auto& q : p) q = seed % 3 == 2 ? made::banana(3, 1.2, 1.5, 60) : made::random_star(r, 0.8, 40);
+    const Mesh m = intersect_extrusions(p);
+    if (m.triangles.empty()) continue;
+    EXPECT_TRUE(mesh_faults(m).empty());
+    EXPECT_EQ(self_intersections(m), 0);
+    // No vertex lies outside any of the three, none lies off all of their outlines.
+    for (std::size_t v = 0; v < m.vertices.size(); v += 7) {
+      double nearest = 1e9;
+      for (int k = 0; k < 3; ++k) {
+        const Vec2 q(m.vertices[v][k], m.vertices[v][(k + 1) % 3]);
+        double away = 1e9;
+        for (std::size_t i = 0; i < p[k].size(); ++i) {
+          const Vec2 a = p[k][i], d = p[k][(i + 1) % p[k].size()] - a;
+          away = std::min(away, (q - a - std::clamp((q - a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm());
+        }
+        EXPECT_TRUE(away < 1e-5 || polygon_contains(p[k], q));
+        nearest = std::min(nearest, away);
+      }
+      EXPECT_LT(nearest, 1e-5);
+    }
+    if (euler(m) != 2) continue;
+    // Sampled: pieces beside the largest would be missing, so only where one piece is all.
+    int inside = 0;
+    constexpr int kSamples = 30000;
+    for (int i = 0; i < kSamples; ++i) {
+      Random s(seed, 10, static_cast<std::uint64_t>(i));
+      const Vec3 x(s.uniform(-4, 4), s.uniform(-4, 4), s.uniform(-4, 4));
+      bool in = true;
+      for (int k = 0; in && k < 3; ++k) in = polygon_contains(p[k], {x[k], x[(k + 1) % 3]});
+      inside += in;
+    }
+    const double volume = 512.0 * inside / kSamples, error = 512 * std::sqrt(inside + 1.0) / kSamples;
+    EXPECT_LT(mesh_volume(m), volume + 4.5 * error);
+    if (seed % 3 != 2) {
+      EXPECT_GT(mesh_volume(m), volume - 4.5 * error);
+    }
+  }
+}
+
+// Seen along an axis the body shows the polygon: every triangle lies within, every point of the outline near
+// one.
+TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto request = request_of(stars(seed, 0.2), 3);
+    const auto e = csg(request, {});
+    EXPECT_LT(e.deviation, 0.01);
+    const auto polygons = silhouettes_of(request.chosen);
+    for (int k = 0; k < 3; ++k) {
+      double diameter = 0;
+      for (const auto& a : polygons[k])
+        for (const auto& b : polygons[k]) diameter = std::max(diameter, (a - b).norm());
+      // Points of the outline, a hundredth of the diameter inside, are covered.
+      int covered = 0, all = 0;
+      for (std::size_t i = 0; i < polygons[k].size(); i += 8, ++all) {
+        const Vec2 q = polygons[k][i] * (1 - 0.01 * diameter / polygons[k][i].norm());
+        for (const auto& t : e.mesh.triangles) {
+          const auto at = [&](int c) {
+            return Vec2(e.mesh.vertices[t[c]][k], e.mesh.vertices[t[c]][(k + 1) % 3]);
+          };
+          const auto side = [&](const Vec2& a, const Vec2& b) {
+            return (b - a).x() * (q - a).y() - (b - a).y() * (q - a).x();
+          };
+          const double x = side(at(0), at(1)), y = side(at(1), at(2)), z = side(at(2), at(0));
+          if ((x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0)) {
+            ++covered;
+            break;
+          }
+        }
+      }
+      EXPECT_EQ(covered, all);
+    }
+    EXPECT_EQ(euler(e.mesh), 2);
+  }
+}
+
+TEST(ShapeEstimateCsg, PermutationsDiffer) {
+  const auto request = request_of(stars(3, 0.3));
+  auto other = request;
+  other.base = 4;
+  EXPECT_GT(std::abs(mesh_volume(csg(request, {}).mesh) - mesh_volume(csg(other, {}).mesh)), 1e-6);
+}
+
+TEST(ShapeEstimateCylinder, ACircleSweptRoundACircleIsASphere) {
+  const auto c = made::ellipse(1, 1);
+  const auto e = generalized_cylinder(request_of({c, c}), {});
+  EXPECT_NEAR(mesh_volume(e.mesh) / (4 * pi / 3), 1, 0.01);
+}
+
+TEST(ShapeEstimateCylinder, ARectangleSweptRoundASquareIsABox) {
+  const auto e = generalized_cylinder(request_of({made::rectangle(2, 2), made::rectangle(2, 1)}), {});
+  EXPECT_NEAR(mesh_volume(e.mesh), 4, 0.05);
+}
+
+// The base and half of the sweep curve are sections of the shape, star-shaped or not.
+TEST(ShapeEstimateCylinder, SectionsGiveTheProfilesBack) {
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    auto contours = stars(seed, 0.2, 2);
+    const auto request = request_of(contours, 3);
+    const auto e = generalized_cylinder(request, {});
+    EXPECT_TRUE(mesh_faults(e.mesh).empty());
+    EXPECT_EQ(euler(e.mesh), 2);
+    EXPECT_LT(frame_deviation(cylinder_frame(request.chosen, "short"), e.mesh), 0.01);
+  }
+  const auto e = generalized_cylinder(request_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
+  EXPECT_TRUE(mesh_faults(e.mesh).empty());
+  EXPECT_EQ(euler(e.mesh), 2);
+}
+
+TEST(ShapeEstimateHarmonics, CirclesMakeASphere) {
+  const auto c = made::ellipse(2, 2);
+  const auto e = spherical_harmonics(request_of({c}), {});
+  for (const auto& v : e.mesh.vertices) EXPECT_NEAR(v.norm(), 2, 0.02);
+}
+
+TEST(ShapeEstimateHarmonics, WeightsAreThoseOfThePaper) {
+  // (2n+1)/2 (n−m)!/(n+m)! P_n^m(0)²: P₂²(0) = 3, P₂⁰(0) = −½, P₃³(0) = 15 up to sign.
+  EXPECT_NEAR(equator_weights(2, 4)[2], 2.5 / 24 * 9, 1e-12);
+  EXPECT_NEAR(equator_weights(3, 4)[3], 3.5 / 720 * 225, 1e-12);
+  EXPECT_NEAR(equator_weights(2, 4)[3], 0, 1e-12);  // odd about the equator
+}
+
+TEST(ShapeEstimateHarmonics, VariancesComeBack) {
+  // λ → κ → λ where no κ asks for a negative one.
+  std::vector<double> lambda(31, 0), kappa(31, 0);
+  for (int n = 2; n <= 30; ++n) lambda[n] = 0.2 / std::pow(n, 3);
+  for (int m = 2; m <= 30; ++m) {
+    const auto w = equator_weights(m, 30);
+    for (int n = m; n <= 30; ++n) kappa[m] += w[n] * lambda[n];
+  }
+  const auto back = harmonic_variances(kappa);
+  for (int n = 2; n <= 30; ++n) EXPECT_NEAR(back[n] / lambda[n], 1, 1e-4) << n;
+}
+
+// Central sections of many particles have the profiles' spectrum.
+TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
+  const auto request = request_of(stars(2, 0.25, 12), 0);
+  const auto want = profile_spectrum(request.chosen, kHarmonicTerms);
+  std::vector<Outline> sections;
+  for (int i = 0; i < 60; ++i) {
+    auto r = request;
+    r.index = i;
+    const auto e = spherical_harmonics(r, {});
+    const Mat3 frame = Quat(Random(1, 2, i).normal(), 1, 0.5, 0.3).normalized().toRotationMatrix();
+    for (const auto& profile : section_profiles(section_loops(e.mesh, frame, 0)))
+      sections.push_back(make_outline(i + 1, profile[0], 30));
+  }
+  const auto got = profile_spectrum(sections, kHarmonicTerms);
+  EXPECT_NEAR(got.radius / want.radius, 1, 0.1);
+  for (int m = 2; m <= 4; ++m) EXPECT_NEAR(got.variance[m] / want.variance[m], 1, 0.45) << m;
+}
+
+TEST(ShapeEstimateHarmonics, ParticlesDiffer) {
+  auto a = request_of(stars(1, 0.3)), b = a;
+  b.index = 1;
+  EXPECT_NE(mesh_volume(spherical_harmonics(a, {}).mesh), mesh_volume(spherical_harmonics(b, {}).mesh));
+}
+
+TEST(ShapeEstimateMethods, EachRunsInTheNode) {
+  Random r(11);
+  std::vector<Contour> contours;
+  for (int i = 0; i < 20; ++i) contours.push_back(made::random_star(r, 0.2));
+  const Value profiles = Value::of(made::profiles_of(contours));
+  for (const auto& m : estimate_methods()) {
+    SCOPED_TRACE(m.name);
+    if (!m.run) continue;
+    const auto run = terrazzo::test::run_node("ShapeEstimate", {{"profiles", profiles}},
+                                              {{"method", m.name}, {"count", "2"}});
+    const auto& shapes = run.output<Shapes>("shapes").shapes;
+    ASSERT_EQ(shapes.size(), 2u);
+    for (const auto& s : shapes) {
+      EXPECT_TRUE(mesh_faults(s.mesh).empty());
+      EXPECT_EQ(euler(s.mesh), 2);
+      EXPECT_GT(s.volume, 0.5);
+      EXPECT_LT(s.volume, 20);
+    }
+    EXPECT_NE(shapes[0].volume, shapes[1].volume);
+    // Two ids are too few for three profiles.
+    EXPECT_EQ(terrazzo::test::code_of([&] {
+                terrazzo::test::run_node("ShapeEstimate", {{"profiles", profiles}},
+                                         {{"method", m.name}, {"count", "1"}, {"profiles", "[1, 2]"}});
+              }),
+              m.least > 2 ? "too-few-profiles" : "");
+  }
+}
+
+}  // namespace
+}  // namespace terrazzo
