@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/shape/convex_polyhedron.h"
+#include "nodes/common/convex_polyhedron.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

@@ -36,7 +36,7 @@ struct EstimateMethod {
   std::size_t least;  // profiles that one shape is made of
   std::size_t most;   // 0: any number
   std::string doc;
-  Estimate (*run)(const EstimateRequest&, const Work&);
+  Estimate (*run)(const EstimateRequest&, const Work&);  // null: makes all shapes at once (fit.h)
   std::size_t permutations = 0;  // bodies that the same profiles make; 0: as many as there are profiles
   bool silhouettes = false;      // profiles are kept as silhouettes, not as sections
 };

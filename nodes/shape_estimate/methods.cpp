@@ -12,6 +12,12 @@ const std::vector<EstimateMethod>& estimate_methods() {
       {"generalized_cylinder", 2, 2, "half of one profile swept round another", generalized_cylinder},
       {"morphed_generalized_cylinder", 3, 0,
        "a profile swept round another while it morphs between two and more", morphed_generalized_cylinder},
+      {"fit", 3, 0,
+       "bodies that the other methods start and a search deforms until their random sections have the joint "
+       "distribution of circularity, total curvature, aspect ratio, convexity, corners, symmetry and "
+       "curvature "
+       "of all the profiles",
+       nullptr},
   };
   return methods;
 }

@@ -7,6 +7,7 @@
 #include "nodes/common/shape_measures.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shape_estimate/choose.h"
+#include "nodes/shape_estimate/fit.h"
 #include "nodes/shape_estimate/method.h"
 #include "nodes/shape_estimate/self_intersections.h"
 #include "runtime/context.h"
@@ -29,6 +30,8 @@ struct Chosen {
   bool same = false;  // every shape is made of the same profiles
 };
 
+constexpr std::size_t kFitHands = 4, kFitLeast = 12;
+
 [[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
   const bool no_outlines =
       !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
@@ -41,7 +44,8 @@ struct Chosen {
 }
 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
-  const auto shapes = static_cast<std::size_t>(c.integer("count"));
+  // What makes all shapes at once starts from a few more hands than one.
+  const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
   auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
   if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
@@ -55,7 +59,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
     if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
-    if (candidates.outlines.size() < shapes * each)
+    if (method.run && candidates.outlines.size() < shapes * each)
       c.warn(fmt::format("{} shapes of {} profiles each share {} profiles", shapes, each,
                          candidates.outlines.size()));
     const auto hands = choose_profiles(candidates.outlines, rule, shapes, each,
@@ -118,11 +122,51 @@ Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, 
   return best;
 }
 
+void compute_fit(Context& c, const Chosen& chosen) {
+  if (chosen.all.size() < kFitLeast)
+    throw Error("too-few-profiles",
+                fmt::format("a distribution needs at least {} usable profiles, and there are {}", kFitLeast,
+                            chosen.all.size()),
+                "give a larger image or several sections, lower smallest, or take another method")
+        .parameter("method");
+  if (chosen.all.size() < 60)
+    c.warn(fmt::format("{} profiles tell little of a distribution: the shapes follow their lot too",
+                       chosen.all.size()));
+  FitRequest request;
+  request.hands = chosen.shapes;
+  request.all = &chosen.all;
+  request.count = static_cast<int>(c.integer("count"));
+  request.smallest = c.number("smallest");
+  request.one_size = c.text("sizes") == "equal";
+  request.rounds = static_cast<int>(c.integer("rounds"));
+  request.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  Fit fit = fit_bodies(request, c.work().part(0, 0.95));
+  Shapes shapes;
+  double triangles = 0, crossings = 0;
+  for (auto& body : fit.bodies) {
+    const auto crossing = static_cast<double>(self_intersections(body.mesh, c.work()));
+    const std::string name = fmt::format("fit {} from {}", shapes.shapes.size() + 1, body.from);
+    if (crossing > 0) c.warn(fmt::format("{} passes through itself ({} pairs of triangles)", name, crossing));
+    crossings += crossing;
+    triangles += static_cast<double>(body.mesh.triangles.size());
+    Shape shape = measure_shape(name, std::move(body.mesh), body.probability, c.work().part(0.95, 1));
+    shape.smooth = body.smooth;
+    shapes.shapes.push_back(std::move(shape));
+  }
+  c.metric("shapes", static_cast<double>(shapes.shapes.size()));
+  c.metric("triangles", triangles);
+  c.metric("self_intersections", crossings);
+  c.metric("start_distance", fit.start);
+  c.metric("distance", fit.distance);
+  c.output("shapes", std::move(shapes));
+}
+
 void compute(Context& c) {
   const auto& profiles = c.input<Profiles>("profiles");
   const auto& method = method_of(c.text("method"));
   const std::string axis = c.text("axis");
   const Chosen chosen = choose(c, profiles, method);
+  if (!method.run) return compute_fit(c, chosen);
 
   Shapes shapes;
   double triangles = 0, crossings = 0, deviation = -1;
@@ -188,7 +232,7 @@ Parameter method_parameter() {
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 2)
+  return NodeType("ShapeEstimate", 3)
       .doc_(
           "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
           "sections of "
@@ -196,7 +240,9 @@ NodeType shape_estimate_node() {
       .source_(
           "Jagnow, Dorsey, Rushmeier 2008, section 3; Hobolth, Jensen 2002; Dischler, Ghazanfarpour 1999")
       .input("profiles", "Profiles", "with contours, as from Segment or Section")
-      .output("shapes", "Shapes", "`count` shapes of equal probability, of the size that the profiles have")
+      .output(
+          "shapes", "Shapes",
+          "`count` shapes of the size that the profiles have; of equal probability, but of fit of their own")
       .parameter(method_parameter())
       .parameter(
           Parameter::with_keyword(ParameterKind::Ints, "profiles", "representative")
@@ -208,7 +254,9 @@ NodeType shape_estimate_node() {
                   "Labels (1 is the first): groups of `profiles_per_shape`, or fewer, of which all shapes "
                   "are then "
                   "made, each with another one as its base"))
-      .parameter(Parameter::integer("count", 3).range(1, 100).doc_("how many different shapes"))
+      .parameter(Parameter::integer("count", 3)
+                     .range(1, 100)
+                     .doc_("how many different shapes; of fit, at most: those of no weight are left out"))
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
                      .doc_("profiles that a shape is made of, within what its method takes"))
@@ -235,6 +283,10 @@ NodeType shape_estimate_node() {
           Parameter::number("smallest", 0.4)
               .range(0, 1)
               .doc_("leave out profiles smaller than this share of the √area that a tenth of them exceed"))
+      .parameter(Parameter::choice("sizes", "unknown", {"unknown", "equal"})
+                     .doc_("of fit: whether the particles are known to be of one size, so that the areas of "
+                           "their profiles tell of their shape"))
+      .parameter(Parameter::integer("rounds", 8).range(1, 60).doc_("of fit: of the search for each shape"))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "class", "any")
                      .range(0, 1e6)
                      .doc_("colour or particle class whose profiles are used"))

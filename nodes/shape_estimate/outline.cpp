@@ -279,14 +279,15 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   if (p.size() >= 12) {
     std::vector<double> steps;
     for (std::size_t i = 0; i < p.size(); ++i) steps.push_back((p[(i + 1) % p.size()] - p[i]).norm());
-    std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                     steps.end());
+    std::sort(steps.begin(), steps.end());
     const double sigma = 1.2 * steps[steps.size() / 2];
+    // Pixels' steps are of one length; sections of meshes have long ones too.
+    const bool even = steps[steps.size() - 1 - steps.size() / 50] < 2 * steps[steps.size() / 2];
     const std::size_t n = std::max(kPoints, 2 * p.size());
     const auto soft = smoothed(resampled(p, n), sigma);
     // Steps of pixels turn to and fro; a curve that is sampled and not stepped turns as far as its smoothed
     // self.
-    if (total_turn(p) > 1.25 * total_turn(soft) && outline_fault(soft).empty()) {
+    if (even && total_turn(p) > 1.25 * total_turn(soft) && outline_fault(soft).empty()) {
       p = resampled(soft, kPoints);
       blur = sigma;
     }

@@ -34,11 +34,11 @@ struct Outline {
 // What is wrong with a contour, or "": too few points, not finite, no area, meets itself (with the place).
 std::string outline_fault(const std::vector<Vec2>& contour);
 
-// Aligns, smooths and resamples a contour without fault. Jagged contours, as pixels give them, are smoothed
-// by a Gaussian over 1.2 of their median point distance along the curve and scaled back to their area, their
-// corners told and their tips restored by what that Gaussian does to a corner; others keep their points.
-// Corners are turns of at least `crease` degrees that stay when the length over which they are measured is
-// halved, so that a tight bend is none.
+// Aligns, smooths and resamples a contour without fault. Jagged contours of even steps, as pixels give them,
+// are smoothed by a Gaussian over 1.2 of their median point distance along the curve and scaled back to their
+// area, their corners told and their tips restored by what that Gaussian does to a corner; others keep their
+// points. Corners are turns of at least `crease` degrees that stay when the length over which they are
+// measured is halved, so that a tight bend is none.
 Outline make_outline(int id, const std::vector<Vec2>& contour, double crease);
 
 }  // namespace terrazzo::shape_estimate

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/shape/solids.h"
+#include "nodes/common/convex_hull.h"
+#include "nodes/common/directions.h"
 #include "nodes/shape_estimate/arcs.h"
 #include "nodes/shape_estimate/method.h"
 #include "runtime/random.h"
@@ -36,6 +37,16 @@ std::vector<std::vector<double>> legendre(int terms, double x) {
     }
   }
   return p;
+}
+
+// Evenly spread points and the triangles between them.
+Mesh sphere(std::size_t points) {
+  std::vector<Vec3> at;
+  for (std::size_t i = 0; i < points / 2; ++i) {
+    at.push_back(half_sphere_direction(i, points / 2));
+    at.push_back(-at.back());
+  }
+  return convex_hull(at);
 }
 
 // Radii of an outline about a centre inside, at its outermost crossings: what is not star-shaped becomes so.
@@ -132,9 +143,8 @@ std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
 Estimate spherical_harmonics(const EstimateRequest& request, const Work& work) {
   const ProfileSpectrum spectrum = profile_spectrum(request.chosen, kHarmonicTerms);
   const auto lambda = harmonic_variances(spectrum.variance);
-  // Twenty triangles subdivided: enough for the shortest waves that carry any weight.
   Estimate out;
-  out.mesh = ellipsoid_mesh({2, 2, 2}, 3 + std::min(request.subdivision, 2));
+  out.mesh = sphere(640u << (2 * std::min(request.subdivision, 2)));
   Random random(request.seed, 203, static_cast<std::uint64_t>(request.index));
   std::vector<std::vector<double>> cosine(kHarmonicTerms + 1), sine(kHarmonicTerms + 1);
   for (int n = 0; n <= kHarmonicTerms; ++n)

@@ -1,4 +1,4 @@
-#include "nodes/shape/convex_polyhedron.h"
+#include "nodes/common/convex_polyhedron.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,304 @@
+#include "nodes/shape_estimate/body_family.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "nodes/common/convex_polyhedron.h"
+#include "nodes/common/mesh.h"
+#include "nodes/common/principal_axes.h"
+#include "runtime/random.h"
+
+namespace terrazzo::shape_estimate {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr int kDegrees = 4, kHarmonics = (kDegrees + 1) * (kDegrees + 1) - 4;  // without degrees 0 and 1
+constexpr int kLowHarmonics = 12;                                              // degrees 2 and 3
+constexpr int kPlanes = 6, kCuts = 16, kFields = 3, kWaves = 20;
+constexpr double kFieldAmplitude[kFields] = {0.05, 0.03, 0.015};
+
+// Splits edges longer than `limit`, longest first and in both their triangles, in rounds.
+void split_edges(Mesh& mesh, double limit) {
+  using Edge = std::pair<std::int32_t, std::int32_t>;
+  for (int round = 0; round < 12; ++round) {
+    const auto longest = [&](const Triangle& t) {
+      Edge best{-1, -1};
+      double length = -1;
+      for (int k = 0; k < 3; ++k) {
+        const Edge e = std::minmax(t[k], t[(k + 1) % 3]);
+        const double l = (mesh.vertices[e.first] - mesh.vertices[e.second]).squaredNorm();
+        if (l > length || (l == length && e < best)) best = e, length = l;
+      }
+      return best;
+    };
+    std::map<Edge, int> votes;
+    for (const auto& t : mesh.triangles) {
+      const Edge e = longest(t);
+      if ((mesh.vertices[e.first] - mesh.vertices[e.second]).norm() > limit) ++votes[e];
+    }
+    std::map<Edge, std::int32_t> middle;
+    for (const auto& [e, n] : votes)
+      if (n == 2) {
+        middle[e] = static_cast<std::int32_t>(mesh.vertices.size());
+        mesh.vertices.push_back((mesh.vertices[e.first] + mesh.vertices[e.second]) / 2);
+      }
+    if (middle.empty()) return;
+    const std::size_t count = mesh.triangles.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Triangle t = mesh.triangles[i];
+      const Edge e = longest(t);
+      const auto found = middle.find(e);
+      if (found == middle.end()) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (Edge(std::minmax(t[k], t[(k + 1) % 3])) != e) continue;
+        mesh.triangles[i] = {t[k], found->second, t[(k + 2) % 3]};
+        mesh.triangles.push_back({found->second, t[(k + 1) % 3], t[(k + 2) % 3]});
+      }
+    }
+  }
+}
+
+Mat3 covariance(const Mesh& mesh) {
+  Mat3 sum = Mat3::Zero();
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const Vec3 s = a + b + c;
+    sum += a.dot(b.cross(c)) / 120 *
+           (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+  }
+  return sum;
+}
+
+// Steps to the mean of the neighbours, and so on, `rounds` times.
+std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
+  std::vector<Vec3> at = mesh.vertices;
+  for (int r = 0; r < rounds; ++r) {
+    std::vector<Vec3> sum(at.size(), Vec3::Zero());
+    std::vector<int> n(at.size(), 0);
+    for (const auto& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k) {
+        sum[t[k]] += at[t[(k + 1) % 3]] + at[t[(k + 2) % 3]];
+        n[t[k]] += 2;
+      }
+    for (std::size_t v = 0; v < at.size(); ++v) at[v] = 0.5 * at[v] + 0.5 * sum[v] / std::max(1, n[v]);
+  }
+  return at;
+}
+
+// Real spherical harmonics of a direction, degrees 2 to kDegrees, each of unit mean square over the sphere.
+void harmonics(const Vec3& u, double* out) {
+  double p[kDegrees + 1][kDegrees + 1] = {};
+  const double s = std::sqrt(std::max(0.0, 1 - u.z() * u.z()));
+  double sectoral = 1;
+  for (int m = 0; m <= kDegrees; ++m) {
+    if (m > 0) sectoral *= s * std::sqrt((2 * m + 1.0) / (2 * m));
+    p[m][m] = sectoral;
+    if (m < kDegrees) p[m][m + 1] = u.z() * std::sqrt(2 * m + 3.0) * sectoral;
+    for (int n = m + 2; n <= kDegrees; ++n) {
+      const double a = std::sqrt((4.0 * n * n - 1) / (1.0 * n * n - m * m));
+      const double b = std::sqrt(((n - 1.0) * (n - 1.0) - m * m) / (4.0 * (n - 1.0) * (n - 1.0) - 1));
+      p[m][n] = a * (u.z() * p[m][n - 1] - b * p[m][n - 2]);
+    }
+  }
+  const double phi = std::atan2(u.y(), u.x());
+  int k = 0;
+  for (int n = 2; n <= kDegrees; ++n) {
+    out[k++] = p[0][n];
+    for (int m = 1; m <= n; ++m) {
+      out[k++] = std::numbers::sqrt2 * p[m][n] * std::cos(m * phi);
+      out[k++] = std::numbers::sqrt2 * p[m][n] * std::sin(m * phi);
+    }
+  }
+}
+
+Vec3 random_direction(Random& r) {
+  const double z = r.uniform(-1, 1), a = 2 * pi * r.uniform(), s = std::sqrt(1 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+std::vector<Vec3> spread_directions(std::uint64_t seed, int count) {
+  Random r(seed, 209);
+  std::vector<Vec3> out;
+  // As far apart as so many can be, give or take.
+  double apart = 1.7 * std::sqrt(4 * pi / count) / 2;
+  for (int tries = 0; static_cast<int>(out.size()) < count; ++tries) {
+    if (tries % 100 == 99) apart *= 0.93;
+    const Vec3 d = random_direction(r);
+    if (std::all_of(out.begin(), out.end(),
+                    [&](const Vec3& m) { return std::acos(std::clamp(m.dot(d), -1.0, 1.0)) > apart; }))
+      out.push_back(d);
+  }
+  return out;
+}
+
+double bounded(double v, double most) { return most * std::tanh(v / most); }
+
+// About the centroid, in the principal axes, of the volume of the unit sphere.
+void normalise(Mesh& m) {
+  transform(m, Mat3::Identity(), -mesh_centroid(m));
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(m));
+  Mat3 axes = principal_axes(solver);
+  if (axes.determinant() < 0) axes.col(2) *= -1;
+  transform(m, axes.transpose() / std::cbrt(mesh_volume(m) * 3 / (4 * pi)), Vec3::Zero());
+}
+
+// Random functions of the direction, of ever shorter waves.
+class Fields {
+ public:
+  explicit Fields(std::uint64_t seed) {
+    constexpr double kLength[kFields][2] = {{1.0, 1.6}, {0.55, 0.9}, {0.35, 0.55}};
+    for (int k = 0; k < kFields; ++k) {
+      Random r(seed, 207, static_cast<std::uint64_t>(k));
+      for (int w = 0; w < kWaves; ++w) {
+        wave_[k][w] = random_direction(r) * (2 * pi / r.uniform(kLength[k][0], kLength[k][1]));
+        phase_[k][w] = 2 * pi * r.uniform();
+      }
+    }
+  }
+  // Unit mean square.
+  double operator()(int k, const Vec3& u) const {
+    double sum = 0;
+    for (int w = 0; w < kWaves; ++w) sum += std::cos(wave_[k][w].dot(u) + phase_[k][w]);
+    return sum / std::sqrt(kWaves / 2.0);
+  }
+
+ private:
+  Vec3 wave_[kFields][kWaves];
+  double phase_[kFields][kWaves];
+};
+
+Vec3 stretch_of(double a, double b) {
+  const double s1 = std::exp(bounded(0.5 * a, 1)), s2 = std::exp(bounded(0.5 * b, 1));
+  return {s1, s2, 1 / (s1 * s2)};
+}
+
+class Deformed : public BodyFamily {
+ public:
+  Deformed(Mesh start, std::uint64_t seed)
+      : body_(std::move(start)), planes_(spread_directions(seed, kPlanes)) {
+    normalise(body_);
+    split_edges(body_, 0.22);
+    const auto soft = smoothed(body_, 6);
+    const std::size_t n = body_.vertices.size();
+    const Fields fields(seed);
+    swells_.resize(static_cast<Eigen::Index>(n), kHarmonics + kFields);
+    for (std::size_t v = 0; v < n; ++v) {
+      smoothing_.push_back(soft[v] - body_.vertices[v]);
+      double h[kHarmonics];
+      const Vec3 u = body_.vertices[v].normalized();
+      harmonics(u, h);
+      const auto row = static_cast<Eigen::Index>(v);
+      for (int k = 0; k < kHarmonics; ++k) swells_(row, k) = h[k];
+      for (int k = 0; k < kFields; ++k) swells_(row, kHarmonics + k) = fields(k, u);
+    }
+  }
+  int dimensions() const override { return 2 + kHarmonics + kFields + kPlanes + 1; }
+  Mesh body(const Eigen::VectorXd& x) const override {
+    Mesh mesh = body_;
+    int at = 0;
+    const Vec3 stretch = stretch_of(x[0], x[1]);
+    at += 2;
+    Eigen::VectorXd c(kHarmonics + kFields);
+    for (int k = 0, n = 2; n <= kDegrees; ++n)
+      for (int m = 0; m < 2 * n + 1; ++m, ++k) c[k] = bounded(0.24 / n * x[at + k], 0.4);
+    at += kHarmonics;
+    for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(kFieldAmplitude[k] * x[at + k], 0.12);
+    at += kFields;
+    const double smooth = std::clamp(x[at + kPlanes], -0.6, 1.6);
+    const Eigen::VectorXd swell = swells_ * c;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      Vec3& p = mesh.vertices[v];
+      p += smooth * smoothing_[v];
+      p *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
+      p = p.cwiseProduct(stretch);
+    }
+    for (int k = 0; k < kPlanes; ++k) {
+      const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // of the body's reach
+      if (depth == 0) continue;
+      double high = 0;
+      for (const Vec3& p : mesh.vertices) high = std::max(high, planes_[static_cast<std::size_t>(k)].dot(p));
+      const double level = (1 - depth) * high;
+      for (Vec3& p : mesh.vertices) {
+        const Vec3& n = planes_[static_cast<std::size_t>(k)];
+        p -= 0.95 * std::max(0.0, n.dot(p) - level) * n;
+      }
+    }
+    return mesh;
+  }
+
+ private:
+  Mesh body_;
+  std::vector<Vec3> smoothing_;  // of each vertex
+  Eigen::MatrixXd swells_;       // [vertex][harmonic, then field], each of unit mean square
+  std::vector<Vec3> planes_;
+};
+
+class Cut : public BodyFamily {
+ public:
+  Cut(Mesh start, std::uint64_t seed) : planes_(spread_directions(seed, kCuts)), fields_(seed) {
+    normalise(start);
+    for (const Vec3& n : planes_) {
+      double high = 0;
+      for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));
+      // Planes cut off something of what they touch.
+      reach_.push_back(0.88 * high);
+    }
+  }
+  int dimensions() const override { return kCuts + 2 + kLowHarmonics + kFields + 1; }
+  Mesh body(const Eigen::VectorXd& x) const override {
+    std::vector<HalfSpace> sides;
+    for (std::size_t k = 0; k < planes_.size(); ++k)
+      sides.push_back(
+          {planes_[k], reach_[k] * std::exp(bounded(0.25 * x[static_cast<Eigen::Index>(k)], 1.2))});
+    for (int k = 0; k < 6; ++k) {
+      Vec3 n = Vec3::Zero();
+      n[k / 2] = k % 2 ? 1 : -1;
+      sides.push_back({n, 3.1 + 0.01 * k});
+    }
+    const ConvexPolyhedron p = intersect(sides);
+    if (p.corners.size() < 4) return {};
+    Mesh mesh = triangulate(p);
+    // Corners where more than three planes meet do not close.
+    if (mesh.vertices.size() != 2 + mesh.triangles.size() / 2 || !mesh_faults(mesh).empty()) return {};
+    split_edges(mesh, 0.32);
+    int at = kCuts;
+    const Vec3 stretch = stretch_of(x[at], x[at + 1]);
+    at += 2;
+    const double wear = std::clamp(x[at + kLowHarmonics + kFields], 0.0, 1.5);
+    if (wear > 0) {
+      const auto soft = smoothed(mesh, 4);
+      for (std::size_t v = 0; v < soft.size(); ++v) mesh.vertices[v] += wear * (soft[v] - mesh.vertices[v]);
+    }
+    for (Vec3& v : mesh.vertices) {
+      const Vec3 u = v.normalized();
+      double h[kHarmonics], swell = 0;
+      harmonics(u, h);
+      for (int k = 0; k < kLowHarmonics; ++k) swell += bounded((k < 5 ? 0.07 : 0.05) * x[at + k], 0.3) * h[k];
+      for (int k = 0; k < kFields; ++k)
+        swell += bounded(0.5 * kFieldAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
+      v = v.cwiseProduct(stretch) * std::exp(std::clamp(swell, -1.0, 1.0));
+    }
+    return mesh;
+  }
+
+ private:
+  std::vector<Vec3> planes_;
+  std::vector<double> reach_;
+  Fields fields_;
+};
+
+}  // namespace
+
+std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed) {
+  return std::make_unique<Deformed>(std::move(start), seed);
+}
+
+std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed) {
+  return std::make_unique<Cut>(start, seed);
+}
+
+}  // namespace terrazzo::shape_estimate

@@ -1,0 +1,260 @@
+#include "nodes/shape_estimate/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/mesh.h"
+#include "nodes/shape_estimate/body_family.h"
+#include "nodes/shape_estimate/feature_match.h"
+#include "nodes/shape_estimate/least_squares.h"
+#include "nodes/shape_estimate/method.h"
+#include "nodes/shape_estimate/self_intersections.h"
+
+namespace terrazzo::shape_estimate {
+
+namespace {
+
+constexpr std::size_t kPlanes = 192, kMostPlanes = 640;  // of each trial: as many as there are profiles
+constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
+constexpr std::size_t kHands = 4;
+constexpr int kPoints = 96;
+
+struct Start {
+  Mesh mesh;
+  std::string from;
+  double distance = 0;
+};
+
+// Bodies by the other methods, lying and upright.
+std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) {
+  struct Task {
+    std::size_t hand;
+    const EstimateMethod* method;
+    const char* axis;
+  };
+  std::vector<Task> tasks;
+  for (std::size_t h = 0; h < std::min(kHands, request.hands.size()); ++h)
+    for (const auto& m : estimate_methods()) {
+      if (!m.run || request.hands[h].size() < m.least) continue;
+      for (const char* axis : {"short", "long"}) {
+        const bool turns = m.name.find("cylinder") != std::string::npos;
+        if (turns || axis[0] == 's') tasks.push_back({h, &m, axis});
+      }
+    }
+  std::vector<std::optional<Start>> made(tasks.size());
+  work.parallel(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      EstimateRequest r;
+      r.chosen = request.hands[tasks[i].hand];
+      r.all = request.all;
+      r.index = static_cast<int>(tasks[i].hand);
+      r.seed = request.seed;
+      r.subdivision = tasks[i].method->permutations || tasks[i].method->least == 1 ? 0 : 1;
+      r.axis = tasks[i].axis;
+      try {
+        Mesh mesh = tasks[i].method->run(r, work.quiet()).mesh;
+        // What passes through itself would go on doing so.
+        if (mesh_volume(mesh) > 0 && self_intersections(mesh, work.quiet()) == 0)
+          made[i] = Start{std::move(mesh), tasks[i].method->name, 0};
+      } catch (const Error&) {
+        // Profiles that this method cannot take: the others can.
+      }
+    }
+  });
+  std::vector<Start> out;
+  for (auto& m : made)
+    if (m) out.push_back(std::move(*m));
+  return out;
+}
+
+// The share of a mixture that a sample is to have.
+FeatureSample with_share(FeatureSample s, double share) {
+  const double total = total_weight(s);
+  for (double& w : s.weight) w *= share / total;
+  return s;
+}
+
+void append(FeatureSample& to, const FeatureSample& s) {
+  to.features.insert(to.features.end(), s.features.begin(), s.features.end());
+  to.root_area.insert(to.root_area.end(), s.root_area.begin(), s.root_area.end());
+  to.weight.insert(to.weight.end(), s.weight.begin(), s.weight.end());
+}
+
+// Shares ≥ 0 of sum 1 whose mixture's distribution functions are nearest to the observed, by projected
+// gradient; a little drawn to equal shares, for the observed are a sample.
+std::vector<double> shares_of(const FeatureTarget& target, const std::vector<FeatureSample>& samples) {
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  const auto importance = target.importance();
+  const auto& goal = target.observed_cumulative();
+  Eigen::MatrixXd a(static_cast<Eigen::Index>(goal.size()), n);
+  Eigen::VectorXd b(static_cast<Eigen::Index>(goal.size()));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto f = target.cumulative(samples[static_cast<std::size_t>(k)]);
+    for (std::size_t i = 0; i < goal.size(); ++i)
+      a(static_cast<Eigen::Index>(i), k) = std::sqrt(importance[i]) * f[i];
+  }
+  for (std::size_t i = 0; i < goal.size(); ++i)
+    b[static_cast<Eigen::Index>(i)] = std::sqrt(importance[i]) * goal[i];
+  Eigen::MatrixXd h = a.transpose() * a;
+  h.diagonal().array() += 0.02;
+  const Eigen::VectorXd g = a.transpose() * b + Eigen::VectorXd::Constant(n, 0.02 / static_cast<double>(n));
+  Eigen::VectorXd w = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+  const double step = 1 / h.trace();
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::VectorXd moved = w - step * (h * w - g);
+    // Onto the simplex (Held, Wolfe, Crowder 1974).
+    std::vector<double> sorted(moved.data(), moved.data() + n);
+    std::sort(sorted.rbegin(), sorted.rend());
+    double sum = 0, level = 0;
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+      sum += sorted[k];
+      const double t = (sum - 1) / static_cast<double>(k + 1);
+      if (sorted[k] > t) level = t;
+    }
+    w = (moved.array() - level).max(0.0);
+  }
+  return {w.data(), w.data() + n};
+}
+
+}  // namespace
+
+Fit fit_bodies(const FitRequest& request, const Work& work) {
+  OutlineMeasuring measuring;
+  measuring.points = kPoints;
+  std::vector<double> blur;
+  for (const Outline& o : *request.all) blur.push_back(o.blur / o.perimeter);
+  std::nth_element(blur.begin(), blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2), blur.end());
+  // What smoothing of pixels' steps took from the observed is taken from the bodies' sections too.
+  measuring.blur = std::min(0.03, blur[blur.size() / 2]);
+
+  FeatureSample observed;
+  for (const Outline& o : *request.all) {
+    const OutlineFeatures f = outline_features(o.points, measuring);
+    if (f[OutlineFeature::Circularity] <= 0) continue;
+    observed.features.push_back(f);
+    observed.root_area.push_back(std::sqrt(o.area));
+    observed.weight.push_back(1);
+  }
+  const std::size_t planes =
+      request.planes ? request.planes : std::clamp(observed.features.size(), kPlanes, kMostPlanes);
+  const FeatureTarget target(observed, request.one_size, request.seed);
+
+  auto starts = starting_bodies(request, work.part(0, 0.05));
+  if (starts.empty())
+    throw Error("no-start", "none of the other methods makes a body of these profiles",
+                "look at the profiles, or choose others by their ids");
+  const auto sample = [&](const Mesh& mesh, std::size_t planes) {
+    FeatureSample s = sample_sections(mesh, planes, measuring);
+    drop_small(s, request.smallest);
+    return s;
+  };
+  work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      starts[i].distance = target.distance(sample(starts[i].mesh, planes));
+  });
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.distance < b.distance; });
+
+  Fit fit;
+  fit.start = starts[0].distance;
+  std::vector<Mesh> bodies;
+  FeatureSample before;
+  const int count = request.count;
+  bool cut = false;  // the kind of family that won the first time
+  for (int k = 0; k < count; ++k) {
+    const double from = 0.08 + 0.9 * k / count;
+    const Work part = work.part(from, from + 0.9 / count);
+    const std::uint64_t seed = request.seed + static_cast<std::uint64_t>(k);
+    const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x) -> Eigen::VectorXd {
+      part.check();
+      const Mesh mesh = family.body(x);
+      if (mesh.triangles.empty()) return {};
+      FeatureSample s = sample(mesh, planes);
+      if (s.features.empty()) return {};
+      if (k > 0) {
+        s = with_share(std::move(s), 1.0 / (k + 1));
+        append(s, before);
+      }
+      return target.residuals(s);
+    };
+    // A few rounds with each that may lead somewhere, then the rest of the best.
+    struct Run {
+      std::unique_ptr<BodyFamily> family;
+      std::string from;
+      bool cut;
+      LeastSquares at;
+    };
+    std::vector<Run> runs;
+    const std::size_t n = starts.size();
+    const auto deformed = [&](std::size_t i) {
+      runs.push_back({deformed_bodies(starts[i % n].mesh, seed), starts[i % n].from, false, {}});
+    };
+    const auto polyhedron = [&](std::size_t i) {
+      runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from, true, {}});
+    };
+    if (k == 0) {
+      for (std::size_t i = 0; i < std::min<std::size_t>(n, 3); ++i) deformed(i);
+      polyhedron(0);
+    } else {
+      const auto i = static_cast<std::size_t>(k);
+      cut ? polyhedron(i) : deformed(i);
+      cut ? polyhedron(i + 1) : deformed(i + 1);
+    }
+    const auto go = [&](Run& run, int rounds, double step, const Work& w) {
+      LeastSquaresOptions options;
+      options.rounds = rounds;
+      options.step = step;
+      run.at = least_squares([&](const Eigen::VectorXd& x) { return residuals_of(*run.family, x); }, run.at.x,
+                             options, w);
+    };
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
+      const double share = 0.5 / static_cast<double>(runs.size());
+      go(runs[i], 2, 0.4, part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
+    }
+    Run& best = *std::min_element(runs.begin(), runs.end(),
+                                  [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
+    go(best, request.rounds, 0.25, part.part(0.5, 1));
+    if (k == 0) cut = best.cut;
+    bodies.push_back(best.family->body(best.at.x));
+    fit.bodies.push_back({{}, 0, !best.cut, best.cut ? best.from + ", cut" : best.from});
+    // Those so far have equal shares of the profiles.
+    FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));
+    for (double& w : before.weight) w *= (k + 1.0) / (k + 2);
+    append(before, own);
+  }
+
+  std::vector<FeatureSample> samples(bodies.size());
+  work.part(0.98, 1).parallel(bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sample(bodies[i], kLastPlanes);
+  });
+  const auto shares = shares_of(target, samples);
+  FeatureSample together;
+  double mean = 0, sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (shares[i] <= 0) continue;
+    // Shares are of profiles: a body's number by how many profiles one of it shows.
+    fit.bodies[i].probability = shares[i] / total_weight(samples[i]);
+    sum += fit.bodies[i].probability;
+    append(together, with_share(samples[i], shares[i]));
+  }
+  for (std::size_t i = 0; i < together.weight.size(); ++i) mean += together.weight[i] * together.root_area[i];
+  mean /= total_weight(together);
+  fit.distance = target.distance(together);
+  const double scale = target.mean_root_area() / mean;
+  std::vector<FittedBody> kept;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (fit.bodies[i].probability / sum < 1e-3) continue;
+    for (auto& v : bodies[i].vertices) v *= scale;
+    fit.bodies[i].mesh = std::move(bodies[i]);
+    fit.bodies[i].probability /= sum;
+    kept.push_back(std::move(fit.bodies[i]));
+  }
+  fit.bodies = std::move(kept);
+  return fit;
+}
+
+}  // namespace terrazzo::shape_estimate

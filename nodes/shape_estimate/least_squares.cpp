@@ -1,0 +1,73 @@
+#include "nodes/shape_estimate/least_squares.h"
+
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace terrazzo::shape_estimate {
+
+LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residuals,
+                           const Eigen::VectorXd& start, const LeastSquaresOptions& o, const Work& work) {
+  const double ridge = o.ridge * o.ridge;
+  const auto total = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+    return r.size() ? r.squaredNorm() + ridge * x.squaredNorm() : std::numeric_limits<double>::infinity();
+  };
+  const auto n = start.size();
+  LeastSquares best{start, 0};
+  Eigen::VectorXd at = residuals(start);
+  best.value = total(start, at);
+  double damping = 0.1, step = o.step;
+  int failures = 0;
+  for (int round = 0; round < o.rounds; ++round) {
+    work.check();
+    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(at.size(), n);
+    work.quiet().parallel(static_cast<std::size_t>(n), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto c = static_cast<Eigen::Index>(k);
+        for (const double h : {step, -step}) {
+          Eigen::VectorXd x = best.x;
+          x[c] += h;
+          const Eigen::VectorXd r = residuals(x);
+          if (!r.size()) continue;
+          slope.col(c) = (r - at) / h;
+          break;
+        }
+      }
+    });
+    const Eigen::MatrixXd square = slope.transpose() * slope;
+    const Eigen::VectorXd fall = -(slope.transpose() * at + ridge * best.x);
+    constexpr std::array<double, 6> kDampings{0.01, 0.1, 1, 10, 100, 1000};
+    std::array<LeastSquares, kDampings.size()> tries;
+    std::array<Eigen::VectorXd, kDampings.size()> reached;
+    const double level = square.trace() / static_cast<double>(n);
+    work.quiet().parallel(tries.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        Eigen::MatrixXd m = square;
+        m.diagonal().array() += ridge + damping * kDampings[k] * level;
+        Eigen::VectorXd move = m.ldlt().solve(fall);
+        // No further than the differences can speak for.
+        const double most = 10 * o.step, far = move.norm();
+        if (far > most) move *= most / far;
+        tries[k].x = best.x + move;
+        reached[k] = residuals(tries[k].x);
+        tries[k].value = total(tries[k].x, reached[k]);
+      }
+    });
+    std::size_t chosen = 0;
+    for (std::size_t k = 1; k < tries.size(); ++k)
+      if (tries[k].value < tries[chosen].value) chosen = k;
+    work.progress((round + 1.0) / o.rounds);
+    if (tries[chosen].value < best.value) {
+      best = tries[chosen];
+      at = reached[chosen];
+      damping = std::min(10.0, std::max(1e-4, damping * kDampings[chosen]));
+      failures = 0;
+      continue;
+    }
+    if (++failures == 2) break;
+    step = -step / 2;
+  }
+  return best;
+}
+
+}  // namespace terrazzo::shape_estimate

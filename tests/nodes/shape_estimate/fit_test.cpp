@@ -1,0 +1,151 @@
+#include "nodes/shape_estimate/fit.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/mesh.h"
+#include "nodes/common/random_sections.h"
+#include "nodes/common/shape_measures.h"
+#include "nodes/shape/solids.h"
+#include "nodes/shape/stones.h"
+#include "nodes/shape_estimate/body_family.h"
+#include "nodes/shape_estimate/choose.h"
+#include "nodes/shape_estimate/feature_match.h"
+#include "nodes/shape_estimate/least_squares.h"
+#include "nodes/shape_estimate/section_sample.h"
+#include "nodes/shape_estimate/self_intersections.h"
+#include "tests/nodes/shape_estimate/synthetic_profiles.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using namespace shape_estimate;
+namespace made = shape_estimate::test;
+
+Shapes one(Mesh mesh) {
+  Shapes s;
+  s.shapes.push_back(measure_shape("body", std::move(mesh)));
+  return s;
+}
+
+Profiles sections_of(const Shapes& s, std::size_t n) {
+  std::vector<made::Contour> contours;
+  for (const auto& section : random_sections(s, n, {SectionKind::Random, 3, 0}))
+    for (const auto& p : section) contours.push_back(p[0]);
+  return made::profiles_of(contours);
+}
+
+TEST(ShapeEstimateFit, LeastSquaresFindsTheMinimum) {
+  // A curved valley in five dimensions.
+  const auto f = [](const Eigen::VectorXd& x) {
+    Eigen::VectorXd r(8);
+    for (int k = 0; k < 4; ++k) r[k] = 3 * (x[k + 1] - x[k] * x[k]), r[k + 4] = 1 - x[k];
+    return r;
+  };
+  LeastSquaresOptions o;
+  o.rounds = 60, o.step = 0.01, o.ridge = 0;
+  const auto best = least_squares(f, Eigen::VectorXd::Zero(5), o);
+  EXPECT_LT(best.value, 1e-3);
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(best.x[k], 1, 0.05);
+}
+
+TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
+  const auto f = [](const Eigen::VectorXd& x) {
+    if (x[0] > 0.5) return Eigen::VectorXd();
+    return Eigen::VectorXd(Eigen::Vector2d(x[0] - 1, x[1] + 2));
+  };
+  const auto best = least_squares(f, Eigen::VectorXd::Zero(2), {});
+  EXPECT_LE(best.x[0], 0.5);
+  EXPECT_LT(best.x[1], -0.5);
+}
+
+// Sections by even planes have the means that the identities of stereology ask for.
+TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
+  const Shapes s = one(box_mesh({3, 1, 0.5}));
+  const auto sample = sample_sections(s.shapes[0].mesh, 2000, {});
+  double area = 0;
+  for (std::size_t i = 0; i < sample.weight.size(); ++i)
+    area += sample.weight[i] * sample.root_area[i] * sample.root_area[i] / total_weight(sample);
+  EXPECT_NEAR(area / (s.shapes[0].volume / s.shapes[0].mean_caliper), 1, 0.01);
+}
+
+TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
+  const Shapes cube = one(box_mesh({1, 1, 1})), slab = one(box_mesh({3, 3, 1}));
+  const auto a = sample_sections(cube.shapes[0].mesh, 300, {}),
+             b = sample_sections(slab.shapes[0].mesh, 300, {}),
+             c = sample_sections(cube.shapes[0].mesh, 300, {}, 300);
+  const FeatureTarget target(a, false, 1);
+  EXPECT_LT(target.distance(a), 0.01);
+  EXPECT_LT(target.distance(c), 0.1);
+  EXPECT_GT(target.distance(b), 10 * target.distance(c));
+  EXPECT_EQ(target.distance({}), 1e6);
+}
+
+TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
+  auto s = sample_sections(one(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500, {});
+  const auto all = s.features.size();
+  drop_small(s, 0.5);
+  // Of a ball, √area < half the largest means a depth beyond √¾ of the radius; a tenth exceeds nearly the
+  // largest.
+  EXPECT_NEAR(static_cast<double>(s.features.size()) / static_cast<double>(all), std::sqrt(0.75), 0.02);
+}
+
+TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
+  StoneOptions o;
+  o.kind = "clinker", o.detail = 2;
+  const Mesh start = stone_mesh(o);
+  for (const bool cut : {false, true}) {
+    const auto family = cut ? cut_bodies(start, 1) : deformed_bodies(start, 1);
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      Random r(seed, 4);
+      Eigen::VectorXd x(family->dimensions());
+      for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = 0.5 * static_cast<double>(seed) / 4 * r.normal();
+      const Mesh m = family->body(x);
+      if (m.triangles.empty()) continue;
+      EXPECT_TRUE(mesh_faults(m).empty());
+      EXPECT_EQ(static_cast<int>(m.vertices.size()) - static_cast<int>(m.triangles.size()) / 2, 2);
+      EXPECT_GT(mesh_volume(m), 0);
+    }
+    const Mesh zero = family->body(Eigen::VectorXd::Zero(family->dimensions()));
+    EXPECT_EQ(self_intersections(zero), 0);
+  }
+}
+
+TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
+  const Profiles profiles = sections_of(one(box_mesh({2, 1.6, 0.8})), 50);
+  const auto candidates = candidates_of(profiles, {.smallest = 0.1});
+  FitRequest request;
+  request.all = &candidates.outlines;
+  for (const auto& hand : choose_profiles(candidates.outlines, "representative", 1, 3, 1)) {
+    request.hands.emplace_back();
+    for (const int i : hand) request.hands.back().push_back(candidates.outlines[i]);
+  }
+  request.count = 1, request.rounds = 2, request.smallest = 0.1, request.planes = 40;
+  const Fit fit = fit_bodies(request);
+  EXPECT_LT(fit.distance, fit.start);
+  ASSERT_EQ(fit.bodies.size(), 1u);
+  EXPECT_EQ(fit.bodies[0].probability, 1);
+  EXPECT_TRUE(mesh_faults(fit.bodies[0].mesh).empty());
+  // In the profiles' own scale.
+  EXPECT_NEAR(std::cbrt(mesh_volume(fit.bodies[0].mesh) / 2.56), 1, 0.2);
+  // The same on one thread.
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(fit_bodies(request).bodies[0].mesh.vertices, fit.bodies[0].mesh.vertices);
+}
+
+TEST(ShapeEstimateFit, TooFewProfilesAreNoDistribution) {
+  EXPECT_EQ(terrazzo::test::code_of([] {
+              terrazzo::test::run_node(
+                  "ShapeEstimate", {{"profiles", Value::of(sections_of(one(box_mesh({2, 1.6, 0.8})), 8))}},
+                  {{"method", "fit"}, {"smallest", "0"}});
+            }),
+            "too-few-profiles");
+}
+
+}  // namespace
+}  // namespace terrazzo
