@@ -5,7 +5,7 @@
 
 #include "nodes/common/color.h"
 #include "nodes/common/slice_axes.h"
-#include "nodes/pattern/noise.h"
+#include "nodes/common/noise.h"
 
 namespace terrazzo::pattern {
 namespace {

@@ -2,7 +2,7 @@
 #include <array>
 #include <cmath>
 
-#include "nodes/render_solid/color_field.h"
+#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/ray_scene.h"
 #include "nodes/render_solid/solid.h"
 
@@ -11,11 +11,8 @@ namespace {
 
 class Block : public Solid {
  public:
-  Block(const ColorField& field, double repeat, double cut, double bevel)
-      : field_(field), bevel_(static_cast<float>(bevel)), has_cut_(cut > 0) {
-    const Vec3f n = field.resolution().cast<float>();
-    voxels_per_unit_ = n.maxCoeff() * static_cast<float>(repeat);
-    size_ = n / n.maxCoeff();
+  Block(const Paint& paint, double cut, double bevel)
+      : paint_(paint), bevel_(static_cast<float>(bevel)), has_cut_(cut > 0), size_(paint.period()) {
     const auto c = static_cast<float>(cut);
     low_ = Vec3f(size_.x() * (1 - c), 0, size_.z() * (1 - c));
     high_ = Vec3f(size_.x(), size_.y() * c, size_.z());
@@ -33,8 +30,7 @@ class Block : public Solid {
     s.face[face.axis] = face.sign;
     s.normal = rounded(s.position, face);
     s.open = owner_[hit.triangle] < 6;
-    const Vec3f voxel = s.position * voxels_per_unit_ - 0.5f * s.face;
-    s.albedo = sharp ? field_.sharp(voxel) : field_.at(voxel);
+    s.albedo = paint_.at(s.position, s.face, sharp);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {
@@ -117,8 +113,8 @@ class Block : public Solid {
     return t;
   }
 
-  const ColorField& field_;
-  float bevel_, voxels_per_unit_;
+  const Paint& paint_;
+  float bevel_;
   bool has_cut_;
   Vec3f size_, low_, high_;  // of the block; corners of the part cut out
   std::vector<Face> faces_;
@@ -128,8 +124,8 @@ class Block : public Solid {
 
 }  // namespace
 
-std::unique_ptr<Solid> block_solid(const ColorField& field, double repeat, double cut, double bevel) {
-  return std::make_unique<Block>(field, repeat, cut, bevel);
+std::unique_ptr<Solid> block_solid(const Paint& paint, double cut, double bevel) {
+  return std::make_unique<Block>(paint, cut, bevel);
 }
 
 }  // namespace terrazzo

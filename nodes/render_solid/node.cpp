@@ -1,7 +1,12 @@
+#include <algorithm>
+
 #include "graph/node_type.h"
 #include "nodes/data/volume.h"
 #include "nodes/render_solid/color_field.h"
+#include "nodes/render_solid/forms.h"
+#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/render.h"
+#include "nodes/render_solid/tone.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -16,14 +21,69 @@ std::string resolved_mode(const Context& c) {
   return c.has("volume") || !c.has("particles") ? "block" : "particles";
 }
 
-void need(const Context& c, const std::string& mode, const std::string& input) {
+void need(const Context& c, const std::string& what, const std::string& input) {
   if (!c.has(input))
-    throw Error("no-" + input, "mode '" + mode + "' needs the input '" + input + "', which is not connected",
+    throw Error("no-" + input, what + " needs the input '" + input + "', which is not connected",
                 input == "volume" ? "connect a volume with colours, such as Voxelize's" : "connect it");
 }
 
+Lie lie_of(const Context& c) {
+  const auto three = [&](const char* name) {
+    const auto v = c.numbers(name);
+    if (v.size() != 3)
+      throw Error(std::string("bad-") + name, std::to_string(v.size()) + " numbers are given",
+                  "write x, y and z")
+          .parameter(name);
+    return Vec3(v[0], v[1], v[2]);
+  };
+  return Lie::of(three("turn"), three("shift"));
+}
+
+// The colour inside, from voxels or from the particles themselves.
+std::unique_ptr<Paint> paint_of(Context& c, const std::string& mode, std::unique_ptr<ColorField>& field) {
+  const double repeat = mode == "fracture" ? 1 : c.number("repeat");
+  std::string color = c.text("color");
+  if (mode == "fracture")
+    color = "particles";
+  else if (color == "auto")
+    color = c.has("volume") || !c.has("particles") ? "volume" : "particles";
+  if (color == "particles") {
+    need(c, "colour from particles", "particles"), need(c, "colour from particles", "shapes");
+    return particle_paint(c.input<Particles>("particles"), c.input<Shapes>("shapes"), repeat,
+                          mode == "fracture" ? Lie{} : lie_of(c));
+  }
+  need(c, "mode '" + mode + "'", "volume");
+  field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
+  if (field->clamped() > 0.01f)
+    c.warn("colours outside 0 to 1 in " + std::to_string(static_cast<int>(100 * field->clamped() + 0.5f)) +
+           " % of the voxels were clamped, since no surface reflects more light than it gets");
+  return field_paint(*field, repeat, lie_of(c), mode == "block" || mode == "cube");
+}
+
+std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, const Paint* paint, std::uint64_t seed) {
+  if (mode == "block") return block_solid(*paint, c.number("cut"));
+  if (mode == "cube") return block_solid(*paint, 0);
+  if (mode == "vase") return object_solid(*paint, vase_form());
+  if (mode == "knot") return object_solid(*paint, knot_form());
+  if (mode == "object") {
+    need(c, "mode 'object'", "object");
+    const Shapes& shapes = c.input<Shapes>("object");
+    if (shapes.shapes.empty()) throw Error("no-shapes", "the object has no mesh");
+    if (shapes.shapes.size() > 1)
+      c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" +
+             shapes.shapes[0].name + "', is shown");
+    return object_solid(*paint, shapes.shapes[0]);
+  }
+  need(c, "mode '" + mode + "'", "particles"), need(c, "mode '" + mode + "'", "shapes");
+  const auto& particles = c.input<Particles>("particles");
+  const auto& shapes = c.input<Shapes>("shapes");
+  if (mode == "fracture")
+    return fracture_solid(*paint, particles, shapes, c.number("level"), c.number("roughness"), seed);
+  return particle_solid(particles, shapes);
+}
+
 void compute(Context& c) {
-  const std::string mode = resolved_mode(c);
+  const std::string mode = resolved_mode(c), tone = c.text("tone");
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
   const float elevation = degree * static_cast<float>(c.number("elevation"));
   RenderSettings settings;
@@ -32,54 +92,44 @@ void compute(Context& c) {
   settings.samples = static_cast<int>(c.integer("samples"));
   settings.gloss = static_cast<float>(c.number("gloss"));
   settings.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  settings.tone_map = tone == "neutral";
 
   std::unique_ptr<ColorField> field;
-  if (mode != "particles") {
-    need(c, mode, "volume");
-    field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
-    if (field->clamped() > 0.01f)
-      c.warn("colours outside 0 to 1 in " + std::to_string(static_cast<int>(100 * field->clamped() + 0.5f)) +
-             " % of the voxels were clamped, since no surface reflects more light than it gets");
-  }
-  std::unique_ptr<Solid> solid;
-  const double repeat = c.number("repeat");
-  if (mode == "block") {
-    solid = block_solid(*field, repeat, c.number("cut"));
-  } else if (mode == "cube") {
-    solid = block_solid(*field, repeat, 0);
-  } else if (mode == "object") {
-    need(c, mode, "object");
-    const Shapes& shapes = c.input<Shapes>("object");
-    if (shapes.shapes.empty()) throw Error("no-shapes", "the object has no mesh");
-    if (shapes.shapes.size() > 1)
-      c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" +
-             shapes.shapes[0].name + "', is shown");
-    solid = object_solid(*field, shapes.shapes[0], repeat);
-  } else {
-    need(c, mode, "particles"), need(c, mode, "shapes");
-    solid = particle_solid(c.input<Particles>("particles"), c.input<Shapes>("shapes"));
-  }
+  std::unique_ptr<Paint> paint;
+  if (mode != "particles") paint = paint_of(c, mode, field);
+  const std::unique_ptr<Solid> solid = solid_of(c, mode, paint.get(), settings.seed);
 
-  Studio::Settings light;
-  light.lamp_azimuth = azimuth - 0.95f;  // from the viewer's left
-  const Camera camera = Camera::framing(solid->bounds(), azimuth, elevation, settings.width, settings.height);
-  c.output("image", render(*solid, Studio(light), camera, settings, c.work().part(0.05, 1)));
+  const int frames = static_cast<int>(c.integer("frames"));
+  Image turn(settings.width, settings.height, frames, 1);
+  for (int i = 0; i < frames; ++i) {
+    const float at = azimuth + 6.28318531f * static_cast<float>(i) / static_cast<float>(frames);
+    Studio::Settings light;
+    light.lamp_azimuth = at - 0.95f;  // from the viewer's left
+    const Camera camera = Camera::framing(solid->bounds(), at, elevation, settings.width, settings.height);
+    Image image = render(*solid, Studio(light), camera, settings,
+                         c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames));
+    if (tone == "aces") aces_tone(image);
+    std::copy(image.pixels.begin(), image.pixels.end(),
+              turn.pixels.begin() + static_cast<std::ptrdiff_t>(turn.index(0, 0, i)));
+  }
+  c.output("image", std::move(turn));
 }
 
 }  // namespace
 
 NodeType render_solid_node() {
-  return NodeType("RenderSolid", 1)
+  return NodeType("RenderSolid", 2)
       .doc_(
           "A picture of the solid: a block with a corner cut out, a body carved from it, or its particles "
           "alone, "
           "under one large lamp and a pale dome")
       .source_("Path tracing with a control variate: what an unoccluded surface gets is added in closed form")
       .optional_input("volume", {"Volume"}, "The solid: a colour grid `Cd`, repeated periodically")
-      .optional_input("particles", {"Particles"}, "A packing, shown without its binder")
+      .optional_input("particles", {"Particles"},
+                      "A packing: shown without its binder, broken, or carved at full resolution")
       .optional_input("shapes", {"Shapes"}, "The particles' forms")
       .optional_input("object", {"Shapes"}, "A body to carve from the solid")
-      .output("image", "Image", "Scene-linear and ready for display: 1 is white")
+      .output("image", "Image", "Scene-linear and ready for display: 1 is white; a section a frame")
       .parameter(
           Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
       .parameter(
@@ -89,12 +139,41 @@ NodeType render_solid_node() {
               .range(1, 65536)
               .doc_("Light paths per pixel: four times as many halve the noise; powers of two spread best"))
       .parameter(
-          Parameter::choice("mode", "auto", {"auto", "block", "cube", "object", "particles"})
-              .doc_(
-                  "block: a corner is cut out, which shows inner faces; cube: a whole block; object: carved "
-                  "from the solid; particles: without binder; auto: object where one is connected, else "
-                  "block, "
-                  "else particles"))
+          Parameter::choice("mode", "auto",
+                            {"auto", "block", "cube", "object", "vase", "knot", "particles", "fracture"})
+              .doc_("block: a corner is cut out, which shows inner faces; cube: a whole block; object, vase, "
+                    "knot: "
+                    "carved from the solid; particles: without binder; fracture: one period broken across, "
+                    "along the "
+                    "particles' surfaces; auto: object where one is connected, else block, else particles"))
+      .parameter(
+          Parameter::choice("color", "auto", {"auto", "volume", "particles"})
+              .doc_("Of what is carved: the volume's voxels, or the particles and their binder at full "
+                    "resolution; auto: the volume where one is connected. A fracture takes the particles"))
+      .parameter(Parameter::integer("frames", 1).range(1, 10000).doc_("Of one full turn; a section each"))
+      .parameter(Parameter::numbers("turn", {0, 0, 0})
+                     .count(3, 3)
+                     .range(-360, 360)
+                     .unit_("degrees")
+                     .doc_("How the solid lies in what is carved from it, about x, then y, then z: on faces "
+                           "oblique to "
+                           "its period no repetition shows"))
+      .parameter(Parameter::numbers("shift", {0, 0, 0})
+                     .count(3, 3)
+                     .range(-1000, 1000)
+                     .doc_("How far it is shifted, in periods of x, y and z"))
+      .parameter(Parameter::number("level", 0.6)
+                     .range(0, 1)
+                     .doc_("Of a fracture: the broken face's height, as a share"))
+      .parameter(
+          Parameter::number("roughness", 0.05)
+              .range(0, 0.5)
+              .doc_("Of a fracture: how far the binder's face goes up and down, as a share of the height"))
+      .parameter(
+          Parameter::choice("tone", "neutral", {"neutral", "aces", "none"})
+              .doc_("How strong light becomes a picture: neutral keeps every colour up to 0.85 and bends "
+                    "what is "
+                    "above; aces: the Academy's rendering for displays, through OpenColorIO; none: as it is"))
       .parameter(Parameter::number("repeat", 1)
                      .range(0.05, 64)
                      .doc_("Periods of the volume along the longest edge of the block or object"))

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "nodes/common/camera.h"
 #include "nodes/data/image.h"
-#include "nodes/render_solid/camera.h"
 #include "nodes/render_solid/solid.h"
 #include "nodes/render_solid/studio.h"
 #include "runtime/work.h"

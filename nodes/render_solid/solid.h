@@ -2,6 +2,7 @@
 // longest edge of the block (or packing) is 1, z is up; the lowest point stands on the floor.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "nodes/common/linear.h"
@@ -10,7 +11,7 @@
 
 namespace terrazzo {
 
-class ColorField;
+class Paint;
 
 struct SurfacePoint {
   Vec3f position;
@@ -30,18 +31,22 @@ class Solid {
   virtual Eigen::AlignedBox3f bounds() const = 0;
 };
 
-// A block of `repeat` periods along the longest edge. With cut > 0 that share of each edge is taken from the
-// corner at
-// (+x, −y, +z), which shows three inner faces. Edges are shaded as if rounded by `bevel`. Colours are those
-// of the voxels just below the faces. The field must outlive the solid.
-std::unique_ptr<Solid> block_solid(const ColorField&, double repeat = 1, double cut = 0.5,
-                                   double bevel = 0.008);
+// A block of one unit along its longest edge, in the proportions of the material's period. With cut > 0 that
+// share of each edge is taken from the corner at (+x, −y, +z), which shows three inner faces. Edges are
+// shaded as if rounded by `bevel`. The paint must outlive the solid.
+std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = 0.008);
 
-// A body carved from the field, which is repeated as needed: `repeat` periods over the body's longest side.
-// Throws what render_mesh throws.
-std::unique_ptr<Solid> object_solid(const ColorField&, const Shape& object, double repeat = 1);
+// A body carved from the material, its longest side one unit. Throws what render_mesh throws.
+std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object);
 
 // Particles in their own colours. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
 std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&);
+
+// A block broken across: below a rough face at `level` (share of the height, `roughness` to both sides)
+// particles whose middle lies under it stay whole and stand out; the others are gone and leave their sockets
+// (Singh, McAllister and others 2008, figure 1b). The block is one period of the packing. Throws what
+// particle_solid throws.
+std::unique_ptr<Solid> fracture_solid(const Paint&, const Particles&, const Shapes&, double level,
+                                      double roughness, std::uint64_t seed);
 
 }  // namespace terrazzo

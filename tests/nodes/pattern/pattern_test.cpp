@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "nodes/pattern/noise.h"
+#include "nodes/common/noise.h"
 #include "nodes/pattern/pattern.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"
@@ -15,10 +15,10 @@ TEST(Pattern, NoiseIsBoundedContinuousAndOfMeanZero) {
   for (int i = 0; i < 20000; ++i) {
     Random r(1, 2, static_cast<std::uint64_t>(i));
     const Vec3 p(r.uniform(-50, 50), r.uniform(-50, 50), r.uniform(-50, 50));
-    const double v = pattern::noise(3, p);
+    const double v = noise(3, p);
     sum += v;
     ASSERT_LE(std::abs(v), 1.1);
-    ASSERT_LT(std::abs(pattern::noise(3, p + Vec3(1e-4, -1e-4, 1e-4)) - v), 2e-3);
+    ASSERT_LT(std::abs(noise(3, p + Vec3(1e-4, -1e-4, 1e-4)) - v), 2e-3);
   }
   EXPECT_LT(std::abs(sum / 20000), 0.01);
 }

@@ -4,6 +4,7 @@
 
 #include "nodes/data/volume.h"
 #include "nodes/render_solid/color_field.h"
+#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/render.h"
 #include "nodes/render_solid/sampler.h"
 #include "tests/support/run_node.h"
@@ -64,6 +65,24 @@ Shape sphere(int rings) {
   return s;
 }
 
+// A solid and the paint that it refers to.
+struct Painted {
+  std::unique_ptr<Paint> paint;
+  std::unique_ptr<Solid> solid;
+  const Solid& operator*() const { return *solid; }
+  const Solid* operator->() const { return solid.get(); }
+};
+Painted block(const ColorField& field, double repeat = 1, double cut = 0.5, double bevel = 0.008) {
+  Painted p{field_paint(field, repeat), nullptr};
+  p.solid = block_solid(*p.paint, cut, bevel);
+  return p;
+}
+Painted object(const ColorField& field, const Shape& shape) {
+  Painted p{field_paint(field, 1, {}, false), nullptr};
+  p.solid = object_solid(*p.paint, shape);
+  return p;
+}
+
 RenderSettings plain(int size, int samples) {
   RenderSettings s;
   s.width = s.height = size, s.samples = samples, s.gloss = 0, s.tone_map = false;
@@ -89,7 +108,8 @@ std::string failure(const std::multimap<std::string, Value>& inputs,
 TEST(RenderSolid, AConvexBodyInAFurnaceShowsItsAlbedo) {
   const Vec3f albedo(0.8f, 0.3f, 0.05f);
   const ColorField field = uniform_field(albedo);
-  for (const auto& solid : {block_solid(field, 1, 0), object_solid(field, sphere(12))}) {
+  Painted bodies[] = {block(field, 1, 0), object(field, sphere(12))};
+  for (const Painted& solid : bodies) {
     const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 48, 48);
     const Image image = render(*solid, Studio::furnace(), camera, plain(48, 4));
     EXPECT_LT((image.at(24, 24) - albedo).norm(), 1e-4);
@@ -100,7 +120,7 @@ TEST(RenderSolid, AConvexBodyInAFurnaceShowsItsAlbedo) {
 
 TEST(RenderSolid, AWhiteBodyVanishesInAFurnace) {
   const ColorField field = uniform_field(Vec3f::Ones());
-  const auto solid = block_solid(field, 1, 0.5);  // concave: light bounces within
+  const auto solid = block(field, 1, 0.5);  // concave: light bounces within
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 40, 40);
   const Image image = render(*solid, Studio::furnace(), camera, plain(40, 4));
   for (const Vec3f& p : image.pixels) ASSERT_LT((p - Vec3f::Ones()).cwiseAbs().maxCoeff(), 1e-4);
@@ -110,7 +130,7 @@ TEST(RenderSolid, AWhiteBodyVanishesInAFurnace) {
 // bounce.
 TEST(RenderSolid, InnerFacesShadeEachOther) {
   const ColorField field = uniform_field(Vec3f::Constant(0.5f));
-  const auto solid = block_solid(field, 1, 0.5, 0);
+  const auto solid = block(field, 1, 0.5, 0);
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 120, 120);
   const Image image = render(*solid, Studio::furnace(), camera, plain(120, 64));
   const Vec3f deep = pixel_of(image, camera, Vec3f(0.56f, 0.44f, 0.5f));
@@ -122,7 +142,7 @@ TEST(RenderSolid, InnerFacesShadeEachOther) {
 TEST(RenderSolid, FacesShowTheVoxelsBelowThem) {
   const int n = 32;
   const ColorField field = coordinate_field(n);
-  const auto solid = block_solid(field, 1, 0.5, 0);
+  const auto solid = block(field, 1, 0.5, 0);
   const int size = 200;
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, size, size);
   const Image image = render(*solid, Studio::furnace(), camera, plain(size, 16));
@@ -154,7 +174,7 @@ TEST(RenderSolid, FacesShowTheVoxelsBelowThem) {
 
 TEST(RenderSolid, RepeatTilesTheVolume) {
   const ColorField field = coordinate_field(16);
-  const auto solid = block_solid(field, 2, 0, 0);
+  const auto solid = block(field, 2, 0, 0);
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 160, 160);
   const Image image = render(*solid, Studio::furnace(), camera, plain(160, 16));
   const Vec3f a = pixel_of(image, camera, Vec3f(0.2f, 0.3f, 1)),
@@ -168,7 +188,7 @@ TEST(RenderSolid, LightIsNeutralAndWhiteIsWhite) {
   const ColorField grey = uniform_field(Vec3f::Constant(0.5f)), white = uniform_field(Vec3f::Ones());
   const Studio studio({});
   EXPECT_NEAR(studio.irradiance(Vec3f::UnitZ()), 1, 0.01);
-  const auto a = block_solid(grey), b = block_solid(white);
+  const auto a = block(grey), b = block(white);
   const Camera camera = Camera::framing(a->bounds(), -0.7f, 0.5f, 64, 64);
   const Image dark = render(*a, studio, camera, plain(64, 8)),
               light = render(*b, studio, camera, plain(64, 8));
@@ -199,7 +219,7 @@ TEST(RenderSolid, TheStudiosIrradianceIsTheIntegralOfItsLight) {
 
 TEST(RenderSolid, TheBlockShadowsTheFloorBesideIt) {
   const ColorField field = uniform_field(Vec3f::Constant(0.2f));
-  const auto solid = block_solid(field, 1, 0);
+  const auto solid = block(field, 1, 0);
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 96, 96, 0.38f, 0.5f);
   const Studio studio({});
   const Image image = render(*solid, studio, camera, plain(96, 32));

@@ -1,10 +1,10 @@
-#include "nodes/pattern/noise.h"
+#include "nodes/common/noise.h"
 
 #include <cmath>
 
 #include "runtime/random.h"
 
-namespace terrazzo::pattern {
+namespace terrazzo {
 namespace {
 
 std::uint64_t hash(std::uint64_t seed, int x, int y, int z) {
@@ -54,14 +54,14 @@ Cell cellular(std::uint64_t seed, const Vec3& p) {
       for (int dx = -1; dx <= 1; ++dx) {
         const std::uint64_t h = hash(seed, x + dx, y + dy, z + dz);
         const Vec3 at(x + dx + unit(h), y + dy + unit(h >> 21), z + dz + unit(h >> 42));
-        const double d = (p - at).norm();
+        const double d = (p - at).squaredNorm();
         if (d < first)
           second = first, first = d, out.shade = unit(mix64(h));
         else if (d < second)
           second = d;
       }
-  out.edge = second - first;
+  out.edge = std::sqrt(second) - std::sqrt(first);
   return out;
 }
 
-}  // namespace terrazzo::pattern
+}  // namespace terrazzo

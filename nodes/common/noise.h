@@ -5,7 +5,7 @@
 
 #include "nodes/common/linear.h"
 
-namespace terrazzo::pattern {
+namespace terrazzo {
 
 // Gradient noise (Perlin 2002) on a lattice of step 1: mean 0, within −1 … 1, smooth.
 double noise(std::uint64_t seed, const Vec3& p);
@@ -19,4 +19,4 @@ struct Cell {
 };
 Cell cellular(std::uint64_t seed, const Vec3& p);
 
-}  // namespace terrazzo::pattern
+}  // namespace terrazzo

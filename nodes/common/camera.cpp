@@ -1,4 +1,4 @@
-#include "nodes/render_solid/camera.h"
+#include "nodes/common/camera.h"
 
 #include <algorithm>
 #include <cmath>

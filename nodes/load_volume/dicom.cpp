@@ -1,0 +1,219 @@
+#include <dcmtk/config/osconfig.h>
+#include <dcmtk/dcmdata/dcrledrg.h>
+#include <dcmtk/dcmdata/dctk.h>
+#include <dcmtk/dcmjpeg/djdecode.h>
+#include <dcmtk/dcmjpls/djdecode.h>
+#include <dcmtk/oflog/oflog.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+
+#include "graph/diagnostic.h"
+#include "nodes/load_volume/scan.h"
+
+namespace terrazzo::load_volume {
+namespace {
+
+struct Slice {
+  std::filesystem::path path;
+  int width = 0, height = 0, frames = 1;
+  Vec3 origin, across, down;  // patient's coordinates: to the left, to the back, to the head; mm
+  double dx = 0, dy = 0, dz = 0;
+  bool has_rescale = false, has_place = false;
+  double slope = 1, intercept = 0;
+  std::string series;
+  std::vector<float> values;
+};
+
+Error unreadable(const std::filesystem::path& path, const std::string& why) {
+  return Error("unreadable-volume", "'" + path.string() + "' cannot be read as DICOM: " + why,
+               "check that the file is whole");
+}
+
+std::string text_of(DcmItem& set, const DcmTagKey& tag) {
+  OFString value;
+  return set.findAndGetOFStringArray(tag, value, OFTrue).good() ? std::string(value.c_str()) : std::string();
+}
+
+// The first `count` numbers of an element, wherever it lies; false where there are fewer.
+bool numbers_of(DcmItem& set, const DcmTagKey& tag, int count, double* out) {
+  for (int k = 0; k < count; ++k) {
+    Float64 v = 0;
+    if (set.findAndGetFloat64(tag, v, static_cast<unsigned long>(k), OFTrue).bad() || !std::isfinite(v))
+      return false;
+    out[k] = v;
+  }
+  return true;
+}
+
+int whole_of(DcmItem& set, const DcmTagKey& tag, int otherwise) {
+  Uint16 v = 0;
+  return set.findAndGetUint16(tag, v).good() ? int(v) : otherwise;
+}
+
+// Stored numbers lie in the lower bits, the highest of them their sign where they have one.
+float stored_number(std::uint32_t bits, int count, bool has_sign) {
+  const std::uint32_t mask = count >= 32 ? ~0u : (1u << count) - 1;
+  bits &= mask;
+  const bool negative = has_sign && (bits >> (count - 1) & 1);
+  return static_cast<float>(static_cast<std::int64_t>(bits) - (negative ? std::int64_t{1} << count : 0));
+}
+
+void read_pixels(DcmDataset& set, Slice& s) {
+  const int allocated = whole_of(set, DCM_BitsAllocated, 16),
+            stored = whole_of(set, DCM_BitsStored, allocated);
+  const bool has_sign = whole_of(set, DCM_PixelRepresentation, 0) == 1;
+  if ((allocated != 8 && allocated != 16) || stored < 1 || stored > allocated)
+    throw Error("not-a-volume", fmt::format("'{}' holds pixels of {} bits, {} of them used", s.path.string(),
+                                            allocated, stored));
+  if (set.chooseRepresentation(EXS_LittleEndianExplicit, nullptr).bad())
+    throw unreadable(s.path, "its pixels are compressed in a way that is not known here");
+  unsigned long count = 0;
+  const Uint8* bytes = nullptr;
+  const Uint16* words = nullptr;
+  if (allocated == 8)
+    set.findAndGetUint8Array(DCM_PixelData, bytes, &count);
+  else
+    set.findAndGetUint16Array(DCM_PixelData, words, &count);
+  if ((!bytes && !words) || count < s.values.size())
+    throw unreadable(s.path, fmt::format("it holds {} of {} pixels", count, s.values.size()));
+  for (std::size_t i = 0; i < s.values.size(); ++i)
+    s.values[i] = stored_number(bytes ? bytes[i] : words[i], stored, has_sign);
+}
+
+Slice read_slice(const std::filesystem::path& path) {
+  DcmFileFormat file;
+  if (const OFCondition state = file.loadFile(path.c_str()); state.bad())
+    throw unreadable(path, state.text());
+  DcmDataset& set = *file.getDataset();
+  Slice s;
+  s.path = path;
+  s.width = whole_of(set, DCM_Columns, 0), s.height = whole_of(set, DCM_Rows, 0);
+  if (s.width < 1 || s.height < 1) throw unreadable(path, "it holds no picture");
+  if (whole_of(set, DCM_SamplesPerPixel, 1) != 1)
+    throw Error("not-a-volume", "'" + path.string() + "' is a colour picture, not a scan");
+  if (Sint32 frames = 0; set.findAndGetSint32(DCM_NumberOfFrames, frames).good() && frames > 1)
+    s.frames = frames;
+  double place[3], cosines[6] = {1, 0, 0, 0, 1, 0}, spacing[2];
+  s.has_place = numbers_of(set, DCM_ImagePositionPatient, 3, place);
+  numbers_of(set, DCM_ImageOrientationPatient, 6, cosines);
+  for (int k = 0; k < 3; ++k)
+    s.origin[k] = s.has_place ? place[k] : 0, s.across[k] = cosines[k], s.down[k] = cosines[k + 3];
+  if (s.across.cross(s.down).norm() < 0.5) throw unreadable(path, "its rows and columns have no direction");
+  // Rows' distance comes first.
+  if (numbers_of(set, DCM_PixelSpacing, 2, spacing)) s.dy = spacing[0], s.dx = spacing[1];
+  if (!numbers_of(set, DCM_SpacingBetweenSlices, 1, &s.dz)) numbers_of(set, DCM_SliceThickness, 1, &s.dz);
+  s.dz = std::abs(s.dz);
+  s.has_rescale = numbers_of(set, DCM_RescaleSlope, 1, &s.slope);
+  numbers_of(set, DCM_RescaleIntercept, 1, &s.intercept);
+  s.series = text_of(set, DCM_SeriesInstanceUID);
+  const double count = double(s.width) * s.height * s.frames;
+  if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
+  if (!set.tagExists(DCM_PixelData)) throw unreadable(path, "it holds no pixels");
+  s.values.resize(static_cast<std::size_t>(count));
+  read_pixels(set, s);
+  return s;
+}
+
+// Sorts by the place along the slices' normal and gives their distance; mm.
+double order(std::vector<Slice>& slices, const Vec3& normal, LoadedScan& scan) {
+  std::stable_sort(slices.begin(), slices.end(), [&](const Slice& a, const Slice& b) {
+    return a.origin.dot(normal) < b.origin.dot(normal);
+  });
+  std::vector<double> at;
+  for (const Slice& s : slices) at.push_back(s.origin.dot(normal));
+  const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
+  if (!(step > 1e-6))
+    throw Error("missing-slices", fmt::format("the {} slices all lie in one place", slices.size()),
+                "give the slices of one volume");
+  double worst = 0;
+  for (std::size_t i = 1; i < at.size(); ++i) {
+    const double gap = at[i] - at[i - 1];
+    if (gap > 1.5 * step || gap < 0.5 * step)
+      throw Error(
+          "missing-slices",
+          fmt::format("between '{}' and '{}' lie {:.4g} mm, {:.4g} mm on average",
+                      slices[i - 1].path.filename().string(), slices[i].path.filename().string(), gap, step),
+          "give every slice of the series once");
+    worst = std::max(worst, std::abs(gap - step));
+  }
+  if (worst > 0.02 * step)
+    scan.notes.push_back(
+        fmt::format("distances of slices differ by up to {:.2g} mm from {:.4g} mm", worst, step));
+  return step;
+}
+
+}  // namespace
+
+bool is_dicom(const std::filesystem::path& path) {
+  char head[132] = {};
+  std::ifstream(path, std::ios::binary).read(head, sizeof head);
+  return std::memcmp(head + 128, "DICM", 4) == 0;
+}
+
+LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work) {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    DJDecoderRegistration::registerCodecs();
+    DJLSDecoderRegistration::registerCodecs();
+    DcmRLEDecoderRegistration::registerCodecs();
+  });
+  std::vector<Slice> slices;
+  for (const auto& path : paths) {
+    work.check();
+    try {
+      slices.push_back(read_slice(path));
+    } catch (const Error&) {
+      throw;
+    } catch (const std::exception& e) {
+      throw unreadable(path, e.what());
+    }
+    const Slice &first = slices.front(), &s = slices.back();
+    if (s.series != first.series)
+      throw Error("mixed-series",
+                  "'" + paths[0].string() + "' and '" + path.string() + "' are of different series",
+                  "name the files of one series");
+    if (s.width != first.width || s.height != first.height || (s.frames > 1 && paths.size() > 1) ||
+        (s.across - first.across).norm() > 1e-3 || (s.down - first.down).norm() > 1e-3 ||
+        std::abs(s.dx - first.dx) > 1e-4 || std::abs(s.dy - first.dy) > 1e-4)
+      throw Error(
+          "mixed-series",
+          "'" + path.string() + "' has another size, scale or direction than '" + paths[0].string() + "'",
+          "name the files of one series");
+    work.progress(static_cast<double>(slices.size()) / static_cast<double>(paths.size()));
+  }
+  LoadedScan scan;
+  const Slice first = slices.front();
+  const Vec3 normal = first.across.cross(first.down).normalized();
+  scan.size = Vec3i(first.width, first.height, static_cast<int>(slices.size()) * first.frames);
+  scan.spacing = Vec3(first.dx, first.dy, first.dz);
+  if (slices.size() > 1) {
+    for (const Slice& s : slices)
+      if (!s.has_place)
+        throw Error("missing-slices", "'" + s.path.string() + "' does not say where its slice lies",
+                    "convert the series with a program that knows its scanner");
+    const double step = order(slices, normal, scan);
+    scan.spacing.z() = step;
+  }
+  allocate(scan, paths[0].string());
+  // Each slice has a rescale of its own (as PET does); values leave here rescaled.
+  bool rescaled = true;
+  std::size_t at = 0;
+  for (const Slice& s : slices) {
+    rescaled = rescaled && s.has_rescale;
+    for (const float v : s.values) scan.values[at++] = static_cast<float>(s.slope * v + s.intercept);
+  }
+  if (rescaled) scan.slope = 1, scan.intercept = 0;
+  Mat3 axes;  // the patient's left and back are our −x and −y
+  const Vec3 to_ours(-1, -1, 1);
+  axes << to_ours.cwiseProduct(first.across), to_ours.cwiseProduct(first.down), to_ours.cwiseProduct(normal);
+  align_axes(scan, axes);
+  return scan;
+}
+
+}  // namespace terrazzo::load_volume

@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+#include <nifti2_io.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "graph/diagnostic.h"
+#include "nodes/load_volume/scan.h"
+
+namespace terrazzo::load_volume {
+namespace {
+
+Error unreadable(const std::filesystem::path& path, const std::string& why) {
+  return Error("unreadable-volume", "'" + path.string() + "' cannot be read as NIfTI: " + why,
+               "check that the file is whole");
+}
+
+// Stored numbers to float; false for types that are no single number.
+template <class T>
+void convert(const std::vector<char>& bytes, std::vector<float>& out, std::size_t first) {
+  const std::size_t n = bytes.size() / sizeof(T);
+  for (std::size_t i = 0; i < n; ++i) {
+    T v;
+    std::memcpy(&v, bytes.data() + i * sizeof(T), sizeof(T));
+    out[first + i] = static_cast<float>(v);
+  }
+}
+using Convert = void (*)(const std::vector<char>&, std::vector<float>&, std::size_t);
+Convert converter(int type) {
+  switch (type) {
+    case NIFTI_TYPE_UINT8:
+      return convert<std::uint8_t>;
+    case NIFTI_TYPE_INT8:
+      return convert<std::int8_t>;
+    case NIFTI_TYPE_UINT16:
+      return convert<std::uint16_t>;
+    case NIFTI_TYPE_INT16:
+      return convert<std::int16_t>;
+    case NIFTI_TYPE_UINT32:
+      return convert<std::uint32_t>;
+    case NIFTI_TYPE_INT32:
+      return convert<std::int32_t>;
+    case NIFTI_TYPE_INT64:
+      return convert<std::int64_t>;
+    case NIFTI_TYPE_UINT64:
+      return convert<std::uint64_t>;
+    case NIFTI_TYPE_FLOAT32:
+      return convert<float>;
+    case NIFTI_TYPE_FLOAT64:
+      return convert<double>;
+    default:
+      return nullptr;
+  }
+}
+
+// The library puts 1 where the header says nothing, so the header itself is asked.
+bool has_spacing(const std::filesystem::path& path) {
+  int version = 0;
+  const std::unique_ptr<void, void (*)(void*)> header(nifti_read_header(path.c_str(), &version, 0), free);
+  if (!header) return false;
+  for (int k = 1; k <= 3; ++k) {
+    const double step = version == 2 ? static_cast<const nifti_2_header*>(header.get())->pixdim[k]
+                                     : static_cast<const nifti_1_header*>(header.get())->pixdim[k];
+    if (!std::isfinite(step) || step == 0) return false;
+  }
+  return true;
+}
+
+Mat3 axes_of(const nifti_image& n) {
+  Mat3 m = Mat3::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      m(i, j) = n.sform_code > 0   ? n.sto_xyz.m[i][j]
+                : n.qform_code > 0 ? n.qto_xyz.m[i][j]
+                                   : (i == j ? 1.0 : 0.0);
+  // The space is right, front (anterior), head: NIfTI's own.
+  return m;
+}
+
+}  // namespace
+
+bool is_nifti(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const auto ends = [&](const char* e) { return name.ends_with(e); };
+  return ends(".nii") || ends(".nii.gz") || ends(".hdr.gz") || ends(".img.gz");
+}
+
+LoadedScan read_nifti(const std::filesystem::path& path, const Work& work) {
+  nifti_set_debug_level(0);  // it would print
+  const std::unique_ptr<nifti_image, void (*)(nifti_image*)> image(nifti_image_read(path.c_str(), 0),
+                                                                   nifti_image_free);
+  if (!image) throw unreadable(path, "it has no valid header");
+  const nifti_image& n = *image;
+  for (int k = 4; k <= 7; ++k)
+    if (n.dim[0] >= k && n.dim[k] > 1)
+      throw Error("not-a-volume", fmt::format("'{}' holds {} volumes", path.string(), n.dim[k]),
+                  "extract one of them");
+  const Convert to_float = converter(n.datatype);
+  if (!to_float)
+    throw Error("not-a-volume",
+                fmt::format("'{}' holds {}, not one number a voxel", path.string(),
+                            nifti_datatype_to_string(n.datatype)),
+                "convert it");
+  LoadedScan s;
+  for (int k = 0; k < 3; ++k) {
+    const auto edge = n.dim[0] > k ? n.dim[k + 1] : 1;
+    if (edge < 1 || edge > (1 << 24)) throw unreadable(path, fmt::format("axis {} has {} voxels", k, edge));
+    s.size[k] = static_cast<int>(edge);
+  }
+  allocate(s, path.string());
+
+  // Not nifti_image_load: it would turn NaN into 0 without a word.
+  const auto close = [](znzptr* f) {
+    znzFile open = f;
+    Xznzclose(&open);
+  };
+  const std::unique_ptr<znzptr, decltype(close)> file(
+      n.iname ? znzopen(n.iname, "rb", nifti_is_gzfile(n.iname)) : nullptr, close);
+  if (!file || n.iname_offset < 0 ||
+      znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
+    throw unreadable(path, "there are no voxels");
+  std::vector<char> slab;
+  const std::size_t plane = static_cast<std::size_t>(s.size.x()) * s.size.y();
+  for (int z = 0; z < s.size.z(); ++z) {
+    work.check();
+    slab.resize(plane * static_cast<std::size_t>(n.nbyper));
+    if (znzread(slab.data(), 1, slab.size(), file.get()) != slab.size())
+      throw unreadable(path, fmt::format("it ends at slice {} of {}", z, s.size.z()));
+    if (n.swapsize > 1 && n.byteorder != nifti_short_order())
+      nifti_swap_Nbytes(static_cast<std::int64_t>(slab.size()) / n.swapsize, n.swapsize, slab.data());
+    to_float(slab, s.values, plane * static_cast<std::size_t>(z));
+    work.progress(static_cast<double>(z + 1) / s.size.z());
+  }
+  if (n.scl_slope != 0) s.slope = n.scl_slope, s.intercept = n.scl_inter;
+  const double unit = n.xyz_units == NIFTI_UNITS_METER ? 1000 : n.xyz_units == NIFTI_UNITS_MICRON ? 0.001 : 1;
+  const Mat3 axes = axes_of(n);
+  const bool placed = n.sform_code > 0;
+  if (placed || has_spacing(path))
+    for (int k = 0; k < 3; ++k) {
+      const double step = placed ? axes.col(k).norm() : std::abs(n.pixdim[k + 1]);
+      s.spacing[k] = unit * step;
+    }
+  if (axes.allFinite() && std::abs(axes.determinant()) > 1e-12 * std::pow(axes.norm(), 3))
+    align_axes(s, axes);
+  return s;
+}
+
+}  // namespace terrazzo::load_volume

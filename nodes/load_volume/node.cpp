@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "graph/node_type.h"
+#include "nodes/common/dense_grid.h"
+#include "nodes/common/spaced_transform.h"
+#include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/vdb.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+using namespace load_volume;
+
+LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work) {
+  if (is_nifti(files[0])) {
+    if (files.size() > 1)
+      throw Error("several-files", fmt::format("{} NIfTI files, each a volume of its own", files.size()),
+                  "name one of them")
+          .parameter("path");
+    return read_nifti(files[0], work);
+  }
+  return is_dicom(files[0]) ? read_dicom(files, work) : read_slices(files, work);
+}
+
+Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
+  if (c.keyword("spacing").empty()) {
+    const auto s = c.numbers("spacing");
+    if (s.size() == 2)
+      throw Error("bad-spacing", "a spacing is one number, or one for each of x, y and z",
+                  "write 1 or 3 numbers")
+          .parameter("spacing");
+    return s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
+  }
+  if (!scan.spacing.allFinite() || scan.spacing.minCoeff() <= 0)
+    throw Error("no-spacing", "the file does not say how large its voxels are", "write `spacing`, in mm")
+        .parameter("spacing");
+  return scan.spacing;
+}
+
+// Slope and intercept, from parameters where written, else from the file.
+void rescale(Context& c, LoadedScan& scan) {
+  const bool own_slope = c.keyword("slope").empty(), own_intercept = c.keyword("intercept").empty();
+  const double slope = own_slope ? c.number("slope") : scan.slope.value_or(1);
+  const double intercept = own_intercept ? c.number("intercept") : scan.intercept.value_or(0);
+  if (!scan.slope && !own_slope && !own_intercept)
+    c.warn("the file says nothing of a rescale: stored numbers are taken for values as they are");
+  std::size_t bad = 0, first = 0;
+  for (std::size_t i = 0; i < scan.values.size(); ++i) {
+    if (i % (1u << 22) == 0) c.work().check();
+    const double v = slope * scan.values[i] + intercept;
+    scan.values[i] = static_cast<float>(v);
+    if (!std::isfinite(scan.values[i]) && bad++ == 0) first = i;
+  }
+  if (bad == 0) return;
+  const std::size_t nx = static_cast<std::size_t>(scan.size.x()),
+                    ny = static_cast<std::size_t>(scan.size.y());
+  throw Error("bad-values",
+              fmt::format("{} of {} voxels are NaN or infinite, the first at ({}, {}, {})", bad,
+                          scan.values.size(), first % nx, first / nx % ny, first / nx / ny),
+              "replace those voxels")
+      .parameter("path");
+}
+
+void compute(Context& c) {
+  const auto& files = c.files("path");
+  const std::string name = c.text("grid");
+  if (is_vdb(files[0])) {
+    if (files.size() > 1)
+      throw Error("several-files", fmt::format("{} OpenVDB files, each a volume of its own", files.size()),
+                  "name one of them")
+          .parameter("path");
+    if (c.keyword("spacing").empty() || c.keyword("slope").empty() || c.keyword("intercept").empty())
+      c.warn("spacing, slope and intercept do not apply to OpenVDB files, which carry their own transform");
+    c.output("volume", read_vdb(files[0], name));
+    return;
+  }
+  LoadedScan scan = read(files, c.work().part(0, 0.7));
+  for (const auto& note : scan.notes) c.warn(note);
+  const Vec3 spacing = spacing_of(c, scan);
+  rescale(c, scan);
+  float low = scan.values[0], high = low;
+  for (const float v : scan.values) low = std::min(low, v), high = std::max(high, v);
+  c.metric("min", low), c.metric("max", high);
+  c.metric("voxels", static_cast<double>(scan.values.size()));
+  initialize_openvdb();
+  Volume volume;
+  auto grid =
+      dense_grid<openvdb::FloatGrid>(name.empty() ? "density" : name.c_str(), scan.size, 1,
+                                     c.work().part(0.7, 1), [&](std::size_t i) { return scan.values[i]; });
+  grid->setTransform(voxel_transform(spacing));
+  volume.grids.push_back(grid);
+  c.output("volume", std::move(volume));
+}
+
+}  // namespace
+
+NodeType load_volume_node() {
+  return NodeType("LoadVolume", 1)
+      .doc_("Reads a volume: OpenVDB, NIfTI, a DICOM series, or a stack of grey pictures")
+      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO")
+      .output("volume", "Volume",
+              "a scan has one grid of floats in Hounsfield units (or what its rescale gives); x to the "
+              "right, y to "
+              "the front, z to the head. An OpenVDB file's grids come as they are")
+      .parameter(Parameter::input_path("path").doc_("The file, or a glob that names the slices of one series "
+                                                    "or stack. The format is told by the content"))
+      .parameter(Parameter::text("grid", "")
+                     .doc_("OpenVDB: the one grid to read, empty for all. Else the name of the grid, empty "
+                           "for `density`"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
+              .above(0)
+              .count(1, 3)
+              .unit_("mm")
+              .doc_("Edges of a voxel, one number or three; auto: as the file says. Pictures do not say"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "slope", "auto")
+                     .range(-1e12, 1e12)
+                     .doc_("value = slope · stored + intercept; auto: as the file says, else 1"))
+      .parameter(Parameter::with_keyword(ParameterKind::Number, "intercept", "auto")
+                     .range(-1e12, 1e12)
+                     .doc_("auto: as the file says, else 0"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

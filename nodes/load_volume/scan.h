@@ -1,0 +1,44 @@
+// A scan as files hold it: one number a voxel, with its spacing; and the readers of the formats.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "nodes/common/linear.h"
+#include "runtime/work.h"
+
+namespace terrazzo::load_volume {
+
+struct LoadedScan {
+  Vec3i size = Vec3i::Zero();
+  Vec3 spacing = Vec3::Zero();             // mm; zero where the file does not say
+  std::vector<float> values;               // stored numbers, x fastest
+  std::optional<double> slope, intercept;  // of the file's own rescale: value = slope · stored + intercept
+  std::vector<std::string> notes;          // what the user should know
+};
+
+// Throws Error "too-large" above 2^31 voxels, "empty-volume" where an edge is below 1; makes room otherwise.
+void allocate(LoadedScan&, const std::string& file);
+
+// Turns the axes of the array to the nearest ones of space, by swaps and flips alone. Column k of `axes`:
+// where index k leads, in a space with x to the right, y to the front and z to the head. Notes more than 1
+// degree of what is left.
+void align_axes(LoadedScan&, const Mat3& axes);
+
+// NIfTI 1 and 2, also compressed, through libnifti. Throws Error "unreadable-volume", "not-a-volume" (time
+// series, colours, complex numbers), "no-spacing".
+bool is_nifti(const std::filesystem::path&);
+LoadedScan read_nifti(const std::filesystem::path&, const Work& = {});
+
+// One DICOM series, a slice a file or all in one, through DCMTK: slices in order of their places. Throws
+// Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume".
+bool is_dicom(const std::filesystem::path&);
+LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {});
+
+// Grey pictures of one size in the order of their names, or the pages of one file, from below; numbers as
+// stored. Throws Error "unreadable-image", "unequal-sections", "not-a-volume" (colours).
+LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {});
+
+}  // namespace terrazzo::load_volume

@@ -1,0 +1,84 @@
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/load_volume/scan.h"
+
+namespace terrazzo::load_volume {
+namespace {
+
+// OpenImageIO gives whole numbers as shares of the largest; stored numbers are wanted.
+double largest(OIIO::TypeDesc type) {
+  switch (type.basetype) {
+    case OIIO::TypeDesc::UINT8:
+      return 255;
+    case OIIO::TypeDesc::INT8:
+      return 127;
+    case OIIO::TypeDesc::UINT16:
+      return 65535;
+    case OIIO::TypeDesc::INT16:
+      return 32767;
+    case OIIO::TypeDesc::UINT32:
+      return 4294967295.0;
+    case OIIO::TypeDesc::INT32:
+      return 2147483647.0;
+    default:
+      return 0;
+  }
+}
+
+Error unreadable(const std::filesystem::path& path, std::string why) {
+  while (!why.empty() && why.back() == '\n') why.pop_back();
+  return Error("unreadable-image", "'" + path.string() + "' cannot be read: " + why,
+               "a volume is a .vdb, NIfTI or DICOM file, or grey pictures");
+}
+
+// Appends the pages of one file, rows from below.
+void append(const std::filesystem::path& path, LoadedScan& scan, const Work& work) {
+  OIIO::ImageSpec config;
+  config["oiio:RawColor"] = 1;
+  config["oiio:UnassociatedAlpha"] = 1;
+  auto in = OIIO::ImageInput::open(path.string(), &config);
+  if (!in) throw unreadable(path, OIIO::geterror());
+  for (int page = 0; in->seek_subimage(page, 0); ++page) {
+    work.check();
+    const OIIO::ImageSpec spec = in->spec();
+    if (scan.size.z() == 0) scan.size = Vec3i(spec.width, spec.height, 0);
+    if (spec.width != scan.size.x() || spec.height != scan.size.y())
+      throw Error("unequal-sections",
+                  fmt::format("'{}' is {} × {} pixels, the first picture {} × {}", path.string(), spec.width,
+                              spec.height, scan.size.x(), scan.size.y()),
+                  "the slices of one volume must have one size");
+    const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
+    if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || count > 2147483648.0)
+      throw unreadable(path, fmt::format("{} × {} × {} pixels", spec.width, spec.height, spec.depth));
+    std::vector<double> pixels(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
+    if (!in->read_image(page, 0, 0, spec.nchannels, OIIO::TypeDesc::DOUBLE, pixels.data()))
+      throw unreadable(path, in->geterror());
+    const double top = largest(spec.format);
+    for (int y = spec.height - 1; y >= 0; --y)
+      for (int x = 0; x < spec.width; ++x) {
+        const double* p = &pixels[(static_cast<std::size_t>(y) * spec.width + x) * spec.nchannels];
+        if (spec.nchannels >= 3 && (p[0] != p[1] || p[0] != p[2]))
+          throw Error("not-a-volume", "'" + path.string() + "' is a colour picture",
+                      "a volume needs one number a voxel");
+        scan.values.push_back(static_cast<float>(top > 0 ? std::round(p[0] * top) : p[0]));
+      }
+    ++scan.size.z();
+  }
+}
+
+}  // namespace
+
+LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Work& work) {
+  LoadedScan scan;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    append(paths[i], scan, work);
+    work.progress(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
+  }
+  return scan;
+}
+
+}  // namespace terrazzo::load_volume

@@ -1,0 +1,59 @@
+#include <algorithm>
+
+#include "graph/node_type.h"
+#include "nodes/common/dense_grid.h"
+#include "nodes/common/spaced_transform.h"
+#include "nodes/phantom/phantom.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  phantom::LimbChoice limb;
+  limb.length = c.number("length"), limb.noise = c.number("noise");
+  limb.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto r = c.ints("resolution");
+  if (r.size() == 2)
+    throw Error("bad-resolution", "a resolution is one number, or one for each of x, y and z",
+                "write 1 or 3 numbers")
+        .parameter("resolution");
+  if (r.size() == 3)
+    limb.resolution = Vec3i(static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]));
+  else
+    for (int k = 0; k < 3; ++k)
+      limb.resolution[k] =
+          std::max(2, static_cast<int>(limb.box()[k] / limb.length * static_cast<double>(r[0]) + 0.5));
+  const std::vector<float> values = phantom::limb(limb, c.work().part(0, 0.9));
+  initialize_openvdb();
+  Volume volume;
+  auto grid = dense_grid<openvdb::FloatGrid>("density", limb.resolution, 1, c.work().part(0.9, 1),
+                                             [&](std::size_t i) { return values[i]; });
+  grid->setTransform(voxel_transform(limb.spacing()));
+  volume.grids.push_back(grid);
+  c.output("volume", std::move(volume));
+}
+
+}  // namespace
+
+NodeType phantom_node() {
+  return NodeType("Phantom", 1)
+      .doc_("A made-up scan of a limb in Hounsfield units: skin, fat, muscles, bones")
+      .output("volume", "Volume", "grid `density`, Hounsfield units; the limb is cut through at z = 0")
+      .parameter(Parameter::ints("resolution", {120})
+                     .count(1, 3)
+                     .range(2, 2048)
+                     .unit_("voxels")
+                     .doc_("Along the limb, or along x, y and z; three numbers can stretch the voxels"))
+      .parameter(Parameter::number("length", 240)
+                     .above(0)
+                     .unit_("mm")
+                     .doc_("Of the limb; it is two thirds as wide and as deep"))
+      .parameter(Parameter::number("noise", 8)
+                     .range(0, 1000)
+                     .doc_("Standard deviation of each voxel, Hounsfield units"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of form, fibres and noise"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,89 @@
+#include "nodes/render_solid/paint.h"
+
+#include <cmath>
+
+#include "nodes/render_solid/color_field.h"
+#include "nodes/render_solid/particle_index.h"
+
+namespace terrazzo {
+namespace {
+
+class FieldPaint : public Paint {
+ public:
+  FieldPaint(const ColorField& field, double repeat, const Lie& lie, bool layer)
+      : field_(field),
+        resolution_(field.resolution().cast<float>()),
+        turn_(lie.turn),
+        shift_(lie.shift.cwiseProduct(resolution_)),
+        layer_(layer ? 0.5f : 0.0f) {
+    voxels_per_unit_ = resolution_.maxCoeff() * static_cast<float>(repeat);
+    plain_ = turn_ == Eigen::Matrix3f::Identity() && shift_ == Vec3f::Zero();
+  }
+  Vec3f at(const Vec3f& point, const Vec3f& face, bool sharp) const override {
+    Vec3f voxel = point * voxels_per_unit_ - layer_ * face;
+    if (!plain_) voxel = turn_ * voxel + shift_;
+    return sharp ? field_.sharp(voxel) : field_.at(voxel);
+  }
+  Vec3f period() const override { return resolution_ / resolution_.maxCoeff(); }
+
+ private:
+  const ColorField& field_;
+  Vec3f resolution_;
+  Eigen::Matrix3f turn_;
+  Vec3f shift_;
+  float layer_, voxels_per_unit_;
+  bool plain_;
+};
+
+class ParticlePaint : public Paint {
+ public:
+  ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Lie& lie)
+      : index_(particles, shapes),
+        box_(particles.box.cast<float>()),
+        turn_(lie.turn),
+        shift_(lie.shift.cwiseProduct(box_)),
+        binder_(particles.binder_color.cwiseMax(0.0f).cwiseMin(1.0f)) {
+    mm_per_unit_ = box_.maxCoeff() * static_cast<float>(repeat);
+    for (const Vec3f& c : particles.color) colors_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
+  }
+  Vec3f at(const Vec3f& point, const Vec3f& face, bool) const override {
+    // Just below the surface, where cut particles and their binder part.
+    const Vec3f p = turn_ * (point * mm_per_unit_ - (1e-4f * mm_per_unit_) * face) + shift_;
+    const int i = index_.at(p);
+    return i < 0 ? binder_ : colors_[static_cast<std::size_t>(i)];
+  }
+  Vec3f period() const override { return box_ / box_.maxCoeff(); }
+
+ private:
+  ParticleIndex index_;
+  Vec3f box_;
+  Eigen::Matrix3f turn_;
+  Vec3f shift_, binder_;
+  float mm_per_unit_;
+  std::vector<Vec3f> colors_;
+};
+
+}  // namespace
+
+Lie Lie::of(const Vec3& degrees, const Vec3& shift) {
+  constexpr double d = 0.017453292519943295;
+  Lie lie;
+  lie.turn =
+      (Eigen::AngleAxisd(d * degrees.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(d * degrees.y(), Vec3::UnitY()) *
+       Eigen::AngleAxisd(d * degrees.x(), Vec3::UnitX()))
+          .toRotationMatrix()
+          .cast<float>();
+  lie.shift = shift.cast<float>();
+  return lie;
+}
+
+std::unique_ptr<Paint> field_paint(const ColorField& field, double repeat, const Lie& lie, bool layer) {
+  return std::make_unique<FieldPaint>(field, repeat, lie, layer);
+}
+
+std::unique_ptr<Paint> particle_paint(const Particles& particles, const Shapes& shapes, double repeat,
+                                      const Lie& lie) {
+  return std::make_unique<ParticlePaint>(particles, shapes, repeat, lie);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,42 @@
+// What colour a solid has inside: of voxels, or of the particles themselves; and how the material lies in the
+// object.
+#pragma once
+
+#include <memory>
+
+#include "nodes/common/linear.h"
+#include "nodes/data/particles.h"
+#include "nodes/data/shapes.h"
+
+namespace terrazzo {
+
+class ColorField;
+
+// Where an object's points lie in the material: turned, then shifted. An oblique cut through a periodic
+// material does not repeat.
+struct Lie {
+  Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  // of an object's directions into the material's
+  Vec3f shift = Vec3f::Zero();                         // in periods of each axis
+
+  // `degrees` about x, then y, then z.
+  static Lie of(const Vec3& degrees, const Vec3& shift);
+};
+
+class Paint {
+ public:
+  virtual ~Paint() = default;
+  // At a point in world units (the object's longest edge is 1). `face`: the surface's normal; of voxels the
+  // layer just below it is meant. `sharp`: as finely as it is known.
+  virtual Vec3f at(const Vec3f& point, const Vec3f& face, bool sharp) const = 0;
+  // Edges of one period, the longest being 1.
+  virtual Vec3f period() const = 0;
+};
+
+// Voxels; `repeat` periods of the longest edge in one world unit. The field must outlive it. Where `layer` is
+// set points on faces take the voxels half a voxel below them.
+std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const Lie& = {}, bool layer = true);
+
+// Particles at full resolution in their binder, repeated as their box is. Throws what particle_solid throws.
+std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1, const Lie& = {});
+
+}  // namespace terrazzo

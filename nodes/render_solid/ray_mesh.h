@@ -1,0 +1,30 @@
+// A mesh with its normals in single precision, as rays meet it.
+#pragma once
+
+#include <vector>
+
+#include "nodes/common/render_mesh.h"
+#include "nodes/render_solid/ray_scene.h"
+
+namespace terrazzo {
+
+struct RayMesh {
+  RayScene::Triangles triangles;
+  std::vector<Vec3f> normals;
+
+  explicit RayMesh(const Shape& shape, const Vec3& offset = Vec3::Zero(), double scale = 1) {
+    const RenderMesh m = render_mesh(shape);
+    for (const Vec3& p : m.positions) triangles.positions.push_back(((p + offset) * scale).cast<float>());
+    for (const Vec3& n : m.normals) normals.push_back(n.cast<float>());
+    triangles.indices = m.indices;
+  }
+  void normals_at(const RayHit& hit, Vec3f& face, Vec3f& normal) const {
+    const std::uint32_t* i = &triangles.indices[3 * static_cast<std::size_t>(hit.triangle)];
+    const auto& p = triangles.positions;
+    face = (p[i[1]] - p[i[0]]).cross(p[i[2]] - p[i[0]]).normalized();
+    normal =
+        (normals[i[0]] * (1 - hit.u - hit.v) + normals[i[1]] * hit.u + normals[i[2]] * hit.v).normalized();
+  }
+};
+
+}  // namespace terrazzo

@@ -1,0 +1,31 @@
+// The same rays by a shader.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nodes/common/egl_context.h"
+#include "nodes/render_volume/scene.h"
+
+namespace terrazzo::render_volume {
+
+// Holds a scene on a GPU, or in Mesa's software renderer. Lives on the thread that made it.
+class GlMarcher {
+ public:
+  // Throws Error "no-gl" where there is no such device or it refuses the shader; "too-large-for-gl" where the
+  // volume or a texture is larger than its memory takes, or there are more than 12 textures.
+  GlMarcher(const Scene&, const Bricks&, GlDevice);
+  ~GlMarcher();
+
+  // As march(), but for rounding: the mean difference is below 1/1000.
+  std::vector<Vec3f> march(const Frame&, FrameCounts&, const Work& = {});
+  const std::string& renderer() const;
+
+ private:
+  struct Gl;
+  const Scene& scene_;
+  std::unique_ptr<Gl> gl_;
+};
+
+}  // namespace terrazzo::render_volume

@@ -1,0 +1,239 @@
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#include "nodes/data/volume.h"
+#include "nodes/export/vdb_file.h"
+#include "nodes/load_volume/scan.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using test::code_of;
+using test::run_node;
+
+// A NIfTI 1 header as the standard lays it out, for one volume of 16 bit numbers or floats.
+struct Nifti {
+  std::vector<std::int16_t> dim = {3, 3, 2, 2, 1, 1, 1, 1};
+  std::int16_t datatype = 4, bits = 16, qform = 0, sform = 0;
+  std::vector<float> pixdim = {1, 0.5f, 0.5f, 4, 0, 0, 0, 0};
+  float slope = 1, intercept = 0;
+  char units = 2;
+  std::vector<float> srow = std::vector<float>(12);
+  bool swapped = false;
+  std::string data;
+
+  template <class T>
+  void put(std::string& b, std::size_t at, T v) const {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, &v, sizeof(T));
+    if (swapped) std::reverse(bytes, bytes + sizeof(T));
+    b.replace(at, sizeof(T), bytes, sizeof(T));
+  }
+  fs::path write(const fs::path& path) const {
+    std::string b(352, '\0');
+    put<std::int32_t>(b, 0, 348);
+    for (int i = 0; i < 8; ++i) put(b, 40 + 2 * i, dim[i]), put(b, 76 + 4 * i, pixdim[i]);
+    put(b, 70, datatype), put(b, 72, bits);
+    put<float>(b, 108, 352), put(b, 112, slope), put(b, 116, intercept);
+    b[123] = units;
+    put(b, 252, qform), put(b, 254, sform);
+    for (int i = 0; i < 12; ++i) put(b, 280 + 4 * i, srow[i]);
+    b.replace(344, 4, std::string("n+1\0", 4));
+    std::ofstream(path, std::ios::binary) << b << data;
+    return path;
+  }
+  template <class T>
+  void fill(std::size_t n, T (*value)(std::size_t)) {
+    for (std::size_t i = 0; i < n; ++i) {
+      std::string b(sizeof(T), '\0');
+      put(b, 0, value(i));
+      data += b;
+    }
+  }
+};
+Nifti counting() {
+  Nifti n;
+  n.fill<std::int16_t>(12, [](std::size_t i) { return static_cast<std::int16_t>(10 * i); });
+  return n;
+}
+
+test::NodeRun load(const fs::path& path, std::map<std::string, std::string> more = {}) {
+  more["path"] = path.string();
+  return run_node("LoadVolume", {}, more);
+}
+openvdb::FloatGrid::ConstPtr grid_of(const test::NodeRun& run, const char* name = "density") {
+  return run.output<Volume>("volume").find<openvdb::FloatGrid>(name);
+}
+float at(const openvdb::FloatGrid::ConstPtr& g, int x, int y, int z) {
+  return g->tree().getValue(openvdb::Coord(x, y, z));
+}
+
+TEST(LoadVolume, NiftiKeepsNumbersAndSpacing) {
+  const auto folder = test::temporary_folder();
+  const auto run = load(counting().write(folder / "a.nii"));
+  const auto g = grid_of(run);
+  ASSERT_TRUE(g);
+  EXPECT_EQ(g->activeVoxelCount(), 12u);
+  EXPECT_EQ(g->voxelSize(), openvdb::Vec3d(0.5, 0.5, 4));
+  EXPECT_EQ(at(g, 2, 1, 1), 110);
+  EXPECT_EQ(at(g, 1, 0, 1), 70);
+  EXPECT_TRUE(run.warnings.empty());
+  EXPECT_EQ(run.metrics.at("max"), 110);
+}
+
+TEST(LoadVolume, NiftiOfTheOtherByteOrderAndOfFloats) {
+  const auto folder = test::temporary_folder();
+  Nifti n;
+  n.swapped = true;
+  n.fill<std::int16_t>(12, [](std::size_t i) { return static_cast<std::int16_t>(300 * i - 1000); });
+  EXPECT_EQ(at(grid_of(load(n.write(folder / "swapped.nii"))), 2, 1, 1), 2300);
+  Nifti f;
+  f.datatype = 16, f.bits = 32;
+  f.fill<float>(12, [](std::size_t i) { return 0.25f * float(i); });
+  EXPECT_EQ(at(grid_of(load(f.write(folder / "float.nii"))), 2, 0, 1), 2);
+}
+
+TEST(LoadVolume, RescaleIsTheFilesUnlessWritten) {
+  const auto folder = test::temporary_folder();
+  Nifti n = counting();
+  n.slope = 2, n.intercept = -1024;
+  const auto path = n.write(folder / "a.nii");
+  EXPECT_EQ(at(grid_of(load(path)), 1, 0, 0), -1004);
+  EXPECT_EQ(at(grid_of(load(path, {{"slope", "3"}})), 1, 0, 0), -994);
+  EXPECT_EQ(at(grid_of(load(path, {{"slope", "3"}, {"intercept", "1"}})), 1, 0, 0), 31);
+  n.slope = 0;  // the standard's way to say that there is none
+  const auto run = load(n.write(folder / "b.nii"));
+  EXPECT_EQ(at(grid_of(run), 1, 0, 0), 10);
+  EXPECT_EQ(run.warnings.size(), 1u);
+}
+
+// x to the right, y to the front, z to the head, however the file's axes lie.
+TEST(LoadVolume, AxesAreTurnedToThoseOfSpace) {
+  const auto folder = test::temporary_folder();
+  Nifti n = counting();  // 3 × 2 × 2
+  n.sform = 1;
+  // First index: down (−z), second: to the left (−x), third: to the front.
+  n.srow = {0, -2, 0, 0, 0, 0, 5, 0, -0.5f, 0, 0, 0};
+  const auto run = load(n.write(folder / "a.nii"));
+  const auto g = grid_of(run);
+  EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(2, 2, 3));
+  EXPECT_EQ(g->voxelSize(), openvdb::Vec3d(2, 5, 0.5));
+  // File's (i, j, k) lies at (1 − j, k, 2 − i).
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 2; ++j)
+      for (int k = 0; k < 2; ++k) EXPECT_EQ(at(g, 1 - j, k, 2 - i), 10 * (i + 3 * j + 6 * k));
+  EXPECT_TRUE(run.warnings.empty());
+  n.srow = {1, 0.2f, 0, 0, -0.2f, 1, 0, 0, 0, 0, 1, 0};
+  EXPECT_EQ(load(n.write(folder / "tilted.nii")).warnings.size(), 1u);
+}
+
+TEST(LoadVolume, BadNifti) {
+  const auto folder = test::temporary_folder();
+  Nifti cut = counting();
+  cut.data.resize(15);
+  EXPECT_EQ(code_of([&] { load(cut.write(folder / "cut.nii")); }), "unreadable-volume");
+  std::ofstream(folder / "junk.nii") << "nothing of the kind";
+  EXPECT_EQ(code_of([&] { load(folder / "junk.nii"); }), "unreadable-volume");
+  Nifti series = counting();
+  series.dim = {4, 3, 2, 1, 2, 1, 1, 1};
+  EXPECT_EQ(code_of([&] { load(series.write(folder / "series.nii")); }), "not-a-volume");
+  Nifti rgb = counting();
+  rgb.datatype = 128, rgb.bits = 24, rgb.data.resize(36);
+  EXPECT_EQ(code_of([&] { load(rgb.write(folder / "rgb.nii")); }), "not-a-volume");
+  Nifti without = counting();
+  without.pixdim = {1, 0, 0, 0, 0, 0, 0, 0};
+  const auto path = without.write(folder / "without.nii");
+  EXPECT_EQ(code_of([&] { load(path); }), "no-spacing");
+  EXPECT_EQ(grid_of(load(path, {{"spacing", "[1, 2, 3]"}}))->voxelSize(), openvdb::Vec3d(1, 2, 3));
+  EXPECT_EQ(code_of([&] { load(path, {{"spacing", "[1, 2]"}}); }), "bad-spacing");
+  Nifti nan;
+  nan.datatype = 16, nan.bits = 32;
+  nan.fill<float>(12, [](std::size_t i) { return i == 7 ? NAN : 1.0f; });
+  EXPECT_EQ(code_of([&] { load(nan.write(folder / "nan.nii")); }), "bad-values");
+  Nifti huge = counting();
+  huge.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1};
+  EXPECT_EQ(code_of([&] { load(huge.write(folder / "huge.nii")); }), "too-large");
+  Nifti one;
+  one.dim = {3, 1, 1, 1, 1, 1, 1, 1};
+  one.fill<std::int16_t>(1, [](std::size_t) -> std::int16_t { return 5; });
+  EXPECT_EQ(grid_of(load(one.write(folder / "one.nii")))->activeVoxelCount(), 1u);
+}
+
+fs::path slice(const fs::path& path, int channels, OIIO::TypeDesc type, const std::vector<std::uint16_t>& v,
+               int w, int h) {
+  auto out = OIIO::ImageOutput::create(path.string());
+  EXPECT_TRUE(out->open(path.string(), OIIO::ImageSpec(w, h, channels, type)));
+  EXPECT_TRUE(out->write_image(OIIO::TypeDesc::UINT16, v.data()));
+  out->close();
+  return path;
+}
+
+TEST(LoadVolume, PicturesAreSlicesFromBelow) {
+  const auto folder = test::temporary_folder();
+  slice(folder / "s_1.png", 1, OIIO::TypeDesc::UINT16, {1, 2, 3, 4, 5, 65535}, 3, 2);
+  slice(folder / "s_2.png", 1, OIIO::TypeDesc::UINT16, {11, 12, 13, 14, 15, 16}, 3, 2);
+  EXPECT_EQ(code_of([&] { load(folder / "s_*.png"); }), "no-spacing");
+  const auto run = load(folder / "s_*.png", {{"spacing", "0.5"}, {"slope", "2"}, {"intercept", "-1"}});
+  const auto g = grid_of(run);
+  EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(3, 2, 2));
+  EXPECT_EQ(at(g, 0, 1, 0), 1);  // the first row is the upper one
+  EXPECT_EQ(at(g, 0, 0, 0), 7);
+  EXPECT_EQ(at(g, 2, 0, 0), 131069);
+  EXPECT_EQ(at(g, 2, 0, 1), 31);
+  EXPECT_EQ(load(folder / "s_*.png", {{"spacing", "1"}}).warnings.size(), 1u)
+      << "nothing says how to rescale";
+  slice(folder / "s_3.png", 1, OIIO::TypeDesc::UINT16, {1, 2}, 1, 2);
+  EXPECT_EQ(code_of([&] { load(folder / "s_*.png", {{"spacing", "1"}}); }), "unequal-sections");
+  slice(folder / "c.png", 3, OIIO::TypeDesc::UINT16, {1, 2, 3}, 1, 1);
+  EXPECT_EQ(code_of([&] { load(folder / "c.png", {{"spacing", "1"}}); }), "not-a-volume");
+  std::ofstream(folder / "text.dat") << "no picture";
+  EXPECT_EQ(code_of([&] { load(folder / "text.dat", {{"spacing", "1"}}); }), "unreadable-image");
+}
+
+TEST(LoadVolume, OpenVdbComesBackAsItWasWritten) {
+  initialize_openvdb();
+  const auto folder = test::temporary_folder();
+  Volume v;
+  v.resolution = Vec3i(4, 4, 4);
+  auto a = openvdb::FloatGrid::create(-3);
+  a->setName("a"), a->setTransform(voxel_transform(0.25));
+  a->tree().setValue(openvdb::Coord(1, 2, 3), 7);
+  auto b = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
+  b->setName("Cd"), b->setTransform(voxel_transform(0.25));
+  b->tree().setValue(openvdb::Coord(0), openvdb::Vec3s(1, 2, 3));
+  v.grids = {a, b};
+  write_vdb(folder / "v.vdb", v, "");
+  const auto run = load(folder / "v.vdb");
+  const auto& back = run.output<Volume>("volume");
+  EXPECT_EQ(back.resolution, v.resolution);
+  ASSERT_EQ(back.grids.size(), 2u);
+  EXPECT_EQ(at(grid_of(run, "a"), 1, 2, 3), 7);
+  EXPECT_EQ(grid_of(run, "a")->voxelSize()[0], 0.25);
+  EXPECT_EQ(load(folder / "v.vdb", {{"grid", "Cd"}}).output<Volume>("volume").grids.size(), 1u);
+  EXPECT_EQ(code_of([&] { load(folder / "v.vdb", {{"grid", "x"}}); }), "no-such-grid");
+  a->tree().setValue(openvdb::Coord(1), NAN);
+  write_vdb(folder / "nan.vdb", v, "");
+  EXPECT_EQ(code_of([&] { load(folder / "nan.vdb"); }), "bad-values");
+  std::ofstream(folder / "bad.vdb") << " BDV and then nothing";
+  EXPECT_EQ(code_of([&] { load(folder / "bad.vdb"); }), "unreadable-volume");
+}
+
+TEST(LoadVolume, TheSharedScan) {
+  const fs::path path = test::shared_data() / "volumes/abdomen_ct.nii.gz";
+  if (!fs::exists(path)) GTEST_SKIP() << "no shared data";
+  const auto run = load(path);
+  const auto g = grid_of(run);
+  EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(122, 101, 30));
+  EXPECT_EQ(g->voxelSize(), openvdb::Vec3d(3, 3, 3));
+  EXPECT_LT(run.metrics.at("min"), -900);
+  EXPECT_GT(run.metrics.at("max"), 400);
+}
+
+}  // namespace
+}  // namespace terrazzo
