@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/colorize/kmeans.h"
+#include "nodes/common/kmeans.h"
 #include "nodes/common/color.h"
 #include "runtime/random.h"
 

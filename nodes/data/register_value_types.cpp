@@ -5,6 +5,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
+#include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
 #include "nodes/register_nodes.h"
 
@@ -23,6 +24,7 @@ void register_value_types(ValueTypes& types) {
   types.add(value_type<SizeDistribution>());
   types.add(value_type<Particles>());
   types.add(value_type<Volume>());
+  types.add(value_type<Strokes>());
   types.add(value_type<Table>());
 }
 

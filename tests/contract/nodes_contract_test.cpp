@@ -13,6 +13,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
+#include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 #include "nodes/register_nodes.h"
@@ -134,7 +135,7 @@ Value empty_value(const std::string& type) {
       {"Profiles", Value::of(Profiles{})}, {"Shapes", Value::of(Shapes{})},
       {"KMatrix", Value::of(KMatrix{})},   {"SizeDistribution", Value::of(SizeDistribution{})},
       {"Table", Value::of(Table{})},       {"Particles", Value::of(Particles{})},
-      {"Volume", Value::of(Volume{})}};
+      {"Volume", Value::of(Volume{})},     {"Strokes", Value::of(Strokes{})}};
   const auto it = values.find(type);
   return it == values.end() ? Value() : it->second;
 }

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/colorize/kmeans.h"
+#include "nodes/common/kmeans.h"
 #include "nodes/common/color.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"

@@ -1,4 +1,4 @@
-#include "nodes/colorize/kmeans.h"
+#include "nodes/common/kmeans.h"
 
 #include <algorithm>
 #include <limits>

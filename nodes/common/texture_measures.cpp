@@ -1,0 +1,151 @@
+#include "nodes/common/texture_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/color.h"
+#include "nodes/common/quantiles.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr int kSide = 7, kScales = 3, kDirections = 48;
+constexpr std::size_t kPatches = 2048;  // of each scale
+
+// Oklab colours and which of them belong to the part.
+struct PatchPicture {
+  int width = 0, height = 0;
+  std::vector<Vec3f> pixels;
+  std::vector<std::uint8_t> inside;
+};
+
+PatchPicture picture_of(const TexturePart& part) {
+  PatchPicture p;
+  p.width = part.image->width, p.height = part.image->height;
+  const auto n = static_cast<std::size_t>(p.width) * p.height;
+  for (std::size_t i = 0; i < n; ++i) p.pixels.push_back(linear_to_oklab(part.image->pixels[i]));
+  p.inside = part.mask;
+  if (p.inside.empty()) p.inside.assign(n, 1);
+  return p;
+}
+
+PatchPicture halved(const PatchPicture& in) {
+  PatchPicture out;
+  out.width = in.width / 2, out.height = in.height / 2;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(2 * y) * in.width + 2 * x, below = i + in.width;
+      out.pixels.push_back((in.pixels[i] + in.pixels[i + 1] + in.pixels[below] + in.pixels[below + 1]) / 4);
+      out.inside.push_back(in.inside[i] && in.inside[i + 1] && in.inside[below] && in.inside[below + 1]);
+    }
+  return out;
+}
+
+// Upper left corners of the patches that lie whole inside.
+std::vector<std::size_t> corners_of(const PatchPicture& p) {
+  const int w = p.width + 1;
+  std::vector<std::int32_t> sum(static_cast<std::size_t>(w) * (p.height + 1), 0);
+  for (int y = 0; y < p.height; ++y)
+    for (int x = 0; x < p.width; ++x)
+      sum[static_cast<std::size_t>(y + 1) * w + x + 1] = p.inside[static_cast<std::size_t>(y) * p.width + x] +
+                                                         sum[static_cast<std::size_t>(y) * w + x + 1] +
+                                                         sum[static_cast<std::size_t>(y + 1) * w + x] -
+                                                         sum[static_cast<std::size_t>(y) * w + x];
+  std::vector<std::size_t> out;
+  for (int y = 0; y + kSide <= p.height; ++y)
+    for (int x = 0; x + kSide <= p.width; ++x)
+      if (sum[static_cast<std::size_t>(y + kSide) * w + x + kSide] - sum[static_cast<std::size_t>(y) * w + x + kSide] -
+              sum[static_cast<std::size_t>(y + kSide) * w + x] + sum[static_cast<std::size_t>(y) * w + x] ==
+          kSide * kSide)
+        out.push_back(static_cast<std::size_t>(y) * p.width + x);
+  return out;
+}
+
+// Sorted projections of patches on random directions, those of one direction together. Empty where none fits.
+std::vector<std::vector<float>> project(const PatchPicture& p, std::uint64_t draw, const Work& work) {
+  const auto corners = corners_of(p);
+  if (corners.empty()) return {};
+  constexpr int n = kSide * kSide;
+  std::vector<std::vector<float>> out(kDirections);
+  work.parallel(kDirections, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t d = begin; d < end; ++d) {
+      Random random(7, 1, d);
+      Vec3f direction[n];
+      double square = 0;
+      for (auto& v : direction) {
+        const double x = random.normal(), y = random.normal(), z = random.normal();
+        v = Vec3(x, y, z).cast<float>();
+        square += x * x + y * y + z * z;
+      }
+      const auto unit = static_cast<float>(1 / std::sqrt(square));
+      for (std::size_t i = 0; i < kPatches; ++i) {
+        // Stratified: patches are spread evenly however few there are.
+        const std::size_t lo = i * corners.size() / kPatches, hi = (i + 1) * corners.size() / kPatches;
+        const std::size_t corner = corners[hi > lo ? lo + Random(7, 2 + draw, i).below(hi - lo) : lo];
+        float sum = 0;
+        for (int v = 0; v < kSide; ++v)
+          for (int u = 0; u < kSide; ++u)
+            sum += p.pixels[corner + static_cast<std::size_t>(v) * p.width + u].dot(direction[v * kSide + u]);
+        out[d].push_back(sum * unit);
+      }
+      std::sort(out[d].begin(), out[d].end());
+    }
+  });
+  return out;
+}
+
+}  // namespace
+
+double histogram_distance(const TexturePart& a, const TexturePart& b) {
+  const PatchPicture pa = picture_of(a), pb = picture_of(b);
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const auto values = [&](const PatchPicture& p) {
+      std::vector<float> v;
+      for (std::size_t i = 0; i < p.pixels.size(); ++i)
+        if (p.inside[i]) v.push_back(p.pixels[i][k]);
+      return v;
+    };
+    const auto va = values(pa), vb = values(pb);
+    if (va.empty() || vb.empty()) return -1;
+    const Quantiles qa = quantiles_of(va), qb = quantiles_of(vb);
+    constexpr int kSteps = 512;
+    for (int i = 0; i < kSteps; ++i) sum += std::abs(qa.of((i + 0.5) / kSteps) - qb.of((i + 0.5) / kSteps)) / kSteps / 3;
+  }
+  return sum;
+}
+
+double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t draw, const Work& work) {
+  PatchPicture pa = picture_of(a), pb = picture_of(b);
+  double sum = 0;
+  int scales = 0;
+  for (int s = 0; s < kScales; ++s) {
+    const auto qa = project(pa, 2 * draw, work.quiet()), qb = project(pb, 2 * draw + 1, work.quiet());
+    if (qa.empty() || qb.empty()) break;
+    double square = 0;
+    for (int d = 0; d < kDirections; ++d)
+      for (std::size_t i = 0; i < kPatches; ++i) {
+        const double e = qa[static_cast<std::size_t>(d)][i] - qb[static_cast<std::size_t>(d)][i];
+        square += e * e;
+      }
+    sum += square / (kDirections * static_cast<double>(kPatches)), ++scales;
+    pa = halved(pa), pb = halved(pb);
+  }
+  return scales > 0 ? std::sqrt(sum / scales) : -1;
+}
+
+double patch_distance_floor(const Image& image, const Work& work) {
+  const auto part = [&](auto&& keep) {
+    TexturePart p{&image, {}};
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) p.mask.push_back(keep(x, y));
+    return p;
+  };
+  return std::max(patch_distance(part([&](int x, int) { return 2 * x < image.width; }),
+                                 part([&](int x, int) { return 2 * x >= image.width; }), 0, work),
+                  patch_distance(part([&](int, int y) { return 2 * y < image.height; }),
+                                 part([&](int, int y) { return 2 * y >= image.height; }), 0, work));
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,29 @@
+// How much one picture looks like another: histograms and patches, in Oklab.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/image.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+// A part of a picture's first section.
+struct TexturePart {
+  const Image* image = nullptr;
+  std::vector<std::uint8_t> mask;  // one entry a pixel of the section; empty: all of it
+};
+
+// Mean over channels and quantiles of |Q_a − Q_b|.
+double histogram_distance(const TexturePart& a, const TexturePart& b);
+
+// Sliced Wasserstein distance between the distributions of 7 × 7 patches that lie whole inside the parts, at
+// up to three scales: √ of the mean over directions of ∫(Q_a − Q_b)². Negative where no patch fits into one of
+// them. `draw` picks other patches, for what chance alone gives.
+double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t draw = 0, const Work& = {});
+
+// The largest patch_distance between the left and the right half and between the upper and the lower half.
+double patch_distance_floor(const Image&, const Work& = {});
+
+}  // namespace terrazzo

@@ -1,0 +1,65 @@
+#include "nodes/cooccurrence_synth/cooccurrence_synth.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "nodes/common/level_descent.h"
+#include "runtime/random.h"
+
+namespace terrazzo::cooccurrence_synth {
+
+SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthSettings& s,
+                       const Work& work) {
+  if (source.pixels.empty()) throw Error("no-pixels", "the picture has no pixels");
+  const int reach = s.extent << (s.scales - 1);
+  const int width = s.width > 0 ? s.width : source.width, height = s.height > 0 ? s.height : source.height;
+  const auto larger = [&](const char* what, int w, int h, const char* parameter) {
+    if (std::min(w, h) <= reach)
+      throw Error("too-small", fmt::format("{} has {} × {} pixels, the offsets reach {}", what, w, h, reach),
+                  "make it larger, or extent or scales smaller")
+          .parameter(parameter);
+  };
+  larger("the picture", source.width, source.height, "extent");
+  larger("the output", width, height, "size");
+
+  SynthResult r;
+  std::vector<Vec3f> pixels;
+  for (std::size_t i = 0; i < source.pixels.size(); ++i)
+    if (mask.empty() || mask[i]) pixels.push_back(source.pixels[i]);
+  if (pixels.empty()) throw Error("no-pixels", "the mask leaves no pixel of the picture");
+  r.levels = color_levels(pixels, s.levels, s.space, s.seed, work);
+  const int levels = r.levels.count();
+  std::vector<LevelField> sections;
+  for (int k = 0; k < source.sections; ++k) sections.push_back(levels_of(source, k, r.levels, mask, work.quiet()));
+  const auto offsets = cooccurrence_offsets(s.extent, s.scales);
+  const Cooccurrence wanted = measure_cooccurrence(sections, levels, offsets, work.quiet());
+  std::vector<PairTarget> targets;
+  for (std::size_t d = 0; d < offsets.size(); ++d) {
+    const std::int64_t pairs = s.tileable ? static_cast<std::int64_t>(width) * height
+                                          : static_cast<std::int64_t>(width - std::abs(offsets[d].x())) *
+                                                (height - std::abs(offsets[d].y()));
+    targets.push_back({offsets[d], scaled_counts(wanted, d, pairs)});
+  }
+  std::vector<const LevelField*> all;
+  for (const auto& f : sections) all.push_back(&f);
+  LevelDescent descent(level_noise(all, levels, Vec3i(width, height, 1), s.seed), levels, s.tileable, targets);
+  r.error.push_back(descent.error());
+  for (int k = 0; k < s.sweeps; ++k) {
+    const Work part = work.part(static_cast<double>(k) / s.sweeps, static_cast<double>(k + 1) / s.sweeps);
+    r.changed.push_back(descent.sweep(mix64(s.seed) + static_cast<std::uint64_t>(k), part));
+    r.error.push_back(descent.error());
+    if (r.changed.back() == 0) break;
+  }
+  r.field = descent.field();
+  return r;
+}
+
+Image image_of(const LevelField& field, const ColorLevels& levels, double pixel_size) {
+  Image out(field.size.x(), field.size.y(), 1, pixel_size);
+  for (std::size_t i = 0; i < out.pixels.size(); ++i)
+    out.pixels[i] = field.at[i] < levels.count() ? levels.color[field.at[i]] : Vec3f::Zero();
+  return out;
+}
+
+}  // namespace terrazzo::cooccurrence_synth

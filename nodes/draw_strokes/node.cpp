@@ -1,0 +1,53 @@
+#include <fmt/format.h>
+
+#include "graph/node_type.h"
+#include "nodes/common/footprint.h"
+#include "nodes/data/image.h"
+#include "nodes/data/strokes.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+Vec3f parse_color(const std::string& text) {
+  std::string why;
+  const auto v = read_parameter(Parameter::color("color", 0, 0, 0), {false, {text}}, why);
+  if (!v) throw Error("bad-color", why).parameter("colors");
+  const auto& rgb = std::get<std::vector<double>>(*v);
+  return Vec3(rgb[0], rgb[1], rgb[2]).cast<float>();
+}
+
+void compute(Context& c) {
+  Image picture = c.input<Image>("image");
+  const Strokes& strokes = c.input<Strokes>("strokes");
+  std::vector<Vec3f> colors;
+  for (const auto& text : c.texts("colors")) colors.push_back(parse_color(text));
+  Image mask(picture.width, picture.height, picture.sections, picture.pixel_size);
+  for (std::size_t k = 0; k < strokes.strokes.size(); ++k) {
+    check_stroke(strokes.strokes[k]);
+    for (const auto p : footprint_of(strokes.strokes[k], picture.width, picture.height))
+      for (int s = 0; s < picture.sections; ++s) {
+        const std::size_t i = static_cast<std::size_t>(s) * picture.width * picture.height + p;
+        picture.pixels[i] = colors[std::min(k, colors.size() - 1)], mask.pixels[i] = Vec3f::Ones();
+      }
+  }
+  c.output("mask", std::move(mask));
+  c.output("image", std::move(picture));
+}
+
+}  // namespace
+
+NodeType draw_strokes_node() {
+  return NodeType("DrawStrokes", 1)
+      .doc_("Draws strokes on a picture in plain colours, and their mask: to mark a region, or to have something to erase")
+      .input("image", "Image", "the picture")
+      .input("strokes", "Strokes", "what is drawn, in order")
+      .output("image", "Image", "the picture with the strokes on all sections, their edges hard")
+      .output("mask", "Image", "white where a stroke is, else black")
+      .parameter(Parameter::texts("colors", {"#c02020"})
+                     .count(1, 4096)
+                     .doc_("Of the strokes in turn, \"#rrggbb\" in sRGB; the last one of all further ones"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

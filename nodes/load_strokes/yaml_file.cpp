@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "nodes/load_strokes/stroke_files.h"
+#include "nodes/strokes/stroke_text.h"
+
+namespace terrazzo::load_strokes {
+namespace {
+
+std::string where(const YAML::Node& n) { return fmt::format("line {}", n.Mark().line + 1); }
+
+Error bad(const std::string& what) {
+  return Error("bad-strokes-file", what, "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
+}
+
+std::vector<Vec2> points_of(const YAML::Node& n) {
+  if (!n.IsSequence()) throw bad(where(n) + ": points are a list of [x, y]");
+  std::vector<Vec2> out;
+  for (const auto& p : n) {
+    if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point is [x, y]");
+    out.emplace_back(p[0].as<double>(), p[1].as<double>());
+  }
+  return out;
+}
+
+Stroke stroke_of(const YAML::Node& n) {
+  if (n.IsScalar()) return strokes::read_stroke(n.Scalar());
+  if (!n.IsMap()) throw bad(where(n) + ": a stroke is a map or a line of words");
+  Stroke s;
+  for (const auto& entry : n) {
+    const auto key = entry.first.as<std::string>();
+    if (key == "radius")
+      s.radius = entry.second.as<double>();
+    else if (key == "area")
+      s.area = entry.second.as<bool>();
+    else if (key == "points")
+      s.parts.push_back(points_of(entry.second));
+    else if (key == "parts") {
+      if (!entry.second.IsSequence()) throw bad(where(entry.second) + ": parts are a list of lists of points");
+      for (const auto& part : entry.second) s.parts.push_back(points_of(part));
+    } else {
+      throw bad(fmt::format("{}: a stroke has no '{}'", where(entry.first), key));
+    }
+  }
+  try {
+    check_stroke(s);
+  } catch (const Error& e) {
+    throw bad(where(n) + ": " + e.diagnostic().message);
+  }
+  return s;
+}
+
+}  // namespace
+
+Strokes read_yaml(const std::filesystem::path& file) {
+  try {
+    const YAML::Node root = YAML::LoadFile(file.string());
+    const YAML::Node list = root.IsMap() ? root["strokes"] : root;
+    if (!list || !list.IsSequence()) throw bad("there is no list 'strokes'");
+    Strokes out;
+    for (const auto& n : list) out.strokes.push_back(stroke_of(n));
+    return out;
+  } catch (const YAML::BadFile&) {
+    throw Error("unreadable-file", "cannot read '" + file.string() + "'");
+  } catch (const YAML::Exception& e) {
+    throw bad(fmt::format("line {}: {}", e.mark.line + 1, e.msg));
+  }
+}
+
+}  // namespace terrazzo::load_strokes

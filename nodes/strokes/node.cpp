@@ -1,0 +1,34 @@
+#include "graph/node_type.h"
+#include "nodes/strokes/stroke_text.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  Strokes out;
+  for (const auto& text : c.texts("strokes")) {
+    try {
+      out.strokes.push_back(strokes::read_stroke(text));
+    } catch (Error& e) {
+      throw e.parameter("strokes");
+    }
+  }
+  c.output("strokes", std::move(out));
+}
+
+}  // namespace
+
+NodeType strokes_node() {
+  return NodeType("Strokes", 1)
+      .doc_("Strokes written in the graph: where TextureNib goes")
+      .output("strokes", "Strokes", "in the order written")
+      .parameter(Parameter::texts("strokes", {})
+                     .required()
+                     .unit_("pixels")
+                     .doc_("Each a line, \"radius: x y, x y, …\", or an area, \"area: x y, x y, x y\"; further "
+                           "outlines of an area follow a semicolon. From the picture's upper left corner, y down"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

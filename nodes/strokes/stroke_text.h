@@ -1,0 +1,16 @@
+// Strokes as words: "6: 10 20, 30 40" is a line of radius 6 through two points, "area: 0 0, 9 0, 5 8" what an
+// outline surrounds; further outlines follow a semicolon.
+#pragma once
+
+#include <string>
+
+#include "nodes/data/strokes.h"
+
+namespace terrazzo::strokes {
+
+// Throws Error "bad-stroke", telling what cannot be read.
+Stroke read_stroke(const std::string&);
+// Reads back as the same numbers.
+std::string write_stroke(const Stroke&);
+
+}  // namespace terrazzo::strokes

@@ -1,0 +1,127 @@
+// Colour co-occurrence: pixel updates a second (1993: 450 at 5 × 5 and 8 levels), and a dab of the nib of 12 × 12 pixels.
+// The baseline tries every level of a pixel by the paper's four changes one by one, as section 3 writes them.
+#include <benchmark/benchmark.h>
+
+#include <map>
+
+#include "nodes/common/level_descent.h"
+#include "nodes/texture_nib/nib.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr int kLevels = 8, kSide = 256;
+
+// Blotches: every pixel takes after one of its neighbours.
+LevelField blotches(int side) {
+  LevelField f(Vec3i(side, side, 1));
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      Random r(1, 1, f.index(x, y));
+      const auto fresh = static_cast<std::uint8_t>(r.below(kLevels));
+      const double u = r.uniform();
+      f.at[f.index(x, y)] = u < 0.5 && x > 0 ? f.at[f.index(x - 1, y)] : u < 0.85 && y > 0 ? f.at[f.index(x, y - 1)] : fresh;
+    }
+  return f;
+}
+
+std::vector<PairTarget> targets(const LevelField& source, const std::vector<Vec3i>& offsets) {
+  const Cooccurrence c = measure_cooccurrence(source, kLevels, offsets, false);
+  std::vector<PairTarget> out;
+  for (std::size_t d = 0; d < offsets.size(); ++d) out.push_back({offsets[d], scaled_counts(c, d, kSide * kSide)});
+  return out;
+}
+
+void count(benchmark::State& state, double pixels) {
+  state.counters["pixel_updates"] = benchmark::Counter(pixels, benchmark::Counter::kIsRate);
+}
+
+// Five sweeps from noise.
+void ccm_synthesis(benchmark::State& state) {
+  const LevelField source = blotches(kSide);
+  const auto wanted = targets(source, cooccurrence_offsets(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
+  const LevelField noise = level_noise({&source}, kLevels, source.size, 1);
+  double start = 0, end = 0, pixels = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    LevelDescent descent(noise, kLevels, true, wanted);
+    start = descent.error();
+    state.ResumeTiming();
+    for (std::uint64_t k = 0; k < 5; ++k) descent.sweep(k), pixels += kSide * kSide;
+    end = descent.error();
+  }
+  count(state, pixels);
+  state.counters["error_falls"] = start / end;
+}
+BENCHMARK(ccm_synthesis)->ArgNames({"extent", "scales"})->Args({2, 1})->Args({4, 1})->Args({6, 1})->Args({2, 4})->Unit(benchmark::kMillisecond);
+
+void ccm_plain(benchmark::State& state) {
+  const LevelField source = blotches(kSide);
+  const auto offsets = cooccurrence_offsets(2);
+  const auto wanted = targets(source, offsets);
+  LevelField field = level_noise({&source}, kLevels, source.size, 1);
+  const Cooccurrence now = measure_cooccurrence(field, kLevels, offsets, true);
+  std::vector<std::int32_t> difference = now.counts;
+  for (std::size_t d = 0; d < offsets.size(); ++d)
+    for (std::size_t i = 0; i < 64; ++i) difference[d * 64 + i] -= wanted[d].counts[i];
+  double pixels = 0;
+  std::uint64_t at = 0;
+  for (auto _ : state) {
+    const int x = static_cast<int>(mix64(at) % kSide), y = static_cast<int>(mix64(at + 7) % kSide);
+    ++at;
+    auto& pixel = field.at[field.index(x, y)];
+    const int old = pixel;
+    double least = 0;
+    int best = old;
+    std::map<std::size_t, int> changes;
+    for (int t = 0; t < kLevels; ++t) {
+      changes.clear();
+      for (std::size_t d = 0; d < offsets.size(); ++d) {
+        const auto level = [&](int s) {
+          return field.at[field.index((x + s * offsets[d].x() + kSide) % kSide, (y + s * offsets[d].y() + kSide) % kSide)];
+        };
+        const std::size_t after = level(1), before = level(-1);
+        --changes[d * 64 + old * 8 + after], ++changes[d * 64 + t * 8 + after];
+        --changes[d * 64 + before * 8 + old], ++changes[d * 64 + before * 8 + t];
+      }
+      double delta = 0;
+      for (const auto& [entry, by] : changes) delta += (2.0 * difference[entry] + by) * by;
+      if (delta < least) least = delta, best = t;
+    }
+    benchmark::DoNotOptimize(pixel = static_cast<std::uint8_t>(best));
+    pixel = static_cast<std::uint8_t>(old);
+    pixels += 1;
+  }
+  count(state, pixels);
+}
+BENCHMARK(ccm_plain)->Unit(benchmark::kMicrosecond);
+
+// A dab of 12 × 12 pixels, in the middle of a picture.
+void ccm_nib(benchmark::State& state) {
+  using namespace texture_nib;
+  const LevelField field = blotches(kSide);
+  Image picture(kSide, kSide, 1, 1);
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i)
+    picture.pixels[i] = Vec3f::Constant(0.05f + 0.1f * static_cast<float>(field.at[i]) + 0.04f * static_cast<float>(Random(2, 0, i).uniform()));
+  NibSettings s;
+  s.extent = static_cast<int>(state.range(0));
+  Nib nib(picture, learn(picture, std::vector<std::uint8_t>(picture.pixels.size(), 1), s),
+          {4, static_cast<Finish>(state.range(1)), 1});
+  double pixels = 0;
+  int k = 0;
+  for (auto _ : state) {
+    const int x = 12 * (k % 20), y = 12 * (k / 20 % 20);
+    ++k;
+    Stroke stroke;
+    stroke.area = true;
+    stroke.parts = {{Vec2(x, y), Vec2(x + 12, y), Vec2(x + 12, y + 12), Vec2(x, y + 12)}};
+    nib.paint(stroke);
+    pixels += 4 * 144;
+  }
+  count(state, pixels);
+}
+BENCHMARK(ccm_nib)->ArgNames({"extent", "finish"})->Args({2, 0})->Args({3, 0})->Args({3, 1})->Args({3, 2})->Args({6, 2})->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace terrazzo

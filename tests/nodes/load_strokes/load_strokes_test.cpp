@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "nodes/load_strokes/stroke_files.h"
+#include "nodes/load_strokes/svg_path.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using namespace load_strokes;
+
+fs::path file_of(const std::string& text, const char* extension) {
+  static int number = 0;
+  const fs::path file = test::temporary_folder() / ("s" + std::to_string(++number) + extension);
+  std::ofstream(file) << text;
+  return file;
+}
+Strokes svg(const std::string& body, const std::string& attributes = "width='100' height='50'") {
+  return read_svg(file_of("<svg xmlns='http://www.w3.org/2000/svg' " + attributes + ">" + body + "</svg>", ".svg"));
+}
+
+TEST(SvgPath, CommandsAsWritten) {
+  std::string broken;
+  const auto lines = read_path("M1,2 l3 0 v4H1z m10 10 L20-5.5.5.25", 0.1, broken);
+  EXPECT_EQ(broken, "");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0], (std::vector<Vec2>{{1, 2}, {4, 2}, {4, 6}, {1, 6}, {1, 2}}));
+  EXPECT_EQ(lines[1], (std::vector<Vec2>{{11, 12}, {20, -5.5}, {0.5, 0.25}}));
+}
+
+TEST(SvgPath, CurvesStayWithinTheTolerance) {
+  std::string broken;
+  for (const double tolerance : {1.0, 0.1, 0.001}) {
+    // A half circle as an arc, and a quarter of one as a cubic.
+    const auto arc = read_path("M 10 0 A 10 10 0 0 1 -10 0", tolerance, broken)[0];
+    for (std::size_t i = 0; i + 1 < arc.size(); ++i) {
+      EXPECT_NEAR(arc[i].norm(), 10, 1e-9);
+      EXPECT_GE(((arc[i] + arc[i + 1]) / 2).norm(), 10 - tolerance * 1.0001);
+      EXPECT_GE(arc[i].y(), -1e-9);  // sweep 1 turns by rising angle, y down
+    }
+    const auto cubic = read_path("M 0 0 C 0 50, 100 50, 100 0", tolerance, broken)[0];
+    for (std::size_t i = 0; i < cubic.size(); ++i) {  // x = 100 (3t² − 2t³), y = 150 t (1 − t)
+      const double t = static_cast<double>(i) / static_cast<double>(cubic.size() - 1);
+      EXPECT_LT((cubic[i] - Vec2(100 * t * t * (3 - 2 * t), 150 * t * (1 - t))).norm(), 1e-9);
+      if (i == 0) continue;
+      const double m = t - 0.5 / static_cast<double>(cubic.size() - 1);
+      EXPECT_LE(((cubic[i - 1] + cubic[i]) / 2 - Vec2(100 * m * m * (3 - 2 * m), 150 * m * (1 - m))).norm(), tolerance);
+    }
+  }
+  // Smooth successors mirror the control point; a quadratic is the cubic it stands for.
+  const auto s = read_path("M0 0 C 0 10 10 10 10 0 S 20 -10 20 0", 0.01, broken)[0];
+  EXPECT_EQ(s.back(), Vec2(20, 0));
+  const auto q = read_path("M0 0 Q 10 20 20 0 T 40 0", 0.01, broken)[0];
+  double lowest = 0, highest = 0;
+  for (const auto& p : q) lowest = std::min(lowest, p.y()), highest = std::max(highest, p.y());
+  EXPECT_NEAR(highest, 10, 0.02);
+  EXPECT_NEAR(lowest, -10, 0.02);
+}
+
+TEST(SvgPath, FlagsMayStandTogether) {
+  std::string broken;
+  const auto arc = read_path("M0 0a25,25 0 01 50,0", 0.1, broken);
+  EXPECT_EQ(broken, "");
+  EXPECT_EQ(arc[0].back(), Vec2(50, 0));
+}
+
+TEST(SvgPath, ErrorsAreTold) {
+  for (const char* bad : {"L 1 2", "M 1", "M 1 2 C 1 2 3", "M 0 0 A 1 1 0 2 0 3 3", "M 0 0 X 1", "M 0 0 z 3", "5 5"}) {
+    std::string broken;
+    read_path(bad, 0.1, broken);
+    EXPECT_NE(broken, "") << bad;
+  }
+}
+
+TEST(LoadStrokes, SvgShapesStylesAndTransforms) {
+  const Strokes s = svg(
+      "<g stroke='red' stroke-width='4' fill='none' transform='translate(10 5) scale(2)'>"
+      "<path d='M0 0 L10 0'/><polyline points='1,1 2,2 3,1'/></g>"
+      "<circle cx='5' cy='5' r='2'/><rect x='1' y='2' width='3' height='4' style='fill:blue; stroke: none'/>"
+      "<path d='M0 0 H9 V9 z M2 2 h3 v3 z'/><line x1='0' y1='0' x2='5' y2='5'/>"
+      "<rect width='5' height='5' display='none'/><defs><rect width='5' height='5'/></defs><text>no</text>");
+  ASSERT_EQ(s.strokes.size(), 5u);  // the line without a stroke has no area
+  EXPECT_EQ(s.strokes[0].parts[0], (std::vector<Vec2>{{10, 5}, {30, 5}}));
+  EXPECT_EQ(s.strokes[0].radius, 4);
+  EXPECT_EQ(s.strokes[1].parts[0].size(), 3u);
+  EXPECT_TRUE(s.strokes[2].area);
+  for (const auto& p : s.strokes[2].parts[0]) EXPECT_NEAR((p - Vec2(5, 5)).norm(), 2, 1e-9);
+  EXPECT_EQ(s.strokes[3].parts[0], (std::vector<Vec2>{{1, 2}, {4, 2}, {4, 6}, {1, 6}}));
+  EXPECT_EQ(s.strokes[4].parts.size(), 2u);
+}
+
+TEST(LoadStrokes, SvgViewBox) {
+  const Strokes s = svg("<line x1='0' y1='0' x2='10' y2='10' stroke='black'/>", "width='100' height='50' viewBox='0 0 10 10'");
+  EXPECT_LT((s.strokes[0].parts[0][0] - Vec2(25, 0)).norm(), 1e-9);
+  EXPECT_LT((s.strokes[0].parts[0][1] - Vec2(75, 50)).norm(), 1e-9);
+  EXPECT_NEAR(s.strokes[0].radius, 2.5, 1e-9);
+}
+
+TEST(LoadStrokes, YamlAndScale) {
+  const fs::path file = file_of("strokes:\n  - {radius: 2, points: [[1, 2], [3, 4]]}\n  - {area: true, points: [[0, 0], [4, 0], [4, 4]]}\n"
+                                "  - \"3: 5 6\"\n", ".yaml");
+  const Strokes s = test::run_node("LoadStrokes", {}, {{"path", file.string()}, {"scale", "2"}}).output<Strokes>("strokes");
+  ASSERT_EQ(s.strokes.size(), 3u);
+  EXPECT_EQ(s.strokes[0].radius, 4);
+  EXPECT_EQ(s.strokes[0].parts[0][1], Vec2(6, 8));
+  EXPECT_TRUE(s.strokes[1].area);
+  EXPECT_EQ(s.strokes[2].parts[0][0], Vec2(10, 12));
+}
+
+TEST(LoadStrokes, BadFilesAreRefused) {
+  for (const char* bad : {"strokes: 5", "strokes:\n  - {radius: x, points: [[1, 2]]}", "strokes:\n  - {radius: 2, points: [[1]]}",
+                          "strokes:\n  - {radius: 2}", "strokes:\n  - {radius: 2, pionts: [[1, 2]]}", "a: [", "strokes:\n  - [1, 2]",
+                          "strokes:\n  - {area: true, points: [[0, 0], [1, 1]]}", "strokes:\n  - {radius: .nan, points: [[0, 0]]}"})
+    EXPECT_EQ(test::code_of([&] { read_yaml(file_of(bad, ".yaml")); }), "bad-strokes-file") << bad;
+  for (const char* bad : {"", "<svg", "<html/>", "<svg><path d='L 1 2' stroke='red'/></svg>", "<svg><g transform='spin(3)'/></svg>"})
+    EXPECT_EQ(test::code_of([&] { read_svg(file_of(bad, ".svg")); }), "bad-strokes-file") << bad;
+  EXPECT_EQ(test::code_of([&] { test::run_node("LoadStrokes", {}, {{"path", file_of("x", ".txt").string()}}); }), "unknown-format");
+}
+
+}  // namespace
+}  // namespace terrazzo
