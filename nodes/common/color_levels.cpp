@@ -20,13 +20,14 @@ int ColorLevels::nearest(const Vec3f& p, float* distance2) const {
   int best = 0;
   float least = (p - center[0]).squaredNorm();
   for (int k = 1; k < count(); ++k)
-    if (const float d = (p - center[static_cast<std::size_t>(k)]).squaredNorm(); d < least) least = d, best = k;
+    if (const float d = (p - center[static_cast<std::size_t>(k)]).squaredNorm(); d < least)
+      least = d, best = k;
   if (distance2) *distance2 = least;
   return best;
 }
 
-ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space, std::uint64_t seed,
-                         const Work& work) {
+ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space,
+                         std::uint64_t seed, const Work& work) {
   if (linear.empty()) throw Error("no-pixels", "the texture has no pixels");
   for (const auto& p : linear)
     if (!p.allFinite())
@@ -47,8 +48,9 @@ ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std
     throw Error("one-color", "all pixels of the texture have one colour: it has no statistics to match",
                 "choose a region or picture with more than one colour");
   std::vector<Vec3> mean = clusters.mean;
-  std::sort(mean.begin(), mean.end(),
-            [](const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); });
+  std::sort(mean.begin(), mean.end(), [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  });
   for (const auto& m : mean) {
     const Vec3f c = m.cast<float>();
     out.center.push_back(c);
@@ -57,12 +59,13 @@ ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std
   return out;
 }
 
-LevelField levels_of(const Image& image, int section, const ColorLevels& levels, const std::vector<std::uint8_t>& mask,
-                     const Work& work) {
+LevelField levels_of(const Image& image, int section, const ColorLevels& levels,
+                     const std::vector<std::uint8_t>& mask, const Work& work) {
   LevelField out(Vec3i(image.width, image.height, 1), kNoLevel);
   const std::size_t first = image.index(0, 0, section);
   work.parallel(static_cast<std::size_t>(image.height), 32, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * static_cast<std::size_t>(image.width); i < end * static_cast<std::size_t>(image.width); ++i)
+    for (std::size_t i = begin * static_cast<std::size_t>(image.width);
+         i < end * static_cast<std::size_t>(image.width); ++i)
       if (mask.empty() || mask[first + i])
         out.at[i] = static_cast<std::uint8_t>(levels.nearest(levels.position(image.pixels[first + i])));
   });
@@ -73,11 +76,12 @@ std::vector<std::uint8_t> mask_of(const Value& value, const Image& picture, cons
   const bool labels = value.is<Labels>();
   const Labels* l = labels ? &value.as<Labels>() : nullptr;
   const Image* m = labels ? nullptr : &value.as<Image>();
-  const int width = l ? l->width : m->width, height = l ? l->height : m->height, sections = l ? l->sections : m->sections;
+  const int width = l ? l->width : m->width, height = l ? l->height : m->height,
+            sections = l ? l->sections : m->sections;
   if (width != picture.width || height != picture.height || (sections != picture.sections && sections != 1))
     throw Error("wrong-size",
-                fmt::format("{} has {} × {} pixels in {} sections, the picture {} × {} in {}", input, width, height,
-                            sections, picture.width, picture.height, picture.sections),
+                fmt::format("{} has {} × {} pixels in {} sections, the picture {} × {} in {}", input, width,
+                            height, sections, picture.width, picture.height, picture.sections),
                 "a mask is of its picture's size");
   const std::size_t n = picture.pixels.size(), own = l ? l->ids.size() : m->pixels.size();
   std::vector<std::uint8_t> out(n);

@@ -27,15 +27,16 @@ struct ColorLevels {
 
 // k-means on at most 16,384 of the pixels, evenly picked. Throws Error "bad-pixels" where one is not finite,
 // "one-color" where there are fewer than two different colours, "no-pixels".
-ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space, std::uint64_t seed,
-                         const Work& = {});
+ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space,
+                         std::uint64_t seed, const Work& = {});
 
-// The nearest level of every pixel of a section; kNoLevel where `mask` (one entry a pixel, or empty: all) is 0.
+// The nearest level of every pixel of a section; kNoLevel where `mask` (one entry a pixel, or empty: all) is
+// 0.
 LevelField levels_of(const Image&, int section, const ColorLevels&, const std::vector<std::uint8_t>& mask,
                      const Work& = {});
 
-// A mask from Labels (other than 0) or an Image (mean above 0.2), section by section, one entry a pixel. Throws
-// Error "wrong-size" where it is not of the picture's size. `input` is its port's name.
+// A mask from Labels (other than 0) or an Image (mean above 0.2), section by section, one entry a pixel.
+// Throws Error "wrong-size" where it is not of the picture's size. `input` is its port's name.
 std::vector<std::uint8_t> mask_of(const Value&, const Image& picture, const std::string& input);
 
 }  // namespace terrazzo

@@ -16,7 +16,8 @@ namespace terrazzo {
 std::vector<Vec3i> cooccurrence_offsets(int extent, int scales = 1);
 
 // In the plane across axis 0, 1 or 2 of a solid: a picture's columns and rows become y and z, x and z, or x
-// and y. A row further down in the picture lies lower: at a smaller z across x and y, at a smaller y across z.
+// and y. A row further down in the picture lies lower: at a smaller z across x and y, at a smaller y across
+// z.
 Vec3i offset_across(int axis, const Vec3i& in_picture);
 
 struct Cooccurrence {
@@ -33,12 +34,12 @@ struct Cooccurrence {
 };
 
 // Counts the pairs of pixels that both have a level; `periodic`: also across the edges.
-Cooccurrence measure_cooccurrence(const LevelField&, int levels, const std::vector<Vec3i>& offsets, bool periodic,
-                                  const Work& = {});
+Cooccurrence measure_cooccurrence(const LevelField&, int levels, const std::vector<Vec3i>& offsets,
+                                  bool periodic, const Work& = {});
 
 // The same over several sections, each by itself.
-Cooccurrence measure_cooccurrence(const std::vector<LevelField>&, int levels, const std::vector<Vec3i>& offsets,
-                                  const Work& = {});
+Cooccurrence measure_cooccurrence(const std::vector<LevelField>&, int levels,
+                                  const std::vector<Vec3i>& offsets, const Work& = {});
 
 // The counts that a field with `pairs` pairs an offset would have: rounded so that each offset's sum is kept
 // exactly. Throws Error "no-pairs" where the source has none at some offset.

@@ -19,7 +19,8 @@ std::vector<std::uint32_t> capsule(int width, int height, const Vec2& from, cons
       const Vec2 p(x + 0.5, y + 0.5);
       const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
       if ((p - from - t * along).squaredNorm() <= radius * radius)
-        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + static_cast<std::uint32_t>(x));
+        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
+                      static_cast<std::uint32_t>(x));
     }
   return out;
 }
@@ -33,14 +34,18 @@ std::vector<std::uint32_t> surrounded(int width, int height, const std::vector<s
     for (const auto& outline : outlines)
       for (std::size_t i = 0; i < outline.size(); ++i) {
         const Vec2 &a = outline[i], &b = outline[(i + 1) % outline.size()];
-        if ((a.y() <= at) != (b.y() <= at)) crossings.push_back(a.x() + (at - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+        if ((a.y() <= at) != (b.y() <= at))
+          crossings.push_back(a.x() + (at - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
       }
     std::sort(crossings.begin(), crossings.end());
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const int x0 = static_cast<int>(std::clamp(std::ceil(crossings[i] - 0.5), 0.0, static_cast<double>(width))),
-                x1 = static_cast<int>(std::clamp(std::ceil(crossings[i + 1] - 0.5), 0.0, static_cast<double>(width)));
+      const int x0 = static_cast<int>(
+                    std::clamp(std::ceil(crossings[i] - 0.5), 0.0, static_cast<double>(width))),
+                x1 = static_cast<int>(
+                    std::clamp(std::ceil(crossings[i + 1] - 0.5), 0.0, static_cast<double>(width)));
       for (int x = x0; x < x1; ++x)
-        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + static_cast<std::uint32_t>(x));
+        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
+                      static_cast<std::uint32_t>(x));
     }
   }
   return out;
@@ -48,7 +53,9 @@ std::vector<std::uint32_t> surrounded(int width, int height, const std::vector<s
 
 std::vector<std::uint32_t> footprint_of(const Stroke& s, int width, int height, double margin) {
   std::vector<std::uint32_t> out;
-  const auto take = [&](const std::vector<std::uint32_t>& pixels) { out.insert(out.end(), pixels.begin(), pixels.end()); };
+  const auto take = [&](const std::vector<std::uint32_t>& pixels) {
+    out.insert(out.end(), pixels.begin(), pixels.end());
+  };
   if (s.area) take(surrounded(width, height, s.parts));
   for (const auto& part : s.parts)
     for (std::size_t i = 0; i < part.size(); ++i) {

@@ -27,7 +27,10 @@ inline int row_if(bool yes, int row, int other) { return other + (-static_cast<i
 
 LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
                            const std::vector<PairTarget>& targets)
-    : levels_(levels), width_((levels + kLanes - 1) / kLanes * kLanes), periodic_(periodic), size_(start.size),
+    : levels_(levels),
+      width_((levels + kLanes - 1) / kLanes * kLanes),
+      periodic_(periodic),
+      size_(start.size),
       pad_(Vec3i::Zero()) {
   for (const auto& t : targets) pad_ = pad_.cwiseMax(t.offset.cwiseAbs());
   padded_ = size_ + 2 * pad_;
@@ -38,7 +41,8 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
     for (int y = 0; y < size_.y(); ++y)
       for (int x = 0; x < size_.x(); ++x) {
         const auto at = static_cast<std::uint32_t>(
-            (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + x + pad_.x());
+            (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + x +
+            pad_.x());
         order_.push_back(at);
         place(at, start.at[start.index(x, y, z)]);
       }
@@ -58,7 +62,8 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
     target_.insert(target_.end(), targets[d].counts.begin(), targets[d].counts.end());
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const std::int32_t difference = now.counts[now.at(d, h, r)] - targets[d].counts[static_cast<std::size_t>(h) * levels + r];
+        const std::int32_t difference =
+            now.counts[now.at(d, h, r)] - targets[d].counts[static_cast<std::size_t>(h) * levels + r];
         by_home_[d * rows + static_cast<std::size_t>(h) * width_ + r] = difference;
         by_remote_[d * rows + static_cast<std::size_t>(r) * width_ + h] = difference;
       }
@@ -69,7 +74,8 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
 void LevelDescent::place(std::uint32_t padded, std::uint8_t level) {
   levels_of_[padded] = level;
   if (!periodic_) return;
-  const int x = static_cast<int>(padded) % padded_.x(), y = static_cast<int>(padded) / padded_.x() % padded_.y(),
+  const int x = static_cast<int>(padded) % padded_.x(),
+            y = static_cast<int>(padded) / padded_.x() % padded_.y(),
             z = static_cast<int>(padded) / padded_.x() / padded_.y();
   const auto copies = [](int at, int pad, int size, int out[3]) {
     int n = 0;
@@ -104,14 +110,18 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
     EightF weighted[Vectors] = {};
     for (std::size_t d = 0; d < offsets; ++d) {
       const int after = at[step_[d]], before = at[-step_[d]];
-      const auto* remote = reinterpret_cast<const Eight*>(&by_remote_[d * rows + static_cast<std::size_t>(after) * width]);
-      const auto* home = reinterpret_cast<const Eight*>(&by_home_[d * rows + static_cast<std::size_t>(before) * width]);
+      const auto* remote =
+          reinterpret_cast<const Eight*>(&by_remote_[d * rows + static_cast<std::size_t>(after) * width]);
+      const auto* home =
+          reinterpret_cast<const Eight*>(&by_home_[d * rows + static_cast<std::size_t>(before) * width]);
       // Taking the pixel out lowers D[now, after] and D[before, now] by one. In a candidate's own two entries
       // this shows at t = now, at t = before where after = now, and at t = after where before = now.
       const auto* own = reinterpret_cast<const Eight*>(unit + now * width);
       const auto* first = reinterpret_cast<const Eight*>(unit + row_if(after == now, before, levels) * width);
-      const auto* second = reinterpret_cast<const Eight*>(unit + row_if(before == now, after, levels) * width);
-      const auto* both = reinterpret_cast<const Eight*>(unit + row_if(before == after, before, levels) * width);
+      const auto* second =
+          reinterpret_cast<const Eight*>(unit + row_if(before == now, after, levels) * width);
+      const auto* both =
+          reinterpret_cast<const Eight*>(unit + row_if(before == after, before, levels) * width);
       const int ends = (after < levels) + (before < levels);
       for (int v = 0; v < Vectors; ++v) {
         const Eight sum = remote[v] + home[v] - own[v] * ends - first[v] - second[v] + both[v];
@@ -160,14 +170,30 @@ std::size_t LevelDescent::sweep(std::uint64_t seed, const Work& work) {
     const std::uint32_t* pixels = order_.data() + i;
     const std::size_t n = std::min(kStep, order_.size() - i);
     switch (width_ / kLanes * 2 + weighted_) {
-      case 2: changed += visit<1, false>(pixels, n); break;
-      case 3: changed += visit<1, true>(pixels, n); break;
-      case 4: changed += visit<2, false>(pixels, n); break;
-      case 5: changed += visit<2, true>(pixels, n); break;
-      case 6: changed += visit<3, false>(pixels, n); break;
-      case 7: changed += visit<3, true>(pixels, n); break;
-      case 8: changed += visit<4, false>(pixels, n); break;
-      default: changed += visit<4, true>(pixels, n); break;
+      case 2:
+        changed += visit<1, false>(pixels, n);
+        break;
+      case 3:
+        changed += visit<1, true>(pixels, n);
+        break;
+      case 4:
+        changed += visit<2, false>(pixels, n);
+        break;
+      case 5:
+        changed += visit<2, true>(pixels, n);
+        break;
+      case 6:
+        changed += visit<3, false>(pixels, n);
+        break;
+      case 7:
+        changed += visit<3, true>(pixels, n);
+        break;
+      case 8:
+        changed += visit<4, false>(pixels, n);
+        break;
+      default:
+        changed += visit<4, true>(pixels, n);
+        break;
     }
   }
   return changed;
@@ -193,7 +219,8 @@ LevelField LevelDescent::field() const {
   std::size_t i = 0;
   for (int z = 0; z < size_.z(); ++z)
     for (int y = 0; y < size_.y(); ++y) {
-      const std::size_t row = (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + pad_.x();
+      const std::size_t row =
+          (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + pad_.x();
       std::memcpy(&out.at[i], &levels_of_[row], static_cast<std::size_t>(size_.x()));
       i += static_cast<std::size_t>(size_.x());
     }
@@ -206,11 +233,13 @@ std::vector<std::int32_t> LevelDescent::counts() const {
   std::size_t i = 0;
   for (std::size_t d = 0; d < step_.size(); ++d)
     for (int h = 0; h < levels_; ++h)
-      for (int r = 0; r < levels_; ++r) out[i++] += by_home_[d * rows + static_cast<std::size_t>(h) * width_ + r];
+      for (int r = 0; r < levels_; ++r)
+        out[i++] += by_home_[d * rows + static_cast<std::size_t>(h) * width_ + r];
   return out;
 }
 
-LevelField level_noise(const std::vector<const LevelField*>& source, int levels, const Vec3i& size, std::uint64_t seed) {
+LevelField level_noise(const std::vector<const LevelField*>& source, int levels, const Vec3i& size,
+                       std::uint64_t seed) {
   std::vector<std::int64_t> count(static_cast<std::size_t>(levels), 0);
   std::int64_t total = 0;
   for (const auto* f : source)

@@ -55,6 +55,7 @@ class LevelDescent {
 };
 
 // Noise with the histogram of `source` (its pixels with a level): shares rounded to whole pixels.
-LevelField level_noise(const std::vector<const LevelField*>& source, int levels, const Vec3i& size, std::uint64_t seed);
+LevelField level_noise(const std::vector<const LevelField*>& source, int levels, const Vec3i& size,
+                       std::uint64_t seed);
 
 }  // namespace terrazzo

@@ -48,14 +48,14 @@ std::vector<std::size_t> corners_of(const PatchPicture& p) {
   std::vector<std::int32_t> sum(static_cast<std::size_t>(w) * (p.height + 1), 0);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x)
-      sum[static_cast<std::size_t>(y + 1) * w + x + 1] = p.inside[static_cast<std::size_t>(y) * p.width + x] +
-                                                         sum[static_cast<std::size_t>(y) * w + x + 1] +
-                                                         sum[static_cast<std::size_t>(y + 1) * w + x] -
-                                                         sum[static_cast<std::size_t>(y) * w + x];
+      sum[static_cast<std::size_t>(y + 1) * w + x + 1] =
+          p.inside[static_cast<std::size_t>(y) * p.width + x] + sum[static_cast<std::size_t>(y) * w + x + 1] +
+          sum[static_cast<std::size_t>(y + 1) * w + x] - sum[static_cast<std::size_t>(y) * w + x];
   std::vector<std::size_t> out;
   for (int y = 0; y + kSide <= p.height; ++y)
     for (int x = 0; x + kSide <= p.width; ++x)
-      if (sum[static_cast<std::size_t>(y + kSide) * w + x + kSide] - sum[static_cast<std::size_t>(y) * w + x + kSide] -
+      if (sum[static_cast<std::size_t>(y + kSide) * w + x + kSide] -
+              sum[static_cast<std::size_t>(y) * w + x + kSide] -
               sum[static_cast<std::size_t>(y + kSide) * w + x] + sum[static_cast<std::size_t>(y) * w + x] ==
           kSide * kSide)
         out.push_back(static_cast<std::size_t>(y) * p.width + x);
@@ -111,7 +111,8 @@ double histogram_distance(const TexturePart& a, const TexturePart& b) {
     if (va.empty() || vb.empty()) return -1;
     const Quantiles qa = quantiles_of(va), qb = quantiles_of(vb);
     constexpr int kSteps = 512;
-    for (int i = 0; i < kSteps; ++i) sum += std::abs(qa.of((i + 0.5) / kSteps) - qb.of((i + 0.5) / kSteps)) / kSteps / 3;
+    for (int i = 0; i < kSteps; ++i)
+      sum += std::abs(qa.of((i + 0.5) / kSteps) - qb.of((i + 0.5) / kSteps)) / kSteps / 3;
   }
   return sum;
 }

@@ -19,8 +19,8 @@ struct TexturePart {
 double histogram_distance(const TexturePart& a, const TexturePart& b);
 
 // Sliced Wasserstein distance between the distributions of 7 × 7 patches that lie whole inside the parts, at
-// up to three scales: √ of the mean over directions of ∫(Q_a − Q_b)². Negative where no patch fits into one of
-// them. `draw` picks other patches, for what chance alone gives.
+// up to three scales: √ of the mean over directions of ∫(Q_a − Q_b)². Negative where no patch fits into one
+// of them. `draw` picks other patches, for what chance alone gives.
 double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t draw = 0, const Work& = {});
 
 // The largest patch_distance between the left and the right half and between the upper and the lower half.

@@ -31,7 +31,8 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   r.levels = color_levels(pixels, s.levels, s.space, s.seed, work);
   const int levels = r.levels.count();
   std::vector<LevelField> sections;
-  for (int k = 0; k < source.sections; ++k) sections.push_back(levels_of(source, k, r.levels, mask, work.quiet()));
+  for (int k = 0; k < source.sections; ++k)
+    sections.push_back(levels_of(source, k, r.levels, mask, work.quiet()));
   const auto offsets = cooccurrence_offsets(s.extent, s.scales);
   const Cooccurrence wanted = measure_cooccurrence(sections, levels, offsets, work.quiet());
   std::vector<PairTarget> targets;
@@ -43,7 +44,8 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   }
   std::vector<const LevelField*> all;
   for (const auto& f : sections) all.push_back(&f);
-  LevelDescent descent(level_noise(all, levels, Vec3i(width, height, 1), s.seed), levels, s.tileable, targets);
+  LevelDescent descent(level_noise(all, levels, Vec3i(width, height, 1), s.seed), levels, s.tileable,
+                       targets);
   r.error.push_back(descent.error());
   for (int k = 0; k < s.sweeps; ++k) {
     const Work part = work.part(static_cast<double>(k) / s.sweeps, static_cast<double>(k + 1) / s.sweeps);

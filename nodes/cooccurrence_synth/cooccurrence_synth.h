@@ -15,12 +15,12 @@ namespace terrazzo::cooccurrence_synth {
 
 struct SynthSettings {
   int levels = 8;
-  int extent = 2;              // pixels: offsets up to ± this in x and y
-  int scales = 1;              // of the offsets: times 1, 2, 4, …
-  int sweeps = 10;             // at most; it ends when a sweep changes nothing
-  int width = 0, height = 0;   // pixels; 0: the source's
-  bool tileable = true;        // opposite edges are neighbours
-  std::string space = "oklab"; // or rgb: where colours are clustered
+  int extent = 2;               // pixels: offsets up to ± this in x and y
+  int scales = 1;               // of the offsets: times 1, 2, 4, …
+  int sweeps = 10;              // at most; it ends when a sweep changes nothing
+  int width = 0, height = 0;    // pixels; 0: the source's
+  bool tileable = true;         // opposite edges are neighbours
+  std::string space = "oklab";  // or rgb: where colours are clustered
   std::uint64_t seed = 1;
 };
 
@@ -31,9 +31,11 @@ struct SynthResult {
   std::vector<std::size_t> changed;  // pixels, by each sweep; one entry fewer
 };
 
-// `mask`: which pixels of the source count, one entry each, or empty. Throws Error "too-small" where the source
-// or the output is no larger than the offsets reach, "no-pairs", "one-color", "no-pixels", "bad-pixels".
-SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthSettings&, const Work& = {});
+// `mask`: which pixels of the source count, one entry each, or empty. Throws Error "too-small" where the
+// source or the output is no larger than the offsets reach, "no-pairs", "one-color", "no-pixels",
+// "bad-pixels".
+SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthSettings&,
+                       const Work& = {});
 
 // The first section, or a field, in its levels' colours.
 Image image_of(const LevelField&, const ColorLevels&, double pixel_size);

@@ -43,12 +43,14 @@ void compute(Context& c) {
   if (c.has("mask")) mask = mask_of(c.value("mask"), source, "mask");
   const SynthResult r = synthesize(source, mask, s, c.work().part(0, 0.9));
   if (r.levels.count() < s.levels)
-    c.warn(fmt::format("the picture has only {} different colours, {} levels were asked for", r.levels.count(), s.levels));
+    c.warn(fmt::format("the picture has only {} different colours, {} levels were asked for",
+                       r.levels.count(), s.levels));
 
   Table table;
   table.columns = {"sweep", "error", "changed"};
   for (std::size_t i = 0; i < r.error.size(); ++i)
-    table.rows.push_back({static_cast<double>(i), r.error[i], i == 0 ? 0.0 : static_cast<double>(r.changed[i - 1])});
+    table.rows.push_back(
+        {static_cast<double>(i), r.error[i], i == 0 ? 0.0 : static_cast<double>(r.changed[i - 1])});
   Image out = image_of(r.field, r.levels, source.pixel_size);
   c.metric("error_start", r.error.front());
   c.metric("error", r.error.back());
@@ -61,7 +63,8 @@ void compute(Context& c) {
   c.metric("histogram_distance", histogram_distance(from, {&out, {}}));
   c.metric("patch_distance", patch_distance(from, {&out, {}}, 0, c.work()));
   if (mask.empty()) c.metric("patch_distance_floor", patch_distance_floor(first, c.work()));
-  c.output("quantized", image_of(levels_of(source, 0, r.levels, {}, c.work().quiet()), r.levels, source.pixel_size));
+  c.output("quantized",
+           image_of(levels_of(source, 0, r.levels, {}, c.work().quiet()), r.levels, source.pixel_size));
   c.output("figure", figure_of(r));
   c.output("table", std::move(table));
   c.output("image", std::move(out));
@@ -77,22 +80,33 @@ NodeType cooccurrence_synth_node() {
       .optional_input("mask", {"Labels", "Image"},
                       "where the texture is measured: labels other than 0, or brighter than 0.2")
       .output("image", "Image", "the field, in the levels' colours")
-      .output("table", "Table", "sweep, error E of the matrix (half of the offsets), pixels changed; sweep 0 is the noise")
+      .output("table", "Table",
+              "sweep, error E of the matrix (half of the offsets), pixels changed; sweep 0 is the noise")
       .output("figure", "Image", "the table's two curves (the paper's figure 3)")
       .output("quantized", "Image", "the source's first section in the levels' colours")
       .parameter(Parameter::integer("levels", 8).range(2, kMostLevels).doc_("Colours, found by k-means"))
       .parameter(Parameter::choice("space", "oklab", {"oklab", "rgb"})
                      .doc_("Where colours are clustered: Oklab, or RGB as displays show it (the paper's)"))
-      .parameter(Parameter::integer("extent", 2).range(1, 16).unit_("pixels").doc_(
-          "Offsets go up to ± this in x and y: 2 is a kernel of 5 × 5"))
-      .parameter(Parameter::integer("scales", 1).range(1, 8).doc_(
-          "The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1), for longer correlations"))
-      .parameter(Parameter::integer("sweeps", 10).range(1, 10000).doc_(
-          "Visits of every pixel, at most; it ends when one changes nothing"))
-      .parameter(Parameter::with_keyword(ParameterKind::Ints, "size", "auto").count(1, 2).range(2, 16384).unit_("pixels").doc_(
-          "Edge, or width and height; auto: the picture's"))
+      .parameter(Parameter::integer("extent", 2)
+                     .range(1, 16)
+                     .unit_("pixels")
+                     .doc_("Offsets go up to ± this in x and y: 2 is a kernel of 5 × 5"))
+      .parameter(Parameter::integer("scales", 1)
+                     .range(1, 8)
+                     .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1), for "
+                           "longer correlations"))
+      .parameter(Parameter::integer("sweeps", 10)
+                     .range(1, 10000)
+                     .doc_("Visits of every pixel, at most; it ends when one changes nothing"))
+      .parameter(Parameter::with_keyword(ParameterKind::Ints, "size", "auto")
+                     .count(1, 2)
+                     .range(2, 16384)
+                     .unit_("pixels")
+                     .doc_("Edge, or width and height; auto: the picture's"))
       .parameter(Parameter::boolean("tileable", true).doc_("Opposite edges continue each other"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the noise and the order of visits"))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Of the noise and the order of visits"))
       .compute_(compute);
 }
 

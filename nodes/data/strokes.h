@@ -9,8 +9,8 @@
 namespace terrazzo {
 
 struct Stroke {
-  // Pixels from the picture's upper left corner, x to the right, y down; pixel (0, 0) covers [0, 1)². A line has
-  // one part, a single point is a dab. An area is what an odd number of its parts' outlines surround.
+  // Pixels from the picture's upper left corner, x to the right, y down; pixel (0, 0) covers [0, 1)². A line
+  // has one part, a single point is a dab. An area is what an odd number of its parts' outlines surround.
   std::vector<std::vector<Vec2>> parts;
   double radius = 0;  // of the round nib, pixels
   bool area = false;  // fills what the parts surround, in the place of going along them
@@ -23,8 +23,8 @@ struct Strokes {
 template <>
 const ValueType& value_type<Strokes>();
 
-// Throws Error "bad-stroke" for what is no stroke: no points, numbers that are not finite or beyond ±10⁶, an area
-// of fewer than three points, a line with a radius of 0.
+// Throws Error "bad-stroke" for what is no stroke: no points, numbers that are not finite or beyond ±10⁶, an
+// area of fewer than three points, a line with a radius of 0.
 void check_stroke(const Stroke&);
 
 }  // namespace terrazzo

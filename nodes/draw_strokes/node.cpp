@@ -39,7 +39,9 @@ void compute(Context& c) {
 
 NodeType draw_strokes_node() {
   return NodeType("DrawStrokes", 1)
-      .doc_("Draws strokes on a picture in plain colours, and their mask: to mark a region, or to have something to erase")
+      .doc_(
+          "Draws strokes on a picture in plain colours, and their mask: to mark a region, or to have "
+          "something to erase")
       .input("image", "Image", "the picture")
       .input("strokes", "Strokes", "what is drawn, in order")
       .output("image", "Image", "the picture with the strokes on all sections, their edges hard")

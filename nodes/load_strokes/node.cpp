@@ -10,11 +10,13 @@ namespace {
 void compute(Context& c) {
   const auto& files = c.files("path");
   if (files.size() != 1)
-    throw Error("several-files", fmt::format("{} files match", files.size()), "name one file").parameter("path");
+    throw Error("several-files", fmt::format("{} files match", files.size()), "name one file")
+        .parameter("path");
   const std::string extension = files[0].extension().string();
   const bool svg = extension == ".svg" || extension == ".SVG";
   if (!svg && extension != ".yaml" && extension != ".yml")
-    throw Error("unknown-format", "strokes are read from .svg, .yaml and .yml, not from '" + extension + "'").parameter("path");
+    throw Error("unknown-format", "strokes are read from .svg, .yaml and .yml, not from '" + extension + "'")
+        .parameter("path");
   Strokes out;
   try {
     out = svg ? load_strokes::read_svg(files[0]) : load_strokes::read_yaml(files[0]);
@@ -39,10 +41,15 @@ NodeType load_strokes_node() {
       .doc_("Strokes for TextureNib from an SVG drawing or a YAML list")
       .source_("SVG 1.1, sections 7 to 9 and F.6")
       .output("strokes", "Strokes", "in the order of the file")
-      .parameter(Parameter::input_path("path").doc_(
-          "An .svg drawing: lines of half their stroke's width, filled shapes without a stroke as areas; or a .yaml list of "
-          "{radius, points} and {area: true, points}"))
-      .parameter(Parameter::number("scale", 1).above(0).range(1e-6, 1e6).unit_("pixels").doc_("Of one unit in the file"))
+      .parameter(
+          Parameter::input_path("path").doc_("An .svg drawing: lines of half their stroke's width, filled "
+                                             "shapes without a stroke as areas; or a .yaml list of "
+                                             "{radius, points} and {area: true, points}"))
+      .parameter(Parameter::number("scale", 1)
+                     .above(0)
+                     .range(1e-6, 1e6)
+                     .unit_("pixels")
+                     .doc_("Of one unit in the file"))
       .compute_(compute);
 }
 

@@ -23,7 +23,8 @@ double length(const std::string& text, double none) {
     std::size_t used = 0;
     const double v = std::stod(text, &used);
     const std::string unit = text.substr(used);
-    static const std::map<std::string, double> units = {{"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
+    static const std::map<std::string, double> units = {
+        {"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
     const auto it = units.find(unit);
     return it == units.end() || !std::isfinite(v) ? none : v * it->second;
   } catch (const std::exception&) {
@@ -125,7 +126,8 @@ std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double toler
     return {{a, Vec2(b.x(), a.y()), b, Vec2(a.x(), b.y()), a}};
   }
   if (name == "circle" || name == "ellipse") {
-    const Vec2 c(value("cx"), value("cy")), r = name == "circle" ? Vec2::Constant(value("r")) : Vec2(value("rx"), value("ry"));
+    const Vec2 c(value("cx"), value("cy")),
+        r = name == "circle" ? Vec2::Constant(value("r")) : Vec2(value("rx"), value("ry"));
     if (r.minCoeff() <= 0) return {};
     const Vec2 left(c.x() - r.x(), c.y()), right(c.x() + r.x(), c.y());
     std::vector<Vec2> points{left};
@@ -136,11 +138,13 @@ std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double toler
   return {};
 }
 
-void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inherited, int depth, Strokes& out) {
+void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inherited, int depth,
+             Strokes& out) {
   if (depth > 200) throw bad("groups are nested more than 200 deep");
   for (const auto& n : parent.children()) {
     const std::string name = n.name();
-    if (n.type() != pugi::node_element || name == "defs" || name == "symbol" || name == "clipPath" || name == "mask" || name == "marker" || name == "pattern")
+    if (n.type() != pugi::node_element || name == "defs" || name == "symbol" || name == "clipPath" ||
+        name == "mask" || name == "marker" || name == "pattern")
       continue;
     const Affine t = outer * transform_of(n.attribute("transform").value());
     const Style s = style_of(inherited, n);
@@ -179,10 +183,13 @@ Strokes read_svg(const std::filesystem::path& file) {
   Affine view = Affine::Identity();
   const auto box = numbers(svg.attribute("viewBox").value());
   if (box.size() == 4 && box[2] > 0 && box[3] > 0) {
-    const double w = length(svg.attribute("width").value(), box[2]), h = length(svg.attribute("height").value(), box[3]);
+    const double w = length(svg.attribute("width").value(), box[2]),
+                 h = length(svg.attribute("height").value(), box[3]);
     // preserveAspectRatio's default: as large as fits, in the middle.
     const double by = std::min(w / box[2], h / box[3]);
-    view.translate(Vec2((w - by * box[2]) / 2, (h - by * box[3]) / 2)).scale(by).translate(Vec2(-box[0], -box[1]));
+    view.translate(Vec2((w - by * box[2]) / 2, (h - by * box[3]) / 2))
+        .scale(by)
+        .translate(Vec2(-box[0], -box[1]));
   }
   Strokes out;
   collect(svg, view, {}, 0, out);

@@ -47,7 +47,8 @@ class Scanner {
   const char *at_, *begin_, *end_;
 };
 
-void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tolerance) {
+void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d,
+           double tolerance) {
   // Chords of a curve with |second derivative| ≤ m in n steps are off by m / (8 n²) at most.
   const double m = 6 * std::max((a - 2 * b + c).norm(), (b - 2 * c + d).norm());
   const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(m / (8 * tolerance)))), 1, 1000);
@@ -59,8 +60,8 @@ void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, 
 
 }  // namespace
 
-std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, bool large, bool sweep, const Vec2& to,
-                             double tolerance) {
+std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, bool large, bool sweep,
+                             const Vec2& to, double tolerance) {
   radii = radii.cwiseAbs();
   if (radii.minCoeff() <= 0 || from == to) return {to};
   const Eigen::Rotation2Dd turn(turn_degrees * std::numbers::pi / 180);
@@ -150,7 +151,8 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
         Vec2 radii;
         double turn = 0;
         bool large = false, sweep = false;
-        if (!in.number(radii.x()) || !in.number(radii.y()) || !in.number(turn) || !in.flag(large) || !in.flag(sweep) || !point(c))
+        if (!in.number(radii.x()) || !in.number(radii.y()) || !in.number(turn) || !in.flag(large) ||
+            !in.flag(sweep) || !point(c))
           return fail("no arc");
         auto& points = line();
         for (const auto& p : arc_points(at, radii, turn, large, sweep, c, tolerance)) points.push_back(p);
@@ -160,7 +162,8 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
       case 'Z':
         line().push_back(first), at = first, open = false;
         break;
-      default: return fail("an unknown command");
+      default:
+        return fail("an unknown command");
     }
     before = kind;
   }

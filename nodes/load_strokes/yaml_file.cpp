@@ -10,7 +10,8 @@ namespace {
 std::string where(const YAML::Node& n) { return fmt::format("line {}", n.Mark().line + 1); }
 
 Error bad(const std::string& what) {
-  return Error("bad-strokes-file", what, "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
+  return Error("bad-strokes-file", what,
+               "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
 
 std::vector<Vec2> points_of(const YAML::Node& n) {
@@ -36,7 +37,8 @@ Stroke stroke_of(const YAML::Node& n) {
     else if (key == "points")
       s.parts.push_back(points_of(entry.second));
     else if (key == "parts") {
-      if (!entry.second.IsSequence()) throw bad(where(entry.second) + ": parts are a list of lists of points");
+      if (!entry.second.IsSequence())
+        throw bad(where(entry.second) + ": parts are a list of lists of points");
       for (const auto& part : entry.second) s.parts.push_back(points_of(part));
     } else {
       throw bad(fmt::format("{}: a stroke has no '{}'", where(entry.first), key));

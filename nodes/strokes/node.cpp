@@ -23,11 +23,12 @@ NodeType strokes_node() {
   return NodeType("Strokes", 1)
       .doc_("Strokes written in the graph: where TextureNib goes")
       .output("strokes", "Strokes", "in the order written")
-      .parameter(Parameter::texts("strokes", {})
-                     .required()
-                     .unit_("pixels")
-                     .doc_("Each a line, \"radius: x y, x y, …\", or an area, \"area: x y, x y, x y\"; further "
-                           "outlines of an area follow a semicolon. From the picture's upper left corner, y down"))
+      .parameter(
+          Parameter::texts("strokes", {})
+              .required()
+              .unit_("pixels")
+              .doc_("Each a line, \"radius: x y, x y, …\", or an area, \"area: x y, x y, x y\"; further "
+                    "outlines of an area follow a semicolon. From the picture's upper left corner, y down"))
       .compute_(compute);
 }
 

@@ -52,7 +52,8 @@ Stroke read_stroke(const std::string& text) {
     for (const auto point : split(outline, ',')) {
       const auto gap = point.find_first_of(" \t");
       Vec2 p;
-      if (gap == std::string_view::npos || !number(point.substr(0, gap), p.x()) || !number(trimmed(point.substr(gap)), p.y()))
+      if (gap == std::string_view::npos || !number(point.substr(0, gap), p.x()) ||
+          !number(trimmed(point.substr(gap)), p.y()))
         throw bad(text, fmt::format("'{}' is no point", point));
       part.push_back(p);
     }

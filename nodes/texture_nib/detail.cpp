@@ -9,8 +9,8 @@ namespace {
 
 // The dab's pixels from its edge inwards: each time those beside a pixel that says something. What nothing
 // leads to comes last.
-std::vector<std::uint32_t> inwards(const std::vector<std::uint32_t>& footprint, std::vector<std::uint8_t>& known, int width,
-                                   int height) {
+std::vector<std::uint32_t> inwards(const std::vector<std::uint32_t>& footprint,
+                                   std::vector<std::uint8_t>& known, int width, int height) {
   std::vector<std::uint8_t> wanted(known.size(), 0);
   for (const auto p : footprint) wanted[p] = 1;
   std::vector<std::uint8_t> reached = known;
@@ -47,9 +47,9 @@ std::vector<std::uint32_t> inwards(const std::vector<std::uint32_t>& footprint, 
 }  // namespace
 
 // Gives the dab's pixels colours of the region: those of the pixel there whose surroundings look most alike,
-// found among the sources of the neighbours, shifted, and random ones (Ashikhmin 2001, Barnes 2009). Alone that
-// favours what is smooth; so where the level may change, a source counts the more the more its level is overused
-// beside these neighbours, by the matrix.
+// found among the sources of the neighbours, shifted, and random ones (Ashikhmin 2001, Barnes 2009). Alone
+// that favours what is smooth; so where the level may change, a source counts the more the more its level is
+// overused beside these neighbours, by the matrix.
 void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work& work) {
   const bool patches = manner_.finish == Finish::Patches;
   const int reach = patches ? 4 : 2, rounds = 4, random_tries = patches ? 24 : 6;
@@ -108,7 +108,9 @@ void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work
           // Of an unpainted neighbour inside the region its own place is the source.
           const std::size_t q = picture_.index(x + u, y + v);
           const std::int32_t s = source_[q] >= 0 ? source_[q]
-                                 : !occupied_[q] && texture_.level[q] != kNoLevel ? static_cast<std::int32_t>(q) : -1;
+                                 : !occupied_[q] && texture_.level[q] != kNoLevel
+                                     ? static_cast<std::int32_t>(q)
+                                     : -1;
           if (s < 0) continue;
           const int sx = s % w - u, sy = s / w - v;
           if (sx < 0 || sy < 0 || sx >= w || sy >= h || (sx == x && sy == y)) continue;
@@ -116,7 +118,8 @@ void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work
         }
       const auto& same = texture_.pixels_of[static_cast<std::size_t>(level)];
       Random random(manner_.seed, 0x91b2 + static_cast<std::uint64_t>(round), (dabs_ << 32) + p);
-      for (int r = 0; r < random_tries; ++r) try_source(static_cast<std::int32_t>(same[random.below(same.size())]));
+      for (int r = 0; r < random_tries; ++r)
+        try_source(static_cast<std::int32_t>(same[random.below(same.size())]));
       source_[p] = best;
       position_[p] = texture_.positions[static_cast<std::size_t>(best)];
       known[p] = 1;

@@ -34,7 +34,8 @@ Nib::Nib(Image picture, NibTexture texture, NibManner manner)
     base_[i] = static_cast<std::uint8_t>(k);
     level_[(i / picture_.width + pad_) * stride_ + i % picture_.width + pad_] = static_cast<std::uint8_t>(k);
   }
-  for (const auto& o : texture_.offsets) step_.push_back(static_cast<std::ptrdiff_t>(o.y()) * stride_ + o.x());
+  for (const auto& o : texture_.offsets)
+    step_.push_back(static_cast<std::ptrdiff_t>(o.y()) * stride_ + o.x());
   by_home_.assign(texture_.by_home.size(), 0), by_remote_.assign(texture_.by_home.size(), 0);
   pairs_.assign(step_.size(), 0);
 }
@@ -43,7 +44,8 @@ Rectangle Nib::bounds(const std::vector<std::uint32_t>& pixels) const {
   Rectangle r{picture_.width, picture_.height, 0, 0};
   for (const auto p : pixels) {
     const int x = static_cast<int>(p) % picture_.width, y = static_cast<int>(p) / picture_.width;
-    r.x0 = std::min(r.x0, x), r.y0 = std::min(r.y0, y), r.x1 = std::max(r.x1, x + 1), r.y1 = std::max(r.y1, y + 1);
+    r.x0 = std::min(r.x0, x), r.y0 = std::min(r.y0, y), r.x1 = std::max(r.x1, x + 1),
+    r.y1 = std::max(r.y1, y + 1);
   }
   return pixels.empty() ? Rectangle{} : r;
 }
@@ -76,8 +78,8 @@ void Nib::clear(std::uint32_t pixel) {
       static_cast<std::uint8_t>(texture_.levels.count());
 }
 
-// With the pixel taken out and K the pairs that there will be, level t adds (2·(C − K·p) + 1) / K² for each of
-// its entries, C − K·p being the difference to what is wanted, and 2 / K² more where both are one entry.
+// With the pixel taken out and K the pairs that there will be, level t adds (2·(C − K·p) + 1) / K² for each
+// of its entries, C − K·p being the difference to what is wanted, and 2 / K² more where both are one entry.
 // Returns −1 where no neighbour says anything.
 template <int Vectors>
 int Nib::best_level(std::uint32_t pixel) const {
@@ -94,12 +96,15 @@ int Nib::best_level(std::uint32_t pixel) const {
     if (ends == 0) continue;
     known = true;
     const float k = 1.0f / static_cast<float>(pairs_[d] + ends);
-    const std::size_t a = d * rows + static_cast<std::size_t>(after) * width, b = d * rows + static_cast<std::size_t>(before) * width;
-    const auto *counts_a = reinterpret_cast<const Eight*>(&by_remote_[a]), *counts_b = reinterpret_cast<const Eight*>(&by_home_[b]);
+    const std::size_t a = d * rows + static_cast<std::size_t>(after) * width,
+                      b = d * rows + static_cast<std::size_t>(before) * width;
+    const auto *counts_a = reinterpret_cast<const Eight*>(&by_remote_[a]),
+               *counts_b = reinterpret_cast<const Eight*>(&by_home_[b]);
     const auto *wanted_a = reinterpret_cast<const EightF*>(&texture_.by_remote[a]),
                *wanted_b = reinterpret_cast<const EightF*>(&texture_.by_home[b]);
     for (int v = 0; v < Vectors; ++v)
-      cost[v] += (__builtin_convertvector(counts_a[v] + counts_b[v], EightF) * k - (wanted_a[v] + wanted_b[v])) * k;
+      cost[v] +=
+          (__builtin_convertvector(counts_a[v] + counts_b[v], EightF) * k - (wanted_a[v] + wanted_b[v])) * k;
     if (after == before) both[after] += k * k;
   }
   if (!known) return -1;
@@ -135,14 +140,23 @@ void Nib::visit(std::uint32_t pixel, std::uint64_t item) {
   const int levels = texture_.levels.count();
   int t = 0;
   switch (texture_.width / kLanes) {
-    case 1: t = best_level<1>(pixel); break;
-    case 2: t = best_level<2>(pixel); break;
-    case 3: t = best_level<3>(pixel); break;
-    default: t = best_level<4>(pixel); break;
+    case 1:
+      t = best_level<1>(pixel);
+      break;
+    case 2:
+      t = best_level<2>(pixel);
+      break;
+    case 3:
+      t = best_level<3>(pixel);
+      break;
+    default:
+      t = best_level<4>(pixel);
+      break;
   }
   if (t < 0) {
     const double u = Random(manner_.seed, 0x91b0 + dabs_, item).uniform();
-    t = static_cast<int>(std::upper_bound(texture_.histogram.begin(), texture_.histogram.end(), u) - texture_.histogram.begin());
+    t = static_cast<int>(std::upper_bound(texture_.histogram.begin(), texture_.histogram.end(), u) -
+                         texture_.histogram.begin());
     t = std::min(t, levels - 1);
   }
   place(pixel, t);
@@ -161,6 +175,7 @@ void Nib::set_level(std::uint32_t pixel, int level) {
 }
 
 Rectangle Nib::dab(const std::vector<std::uint32_t>& footprint, const Work& work) {
+  if (footprint.empty()) return {};
   ++dabs_;
   // What lies under the nib and is not painted yet is about to go: it is no context.
   for (const auto p : footprint)
@@ -191,8 +206,9 @@ Rectangle Nib::paint(const Stroke& s, const Work& work) {
   begin_stroke(s.radius);
   Rectangle all;
   for (std::size_t i = 0; i < s.parts[0].size(); ++i) {
-    const Rectangle r = extend_stroke(s.parts[0][i], work.part(static_cast<double>(i) / static_cast<double>(s.parts[0].size()),
-                                                              static_cast<double>(i + 1) / static_cast<double>(s.parts[0].size())));
+    const Rectangle r = extend_stroke(
+        s.parts[0][i], work.part(static_cast<double>(i) / static_cast<double>(s.parts[0].size()),
+                                 static_cast<double>(i + 1) / static_cast<double>(s.parts[0].size())));
     if (r.x1 <= r.x0) continue;
     if (all.x1 <= all.x0) all = r;
     all = {std::min(all.x0, r.x0), std::min(all.y0, r.y0), std::max(all.x1, r.x1), std::max(all.y1, r.y1)};
@@ -218,7 +234,9 @@ std::vector<std::int32_t> Nib::counts() const {
   for (std::size_t d = 0; d < step_.size(); ++d)
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r)
-        out.push_back(by_home_[(d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) * texture_.width + r]);
+        out.push_back(by_home_[(d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) *
+                                   texture_.width +
+                               r]);
   return out;
 }
 
@@ -244,8 +262,10 @@ double Nib::error() const {
     if (pairs_[d] == 0) continue;
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const std::size_t i = (d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) * texture_.width + r;
-        const double e = static_cast<double>(by_home_[i]) / static_cast<double>(pairs_[d]) - texture_.by_home[i];
+        const std::size_t i =
+            (d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) * texture_.width + r;
+        const double e =
+            static_cast<double>(by_home_[i]) / static_cast<double>(pairs_[d]) - texture_.by_home[i];
         sum += e * e;
       }
   }

@@ -1,5 +1,5 @@
-// The context-sensitive nib (Malzbender and Spach 1993, section 4): a picture, one texture, and what was painted
-// with it so far.
+// The context-sensitive nib (Malzbender and Spach 1993, section 4): a picture, one texture, and what was
+// painted with it so far.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 
 namespace terrazzo::texture_nib {
 
-// What becomes of the levels painted. Levels: their colours (the paper's). Colors: those of the region's pixels
-// of the same level whose surroundings look alike. Patches: those of the region's pixels whose surroundings look
-// alike, whatever their level, from the edge inwards.
+// What becomes of the levels painted. Levels: their colours (the paper's). Colors: those of the region's
+// pixels of the same level whose surroundings look alike. Patches: those of the region's pixels whose
+// surroundings look alike, whatever their level, from the edge inwards.
 enum class Finish { Levels, Colors, Patches };
 
 // How the pixels of a dab are visited.
@@ -35,11 +35,13 @@ class Nib {
   // Paints on the picture's first section. Everything is a function of these and of the strokes.
   Nib(Image picture, NibTexture, NibManner);
 
-  // A stroke, whole: dabs along its line, one a segment, or one dab for an area. Strokes may be given point by
-  // point as well, with the same result. Returns what changed. Throws Error "bad-stroke".
+  // A stroke, whole: dabs along its line, one a segment, or one dab for an area. Strokes may be given point
+  // by point as well, with the same result. Returns what changed. Throws Error "bad-stroke".
   Rectangle paint(const Stroke&, const Work& = {});
   // One dab on these pixels, by number, rising and each once.
-  Rectangle paint(const std::vector<std::uint32_t>& pixels, const Work& work = {}) { return dab(pixels, work); }
+  Rectangle paint(const std::vector<std::uint32_t>& pixels, const Work& work = {}) {
+    return dab(pixels, work);
+  }
   void begin_stroke(double radius);  // Throws Error "bad-stroke"
   Rectangle extend_stroke(const Vec2& point, const Work& = {});
 
@@ -82,8 +84,8 @@ class Nib {
   std::vector<std::ptrdiff_t> step_;
   std::vector<std::int32_t> by_home_, by_remote_;
   std::vector<std::int64_t> pairs_;
-  std::vector<Vec3f> position_;         // colours now, in the levels' space
-  std::vector<std::int32_t> source_;    // the region's pixel whose colour a painted pixel has, or −1
+  std::vector<Vec3f> position_;       // colours now, in the levels' space
+  std::vector<std::int32_t> source_;  // the region's pixel whose colour a painted pixel has, or −1
   std::uint64_t dabs_ = 0;
   double radius_ = 0;
   bool first_point_ = true;

@@ -9,16 +9,19 @@
 
 namespace terrazzo::texture_nib {
 
-NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, const NibSettings& s, const Work& work) {
+NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, const NibSettings& s,
+                 const Work& work) {
   NibTexture t;
   std::vector<Vec3f> colors;
   for (std::size_t i = 0; i < region.size(); ++i)
     if (region[i]) colors.push_back(picture.pixels[i]);
   if (colors.empty())
-    throw Error("no-pixels", "the region holds no pixel of the picture", "draw it inside the picture").parameter("region");
+    throw Error("no-pixels", "the region holds no pixel of the picture", "draw it inside the picture")
+        .parameter("region");
   t.levels = color_levels(colors, s.levels, s.space, s.seed, work);
   const int levels = t.levels.count();
-  t.colors.assign(picture.pixels.begin(), picture.pixels.begin() + static_cast<std::ptrdiff_t>(region.size()));
+  t.colors.assign(picture.pixels.begin(),
+                  picture.pixels.begin() + static_cast<std::ptrdiff_t>(region.size()));
   t.positions.resize(region.size(), Vec3f::Zero());
   t.level.assign(region.size(), kNoLevel);
   t.pixels_of.resize(static_cast<std::size_t>(levels));
@@ -37,9 +40,11 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
     t.histogram[static_cast<std::size_t>(k)] += 1.0 / static_cast<double>(colors.size());
     distances.push_back(std::sqrt(d));
   }
-  for (int k = 1; k < levels; ++k) t.histogram[static_cast<std::size_t>(k)] += t.histogram[static_cast<std::size_t>(k - 1)];
+  for (int k = 1; k < levels; ++k)
+    t.histogram[static_cast<std::size_t>(k)] += t.histogram[static_cast<std::size_t>(k - 1)];
   // All but the region's own outliers belong to it.
-  const auto far = distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(distances.size() - 1) * 0.99);
+  const auto far =
+      distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(distances.size() - 1) * 0.99);
   std::nth_element(distances.begin(), far, distances.end());
   t.threshold = s.threshold >= 0 ? s.threshold : 1.25 * *far;
 
@@ -53,13 +58,15 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   t.by_remote.assign(t.offsets.size() * rows, 0);
   for (std::size_t d = 0; d < t.offsets.size(); ++d) {
     if (c.pairs[d] == 0)
-      throw Error("too-small",
-                  fmt::format("no two pixels of the region lie ({}, {}) apart", t.offsets[d].x(), t.offsets[d].y()),
-                  "the region must be larger than the kernel: enlarge it, or make extent or scales smaller")
+      throw Error(
+          "too-small",
+          fmt::format("no two pixels of the region lie ({}, {}) apart", t.offsets[d].x(), t.offsets[d].y()),
+          "the region must be larger than the kernel: enlarge it, or make extent or scales smaller")
           .parameter("region");
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const auto p = static_cast<float>(static_cast<double>(c.counts[c.at(d, h, r)]) / static_cast<double>(c.pairs[d]));
+        const auto p = static_cast<float>(static_cast<double>(c.counts[c.at(d, h, r)]) /
+                                          static_cast<double>(c.pairs[d]));
         t.by_home[d * rows + static_cast<std::size_t>(h) * t.width + r] = p;
         t.by_remote[d * rows + static_cast<std::size_t>(r) * t.width + h] = p;
       }

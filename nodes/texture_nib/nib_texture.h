@@ -13,9 +13,9 @@ namespace terrazzo::texture_nib {
 
 struct NibSettings {
   int levels = 8;
-  int extent = 3;             // pixels: the kernel is (2·extent + 1)²
-  int scales = 1;             // of the offsets: times 1, 2, 4, …
-  double threshold = -1;      // φ: farther from every level a pixel is no texture; below 0: from the region
+  int extent = 3;         // pixels: the kernel is (2·extent + 1)²
+  int scales = 1;         // of the offsets: times 1, 2, 4, …
+  double threshold = -1;  // φ: farther from every level a pixel is no texture; below 0: from the region
   std::string space = "oklab";
   std::uint64_t seed = 1;
 };
@@ -28,7 +28,8 @@ struct NibTexture {
   // Probabilities of the pairs: [offset][row, the last all 0][width], rows by the home or the remote level.
   std::vector<float> by_home, by_remote;
   std::vector<double> histogram;  // shares of the levels, rising sums
-  // Of the whole picture: colours, scene-linear and in the levels' space; level, or kNoLevel outside the region.
+  // Of the whole picture: colours, scene-linear and in the levels' space; level, or kNoLevel outside the
+  // region.
   std::vector<Vec3f> colors, positions;
   std::vector<std::uint8_t> level;
   std::vector<std::vector<std::uint32_t>> pixels_of;  // the region's pixels of each level

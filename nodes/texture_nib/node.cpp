@@ -18,7 +18,8 @@ std::vector<std::uint8_t> region_of(Context& c, const Image& picture, const Stro
   const bool written = c.keyword("region").empty();
   if (c.has("region_mask")) {
     if (written)
-      throw Error("two-regions", "there is a region_mask, and a region is written", "keep one of them").parameter("region");
+      throw Error("two-regions", "there is a region_mask, and a region is written", "keep one of them")
+          .parameter("region");
     return mask_of(c.value("region_mask"), picture, "region_mask");
   }
   if (written) return region_mask(c.numbers("region"), picture.width, picture.height);
@@ -35,7 +36,8 @@ void compute(Context& c) {
     throw Error("several-sections", fmt::format("the picture is a stack of {} sections", picture.sections),
                 "paint on one at a time");
   if (!c.has("strokes") && !c.has("fill"))
-    throw Error("nothing-to-paint", "neither strokes nor fill are connected", "connect a Strokes or LoadStrokes node, or a mask");
+    throw Error("nothing-to-paint", "neither strokes nor fill are connected",
+                "connect a Strokes or LoadStrokes node, or a mask");
   Strokes strokes;
   if (const auto* s = c.optional<Strokes>("strokes")) strokes = *s;
   for (std::size_t i = 0; i < strokes.strokes.size(); ++i)
@@ -76,40 +78,60 @@ void compute(Context& c) {
 
 NodeType texture_nib_node() {
   return NodeType("TextureNib", 1)
-      .doc_("Paints a region's texture along strokes so that it grows out of what surrounds it; also erases things from "
-            "textured pictures")
-      .source_("Malzbender and Spach 1993, section 4; finish patches: search by coherence after Ashikhmin 2001 and Barnes et al. 2009")
+      .doc_(
+          "Paints a region's texture along strokes so that it grows out of what surrounds it; also erases "
+          "things from "
+          "textured pictures")
+      .source_(
+          "Malzbender and Spach 1993, section 4; finish patches: search by coherence after Ashikhmin 2001 "
+          "and Barnes et al. 2009")
       .input("image", "Image", "one section")
       .optional_input("strokes", {"Strokes"}, "where the nib goes")
-      .optional_input("fill", {"Labels", "Image"}, "an area to paint after the strokes: labels other than 0, or brighter than 0.2")
-      .optional_input("region_mask", {"Labels", "Image"}, "the region whose texture is painted, in the place of the parameter")
+      .optional_input("fill", {"Labels", "Image"},
+                      "an area to paint after the strokes: labels other than 0, or brighter than 0.2")
+      .optional_input("region_mask", {"Labels", "Image"},
+                      "the region whose texture is painted, in the place of the parameter")
       .output("image", "Image", "the picture painted on")
-      .output("base_relative", "Image", "the picture in the texture's levels, magenta where its colours are none of them")
+      .output("base_relative", "Image",
+              "the picture in the texture's levels, magenta where its colours are none of them")
       .output("occupancy", "Image", "white where the nib has been")
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "region", "rest")
                      .count(4, 4096)
                      .range(-1e6, 1e6)
                      .unit_("pixels")
-                     .doc_("Whose texture is painted: x, y, width, height, or a polygon's corners, x and y in turn; rest: all "
+                     .doc_("Whose texture is painted: x, y, width, height, or a polygon's corners, x and y "
+                           "in turn; rest: all "
                            "that is not painted"))
-      .parameter(Parameter::integer("levels", 8).range(2, kMostLevels).doc_("Colours of the texture, found by k-means"))
+      .parameter(Parameter::integer("levels", 8)
+                     .range(2, kMostLevels)
+                     .doc_("Colours of the texture, found by k-means"))
       .parameter(Parameter::choice("space", "oklab", {"oklab", "rgb"})
-                     .doc_("Where colours are compared: Oklab, or RGB as displays show it (the paper's), each from 0 to 1"))
-      .parameter(Parameter::integer("extent", 3).range(1, 16).unit_("pixels").doc_(
-          "Offsets go up to ± this in x and y: 3 is a kernel of 7 × 7"))
-      .parameter(Parameter::integer("scales", 1).range(1, 8).doc_(
-          "The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1)"))
+                     .doc_("Where colours are compared: Oklab, or RGB as displays show it (the paper's), "
+                           "each from 0 to 1"))
+      .parameter(Parameter::integer("extent", 3)
+                     .range(1, 16)
+                     .unit_("pixels")
+                     .doc_("Offsets go up to ± this in x and y: 3 is a kernel of 7 × 7"))
+      .parameter(Parameter::integer("scales", 1)
+                     .range(1, 8)
+                     .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1)"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "threshold", "auto")
                      .range(0, 10)
-                     .doc_("φ: a pixel whose colour is farther than this from all levels says nothing to the nib; in units of "
+                     .doc_("φ: a pixel whose colour is farther than this from all levels says nothing to the "
+                           "nib; in units of "
                            "space. auto: 1.25 times what 99 % of the region keep"))
-      .parameter(Parameter::integer("passes", 4).range(1, 1000).doc_(
-          "How often each pixel of a dab is visited; all once before any a second time"))
+      .parameter(Parameter::integer("passes", 4)
+                     .range(1, 1000)
+                     .doc_("How often each pixel of a dab is visited; all once before any a second time"))
       .parameter(Parameter::choice("finish", "patches", {"levels", "colors", "patches"})
-                     .doc_("levels: the texture's few colours, the paper's. colors: those of the region's pixels of the same "
-                           "level in like surroundings. patches: those of the region's pixels in like surroundings, levels "
+                     .doc_("levels: the texture's few colours, the paper's. colors: those of the region's "
+                           "pixels of the same "
+                           "level in like surroundings. patches: those of the region's pixels in like "
+                           "surroundings, levels "
                            "following, so that shapes survive"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the order of visits and the search"))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Of the order of visits and the search"))
       .compute_(compute);
 }
 

@@ -16,7 +16,9 @@ std::vector<std::uint8_t> region_mask(const std::vector<double>& v, int width, i
   std::vector<Vec2> corners;
   if (v.size() == 4) {
     if (!(v[2] > 0 && v[3] > 0))
-      throw Error("bad-region", fmt::format("a region of {} × {} pixels", v[2], v[3]), "width and height are above 0").parameter("region");
+      throw Error("bad-region", fmt::format("a region of {} × {} pixels", v[2], v[3]),
+                  "width and height are above 0")
+          .parameter("region");
     corners = {{v[0], v[1]}, {v[0] + v[2], v[1]}, {v[0] + v[2], v[1] + v[3]}, {v[0], v[1] + v[3]}};
   } else {
     for (std::size_t i = 0; i < v.size(); i += 2) corners.emplace_back(v[i], v[i + 1]);
@@ -24,7 +26,8 @@ std::vector<std::uint8_t> region_mask(const std::vector<double>& v, int width, i
   for (const auto& c : corners)
     if (!(c.x() >= 0 && c.y() >= 0 && c.x() <= width && c.y() <= height))
       throw Error("outside-image",
-                  fmt::format("the region reaches ({}, {}), the picture has {} × {} pixels", c.x(), c.y(), width, height),
+                  fmt::format("the region reaches ({}, {}), the picture has {} × {} pixels", c.x(), c.y(),
+                              width, height),
                   "draw the region inside the picture")
           .parameter("region");
   std::vector<std::uint8_t> out(static_cast<std::size_t>(width) * height, 0);
@@ -43,7 +46,8 @@ void check_on_picture(const Stroke& s, std::size_t number, int width, int height
   check_stroke(s);
   if (2 * s.radius > std::max(width, height))
     throw Error("nib-too-large",
-                fmt::format("stroke {}: a nib of {} pixels on a picture of {} × {}", number, 2 * s.radius, width, height),
+                fmt::format("stroke {}: a nib of {} pixels on a picture of {} × {}", number, 2 * s.radius,
+                            width, height),
                 "make the radius smaller");
   if (footprint_of(s, width, height).empty())
     throw Error("outside-image",

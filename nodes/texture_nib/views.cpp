@@ -15,7 +15,8 @@ Image base_relative_view(const Nib& nib) {
 Image occupancy_view(const Nib& nib) {
   const Image& p = nib.picture();
   Image out(p.width, p.height, 1, p.pixel_size);
-  for (std::size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = Vec3f::Constant(nib.occupancy()[i] ? 1.0f : 0.0f);
+  for (std::size_t i = 0; i < out.pixels.size(); ++i)
+    out.pixels[i] = Vec3f::Constant(nib.occupancy()[i] ? 1.0f : 0.0f);
   return out;
 }
 

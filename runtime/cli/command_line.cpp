@@ -50,6 +50,7 @@ int run_command_line(int argc, char** argv, const Program& program) {
   cli::add_sweep(app, program, exit_code);
   cli::add_cache(app, program, exit_code);
   cli::add_reproduce(app, program, exit_code);
+  if (program.add_commands) program.add_commands(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -1,5 +1,6 @@
-// Colour co-occurrence: pixel updates a second (1993: 450 at 5 × 5 and 8 levels), and a dab of the nib of 12 × 12 pixels.
-// The baseline tries every level of a pixel by the paper's four changes one by one, as section 3 writes them.
+// Colour co-occurrence: pixel updates a second (1993: 450 at 5 × 5 and 8 levels), and a dab of the nib of 12
+// × 12 pixels. The baseline tries every level of a pixel by the paper's four changes one by one, as section 3
+// writes them.
 #include <benchmark/benchmark.h>
 
 #include <map>
@@ -21,7 +22,9 @@ LevelField blotches(int side) {
       Random r(1, 1, f.index(x, y));
       const auto fresh = static_cast<std::uint8_t>(r.below(kLevels));
       const double u = r.uniform();
-      f.at[f.index(x, y)] = u < 0.5 && x > 0 ? f.at[f.index(x - 1, y)] : u < 0.85 && y > 0 ? f.at[f.index(x, y - 1)] : fresh;
+      f.at[f.index(x, y)] = u < 0.5 && x > 0    ? f.at[f.index(x - 1, y)]
+                            : u < 0.85 && y > 0 ? f.at[f.index(x, y - 1)]
+                                                : fresh;
     }
   return f;
 }
@@ -29,7 +32,8 @@ LevelField blotches(int side) {
 std::vector<PairTarget> targets(const LevelField& source, const std::vector<Vec3i>& offsets) {
   const Cooccurrence c = measure_cooccurrence(source, kLevels, offsets, false);
   std::vector<PairTarget> out;
-  for (std::size_t d = 0; d < offsets.size(); ++d) out.push_back({offsets[d], scaled_counts(c, d, kSide * kSide)});
+  for (std::size_t d = 0; d < offsets.size(); ++d)
+    out.push_back({offsets[d], scaled_counts(c, d, kSide * kSide)});
   return out;
 }
 
@@ -40,7 +44,8 @@ void count(benchmark::State& state, double pixels) {
 // Five sweeps from noise.
 void ccm_synthesis(benchmark::State& state) {
   const LevelField source = blotches(kSide);
-  const auto wanted = targets(source, cooccurrence_offsets(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
+  const auto wanted = targets(
+      source, cooccurrence_offsets(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
   const LevelField noise = level_noise({&source}, kLevels, source.size, 1);
   double start = 0, end = 0, pixels = 0;
   for (auto _ : state) {
@@ -54,7 +59,13 @@ void ccm_synthesis(benchmark::State& state) {
   count(state, pixels);
   state.counters["error_falls"] = start / end;
 }
-BENCHMARK(ccm_synthesis)->ArgNames({"extent", "scales"})->Args({2, 1})->Args({4, 1})->Args({6, 1})->Args({2, 4})->Unit(benchmark::kMillisecond);
+BENCHMARK(ccm_synthesis)
+    ->ArgNames({"extent", "scales"})
+    ->Args({2, 1})
+    ->Args({4, 1})
+    ->Args({6, 1})
+    ->Args({2, 4})
+    ->Unit(benchmark::kMillisecond);
 
 void ccm_plain(benchmark::State& state) {
   const LevelField source = blotches(kSide);
@@ -79,7 +90,8 @@ void ccm_plain(benchmark::State& state) {
       changes.clear();
       for (std::size_t d = 0; d < offsets.size(); ++d) {
         const auto level = [&](int s) {
-          return field.at[field.index((x + s * offsets[d].x() + kSide) % kSide, (y + s * offsets[d].y() + kSide) % kSide)];
+          return field.at[field.index((x + s * offsets[d].x() + kSide) % kSide,
+                                      (y + s * offsets[d].y() + kSide) % kSide)];
         };
         const std::size_t after = level(1), before = level(-1);
         --changes[d * 64 + old * 8 + after], ++changes[d * 64 + t * 8 + after];
@@ -103,7 +115,8 @@ void ccm_nib(benchmark::State& state) {
   const LevelField field = blotches(kSide);
   Image picture(kSide, kSide, 1, 1);
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
-    picture.pixels[i] = Vec3f::Constant(0.05f + 0.1f * static_cast<float>(field.at[i]) + 0.04f * static_cast<float>(Random(2, 0, i).uniform()));
+    picture.pixels[i] = Vec3f::Constant(0.05f + 0.1f * static_cast<float>(field.at[i]) +
+                                        0.04f * static_cast<float>(Random(2, 0, i).uniform()));
   NibSettings s;
   s.extent = static_cast<int>(state.range(0));
   Nib nib(picture, learn(picture, std::vector<std::uint8_t>(picture.pixels.size(), 1), s),
@@ -121,7 +134,14 @@ void ccm_nib(benchmark::State& state) {
   }
   count(state, pixels);
 }
-BENCHMARK(ccm_nib)->ArgNames({"extent", "finish"})->Args({2, 0})->Args({3, 0})->Args({3, 1})->Args({3, 2})->Args({6, 2})->Unit(benchmark::kMillisecond);
+BENCHMARK(ccm_nib)
+    ->ArgNames({"extent", "finish"})
+    ->Args({2, 0})
+    ->Args({3, 0})
+    ->Args({3, 1})
+    ->Args({3, 2})
+    ->Args({6, 2})
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace terrazzo

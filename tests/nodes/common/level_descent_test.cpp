@@ -33,7 +33,8 @@ std::vector<PairTarget> targets_of(const LevelField& source, const Vec3i& size, 
   std::vector<PairTarget> out;
   for (std::size_t d = 0; d < offsets.size(); ++d) {
     const Vec3i o = offsets[d].cwiseAbs(), left = periodic ? size : Vec3i(size - o);
-    out.push_back({offsets[d], scaled_counts(c, d, static_cast<std::int64_t>(left.x()) * left.y() * left.z())});
+    out.push_back(
+        {offsets[d], scaled_counts(c, d, static_cast<std::int64_t>(left.x()) * left.y() * left.z())});
   }
   return out;
 }
@@ -61,7 +62,9 @@ TEST(Cooccurrence, HalfOfTheOffsetsAtEveryScale) {
     longest = std::max(longest, offsets[i].cwiseAbs().maxCoeff());
     for (std::size_t j = 0; j < offsets.size(); ++j) {
       EXPECT_NE(offsets[i], Vec3i(-offsets[j]));
-      if (i != j) { EXPECT_NE(offsets[i], offsets[j]); }
+      if (i != j) {
+        EXPECT_NE(offsets[i], offsets[j]);
+      }
     }
   }
   EXPECT_EQ(longest, 16);
@@ -91,11 +94,15 @@ TEST(LevelDescent, CountsKeptUpToDateEqualFreshOnes) {
     Random r(seed, 9);
     const int levels = 2 + static_cast<int>(r.below(seed % 3 == 0 ? 30 : 8));
     const bool periodic = seed % 2 == 0, solid = seed % 4 == 3;
-    const auto flat = cooccurrence_offsets(1 + static_cast<int>(r.below(3)), 1 + static_cast<int>(r.below(2)));
+    const auto flat =
+        cooccurrence_offsets(1 + static_cast<int>(r.below(3)), 1 + static_cast<int>(r.below(2)));
     std::vector<Vec3i> offsets;
     for (const auto& o : flat)
-      for (int axis = 0; axis < (solid ? 3 : 1); ++axis) offsets.push_back(solid ? offset_across(axis, o) : o);
-    const Vec3i size = solid ? Vec3i(9, 8, 10) : Vec3i(13 + static_cast<int>(r.below(20)), 11 + static_cast<int>(r.below(20)), 1);
+      for (int axis = 0; axis < (solid ? 3 : 1); ++axis)
+        offsets.push_back(solid ? offset_across(axis, o) : o);
+    const Vec3i size = solid
+                           ? Vec3i(9, 8, 10)
+                           : Vec3i(13 + static_cast<int>(r.below(20)), 11 + static_cast<int>(r.below(20)), 1);
     const LevelField source = blotches(solid ? Vec3i(14, 14, 14) : Vec3i(40, 40, 1), levels, seed);
     const LevelField start = level_noise({&source}, levels, size, seed);
     LevelDescent descent(start, levels, periodic, targets_of(source, size, levels, offsets, periodic));
@@ -131,7 +138,8 @@ TEST(LevelDescent, EndsWhereNoSingleChangeHelps) {
       double sum = 0;
       for (std::size_t d = 0; d < offsets.size(); ++d)
         for (int i = 0; i < levels * levels; ++i) {
-          const double e = (c.counts[d * levels * levels + i] - targets[d].counts[i]) / static_cast<double>(c.pairs[d]);
+          const double e =
+              (c.counts[d * levels * levels + i] - targets[d].counts[i]) / static_cast<double>(c.pairs[d]);
           sum += e * e;
         }
       return sum;
@@ -154,7 +162,8 @@ TEST(LevelDescent, ErrorFallsAThousandTimesInFewSweeps) {
   const LevelField source = blotches({128, 128, 1}, 8, 5);
   const auto offsets = cooccurrence_offsets(2);
   const Vec3i size(128, 128, 1);
-  LevelDescent descent(level_noise({&source}, 8, size, 1), 8, true, targets_of(source, size, 8, offsets, true));
+  LevelDescent descent(level_noise({&source}, 8, size, 1), 8, true,
+                       targets_of(source, size, 8, offsets, true));
   const double start = descent.error();
   for (int k = 0; k < 4; ++k) descent.sweep(static_cast<std::uint64_t>(k));
   EXPECT_LT(descent.error(), start / 1000);
@@ -165,7 +174,8 @@ TEST(LevelDescent, NoiseHasTheHistogram) {
   const LevelField noise = level_noise({&source}, 6, {33, 47, 1}, 1);
   for (int k = 0; k < 6; ++k)
     EXPECT_NEAR(static_cast<double>(std::count(noise.at.begin(), noise.at.end(), k)) / noise.at.size(),
-                static_cast<double>(std::count(source.at.begin(), source.at.end(), k)) / source.at.size(), 1e-3);
+                static_cast<double>(std::count(source.at.begin(), source.at.end(), k)) / source.at.size(),
+                1e-3);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 
 #include <set>
 
-#include "nodes/common/cooccurrence.h"
 #include "nodes/common/color_levels.h"
+#include "nodes/common/cooccurrence.h"
 #include "nodes/common/image_file.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
@@ -15,7 +15,11 @@ namespace terrazzo {
 namespace {
 
 Image pattern(const char* kind, int size) {
-  return test::run_node("Pattern", {}, {{"kind", kind}, {"axis", "z"}, {"width", std::to_string(size)}, {"height", std::to_string(size)}})
+  return test::run_node("Pattern", {},
+                        {{"kind", kind},
+                         {"axis", "z"},
+                         {"width", std::to_string(size)},
+                         {"height", std::to_string(size)}})
       .output<Image>("image");
 }
 
@@ -28,11 +32,11 @@ std::set<std::tuple<float, float, float>> colors(const Image& image) {
 TEST(CooccurrenceSynth, MatchesThePicturesMatrix) {
   const Image source = pattern("fat", 96);
   for (const char* tileable : {"true", "false"}) {
-    const auto r = test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}}, {{"tileable", tileable}});
+    const auto r =
+        test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}}, {{"tileable", tileable}});
     const Table& t = r.output<Table>("table");
     EXPECT_EQ(t.columns, (std::vector<std::string>{"sweep", "error", "changed"}));
-    for (std::size_t i = 1; i < t.rows.size(); ++i)
-      EXPECT_LE(t.number(i, "error"), t.number(i - 1, "error"));
+    for (std::size_t i = 1; i < t.rows.size(); ++i) EXPECT_LE(t.number(i, "error"), t.number(i - 1, "error"));
     EXPECT_LT(t.number(t.rows.size() - 1, "error"), t.number(0, "error") / 300);
     EXPECT_EQ(colors(r.output<Image>("image")), colors(r.output<Image>("quantized")));
     EXPECT_LT(r.metrics.at("histogram_distance"), 0.02);
@@ -44,7 +48,8 @@ TEST(CooccurrenceSynth, SizeSeedAndSpace) {
   const auto run = [&](std::map<std::string, std::string> p) {
     return test::run_node("CooccurrenceSynth", {{"image", source}}, p).output<Image>("image");
   };
-  const Image a = run({{"size", "[40, 24]"}}), b = run({{"size", "[40, 24]"}}), c = run({{"size", "[40, 24]"}, {"seed", "2"}});
+  const Image a = run({{"size", "[40, 24]"}}), b = run({{"size", "[40, 24]"}}),
+              c = run({{"size", "[40, 24]"}, {"seed", "2"}});
   EXPECT_EQ(a.width, 40);
   EXPECT_EQ(a.height, 24);
   EXPECT_EQ(a.pixels, b.pixels);
@@ -61,16 +66,19 @@ TEST(CooccurrenceSynth, MeasuresUnderTheMaskAlone) {
   mask.classes = {0};
   for (int y = 0; y < 40; ++y)
     for (int x = 0; x < 40; ++x) {
-      source.at(x, y) = x < 20 ? Vec3f::Constant(Random(1, 0, y * 40 + x).below(2) ? 0.2f : 0.6f) : Vec3f(1, 0, 0);
+      source.at(x, y) =
+          x < 20 ? Vec3f::Constant(Random(1, 0, y * 40 + x).below(2) ? 0.2f : 0.6f) : Vec3f(1, 0, 0);
       mask.ids[static_cast<std::size_t>(y * 40 + x)] = x < 20;
     }
-  const auto r = test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}, {"mask", Value::of(mask)}});
+  const auto r =
+      test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}, {"mask", Value::of(mask)}});
   for (const auto& p : r.output<Image>("image").pixels) EXPECT_NEAR(p.x(), p.y(), 1e-3);
 }
 
 TEST(CooccurrenceSynth, RefusesWhatItCannotMeasure) {
   const Value good = Value::of(pattern("fat", 32));
-  const auto code = [&](const Value& image, std::map<std::string, std::string> p, std::multimap<std::string, Value> more = {}) {
+  const auto code = [&](const Value& image, std::map<std::string, std::string> p,
+                        std::multimap<std::string, Value> more = {}) {
     more.emplace("image", image);
     return test::code_of([&] { test::run_node("CooccurrenceSynth", more, p); });
   };

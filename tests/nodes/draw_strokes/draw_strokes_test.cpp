@@ -23,7 +23,8 @@ TEST(DrawStrokes, DrawsInTurnAndTellsWhere) {
   for (std::size_t i = 0; i < mask.pixels.size(); ++i)
     EXPECT_EQ(mask.pixels[i] == Vec3f::Ones(), drawn.pixels[i] != picture.pixels[i]);
   EXPECT_EQ(test::code_of([&] {
-              test::run_node("DrawStrokes", {{"image", Value::of(picture)}, {"strokes", Value::of(s)}}, {{"colors", "[reddish]"}});
+              test::run_node("DrawStrokes", {{"image", Value::of(picture)}, {"strokes", Value::of(s)}},
+                             {{"colors", "[reddish]"}});
             }),
             "bad-color");
 }

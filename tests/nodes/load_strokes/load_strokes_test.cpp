@@ -20,7 +20,8 @@ fs::path file_of(const std::string& text, const char* extension) {
   return file;
 }
 Strokes svg(const std::string& body, const std::string& attributes = "width='100' height='50'") {
-  return read_svg(file_of("<svg xmlns='http://www.w3.org/2000/svg' " + attributes + ">" + body + "</svg>", ".svg"));
+  return read_svg(
+      file_of("<svg xmlns='http://www.w3.org/2000/svg' " + attributes + ">" + body + "</svg>", ".svg"));
 }
 
 TEST(SvgPath, CommandsAsWritten) {
@@ -48,7 +49,8 @@ TEST(SvgPath, CurvesStayWithinTheTolerance) {
       EXPECT_LT((cubic[i] - Vec2(100 * t * t * (3 - 2 * t), 150 * t * (1 - t))).norm(), 1e-9);
       if (i == 0) continue;
       const double m = t - 0.5 / static_cast<double>(cubic.size() - 1);
-      EXPECT_LE(((cubic[i - 1] + cubic[i]) / 2 - Vec2(100 * m * m * (3 - 2 * m), 150 * m * (1 - m))).norm(), tolerance);
+      EXPECT_LE(((cubic[i - 1] + cubic[i]) / 2 - Vec2(100 * m * m * (3 - 2 * m), 150 * m * (1 - m))).norm(),
+                tolerance);
     }
   }
   // Smooth successors mirror the control point; a quadratic is the cubic it stands for.
@@ -69,7 +71,8 @@ TEST(SvgPath, FlagsMayStandTogether) {
 }
 
 TEST(SvgPath, ErrorsAreTold) {
-  for (const char* bad : {"L 1 2", "M 1", "M 1 2 C 1 2 3", "M 0 0 A 1 1 0 2 0 3 3", "M 0 0 X 1", "M 0 0 z 3", "5 5"}) {
+  for (const char* bad :
+       {"L 1 2", "M 1", "M 1 2 C 1 2 3", "M 0 0 A 1 1 0 2 0 3 3", "M 0 0 X 1", "M 0 0 z 3", "5 5"}) {
     std::string broken;
     read_path(bad, 0.1, broken);
     EXPECT_NE(broken, "") << bad;
@@ -94,16 +97,21 @@ TEST(LoadStrokes, SvgShapesStylesAndTransforms) {
 }
 
 TEST(LoadStrokes, SvgViewBox) {
-  const Strokes s = svg("<line x1='0' y1='0' x2='10' y2='10' stroke='black'/>", "width='100' height='50' viewBox='0 0 10 10'");
+  const Strokes s = svg("<line x1='0' y1='0' x2='10' y2='10' stroke='black'/>",
+                        "width='100' height='50' viewBox='0 0 10 10'");
   EXPECT_LT((s.strokes[0].parts[0][0] - Vec2(25, 0)).norm(), 1e-9);
   EXPECT_LT((s.strokes[0].parts[0][1] - Vec2(75, 50)).norm(), 1e-9);
   EXPECT_NEAR(s.strokes[0].radius, 2.5, 1e-9);
 }
 
 TEST(LoadStrokes, YamlAndScale) {
-  const fs::path file = file_of("strokes:\n  - {radius: 2, points: [[1, 2], [3, 4]]}\n  - {area: true, points: [[0, 0], [4, 0], [4, 4]]}\n"
-                                "  - \"3: 5 6\"\n", ".yaml");
-  const Strokes s = test::run_node("LoadStrokes", {}, {{"path", file.string()}, {"scale", "2"}}).output<Strokes>("strokes");
+  const fs::path file = file_of(
+      "strokes:\n  - {radius: 2, points: [[1, 2], [3, 4]]}\n  - {area: true, points: [[0, 0], [4, 0], [4, "
+      "4]]}\n"
+      "  - \"3: 5 6\"\n",
+      ".yaml");
+  const Strokes s =
+      test::run_node("LoadStrokes", {}, {{"path", file.string()}, {"scale", "2"}}).output<Strokes>("strokes");
   ASSERT_EQ(s.strokes.size(), 3u);
   EXPECT_EQ(s.strokes[0].radius, 4);
   EXPECT_EQ(s.strokes[0].parts[0][1], Vec2(6, 8));
@@ -112,13 +120,19 @@ TEST(LoadStrokes, YamlAndScale) {
 }
 
 TEST(LoadStrokes, BadFilesAreRefused) {
-  for (const char* bad : {"strokes: 5", "strokes:\n  - {radius: x, points: [[1, 2]]}", "strokes:\n  - {radius: 2, points: [[1]]}",
-                          "strokes:\n  - {radius: 2}", "strokes:\n  - {radius: 2, pionts: [[1, 2]]}", "a: [", "strokes:\n  - [1, 2]",
-                          "strokes:\n  - {area: true, points: [[0, 0], [1, 1]]}", "strokes:\n  - {radius: .nan, points: [[0, 0]]}"})
+  for (const char* bad : {"strokes: 5", "strokes:\n  - {radius: x, points: [[1, 2]]}",
+                          "strokes:\n  - {radius: 2, points: [[1]]}", "strokes:\n  - {radius: 2}",
+                          "strokes:\n  - {radius: 2, pionts: [[1, 2]]}", "a: [", "strokes:\n  - [1, 2]",
+                          "strokes:\n  - {area: true, points: [[0, 0], [1, 1]]}",
+                          "strokes:\n  - {radius: .nan, points: [[0, 0]]}"})
     EXPECT_EQ(test::code_of([&] { read_yaml(file_of(bad, ".yaml")); }), "bad-strokes-file") << bad;
-  for (const char* bad : {"", "<svg", "<html/>", "<svg><path d='L 1 2' stroke='red'/></svg>", "<svg><g transform='spin(3)'/></svg>"})
+  for (const char* bad : {"", "<svg", "<html/>", "<svg><path d='L 1 2' stroke='red'/></svg>",
+                          "<svg><g transform='spin(3)'/></svg>"})
     EXPECT_EQ(test::code_of([&] { read_svg(file_of(bad, ".svg")); }), "bad-strokes-file") << bad;
-  EXPECT_EQ(test::code_of([&] { test::run_node("LoadStrokes", {}, {{"path", file_of("x", ".txt").string()}}); }), "unknown-format");
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("LoadStrokes", {}, {{"path", file_of("x", ".txt").string()}});
+            }),
+            "unknown-format");
 }
 
 }  // namespace

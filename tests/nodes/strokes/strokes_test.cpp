@@ -16,8 +16,11 @@ using strokes::read_stroke;
 using strokes::write_stroke;
 
 TEST(Strokes, WordsAreLinesAndAreas) {
-  const Strokes s = test::run_node("Strokes", {}, {{"strokes", R"(["6: 10 20, 30.5 -4", " 2.5 :1 2", "area: 0 0, 9 0, 5 8; 1 1,2 1,2 2"])"}})
-                        .output<Strokes>("strokes");
+  const Strokes s =
+      test::run_node(
+          "Strokes", {},
+          {{"strokes", R"(["6: 10 20, 30.5 -4", " 2.5 :1 2", "area: 0 0, 9 0, 5 8; 1 1,2 1,2 2"])"}})
+          .output<Strokes>("strokes");
   ASSERT_EQ(s.strokes.size(), 3u);
   EXPECT_EQ(s.strokes[0].radius, 6);
   EXPECT_EQ(s.strokes[0].parts, (std::vector<std::vector<Vec2>>{{{10, 20}, {30.5, -4}}}));
@@ -27,8 +30,8 @@ TEST(Strokes, WordsAreLinesAndAreas) {
 }
 
 TEST(Strokes, MalformedWordsAreRefused) {
-  for (const char* bad : {"", "6", "six: 1 2", "6: 1", "6: 1 2 3", "6: 1 2,", "6: 1 2; 3 4", "0: 1 2", "-1: 1 2", "area: 1 2, 3 4",
-                          "6: nan 1", "6: 1e9 1", "inf: 1 1", "6: 1 2, , 3 4"})
+  for (const char* bad : {"", "6", "six: 1 2", "6: 1", "6: 1 2 3", "6: 1 2,", "6: 1 2; 3 4", "0: 1 2",
+                          "-1: 1 2", "area: 1 2, 3 4", "6: nan 1", "6: 1e9 1", "inf: 1 1", "6: 1 2, , 3 4"})
     EXPECT_EQ(test::code_of([&] { read_stroke(bad); }), "bad-stroke") << bad;
 }
 
@@ -40,7 +43,8 @@ TEST(Strokes, WrittenWordsReadBackAsTheSameNumbers) {
     s.radius = s.area ? 0 : r.uniform(0.1, 50);
     s.parts.resize(s.area ? 1 + r.below(3) : 1);
     for (auto& part : s.parts)
-      for (std::size_t i = 0; i < 3 + r.below(5); ++i) part.emplace_back(r.uniform(-10, 500), r.normal() * 1e-3);
+      for (std::size_t i = 0; i < 3 + r.below(5); ++i)
+        part.emplace_back(r.uniform(-10, 500), r.normal() * 1e-3);
     const Stroke back = read_stroke(write_stroke(s));
     EXPECT_EQ(back.parts, s.parts);
     EXPECT_EQ(back.radius, s.radius);

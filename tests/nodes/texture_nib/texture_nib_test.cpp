@@ -18,10 +18,15 @@ namespace {
 
 using namespace texture_nib;
 
-Image pattern(const std::string& kind, int size, const std::string& scale = "2", const std::string& seed = "1") {
+Image pattern(const std::string& kind, int size, const std::string& scale = "2",
+              const std::string& seed = "1") {
   return test::run_node("Pattern", {},
-                        {{"kind", kind}, {"axis", kind == "wood" ? "x" : "z"}, {"scale", scale}, {"seed", seed},
-                         {"width", std::to_string(size)}, {"height", std::to_string(size)}})
+                        {{"kind", kind},
+                         {"axis", kind == "wood" ? "x" : "z"},
+                         {"scale", scale},
+                         {"seed", seed},
+                         {"width", std::to_string(size)},
+                         {"height", std::to_string(size)}})
       .output<Image>("image");
 }
 
@@ -31,8 +36,10 @@ Strokes strokes_of(const std::vector<std::string>& texts) {
   return s;
 }
 
-Nib nib_on(const Image& picture, const std::vector<double>& region, Finish finish, NibSettings s = {}, std::uint64_t seed = 1) {
-  return Nib(picture, learn(picture, region_mask(region, picture.width, picture.height), s), {4, finish, seed});
+Nib nib_on(const Image& picture, const std::vector<double>& region, Finish finish, NibSettings s = {},
+           std::uint64_t seed = 1) {
+  return Nib(picture, learn(picture, region_mask(region, picture.width, picture.height), s),
+             {4, finish, seed});
 }
 
 std::set<std::uint32_t> pixels(const std::vector<std::uint32_t>& v) {
@@ -44,7 +51,8 @@ std::set<std::uint32_t> pixels(const std::vector<std::uint32_t>& v) {
 TEST(Footprint, IsWhatItsCentresSay) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     Random r(seed, 5);
-    const Vec2 a(r.uniform(-5, 35), r.uniform(-5, 25)), b = seed % 4 ? Vec2(r.uniform(-5, 35), r.uniform(-5, 25)) : a;
+    const Vec2 a(r.uniform(-5, 35), r.uniform(-5, 25)),
+        b = seed % 4 ? Vec2(r.uniform(-5, 35), r.uniform(-5, 25)) : a;
     const double radius = r.uniform(0.5, 8);
     const auto got = pixels(capsule(30, 20, a, b, radius));
     const std::vector<std::vector<Vec2>> outlines = {{a, b, Vec2(r.uniform(0, 30), r.uniform(0, 20))},
@@ -54,19 +62,24 @@ TEST(Footprint, IsWhatItsCentresSay) {
       const Vec2 c(p % 30 + 0.5, p / 30 + 0.5);
       double nearest = 1e9;
       for (int i = 0; i <= 2000; ++i) nearest = std::min(nearest, (a + (b - a) * (i / 2000.0) - c).norm());
-      if (std::abs(nearest - radius) > 0.02) { EXPECT_EQ(got.count(p), nearest < radius); }
+      if (std::abs(nearest - radius) > 0.02) {
+        EXPECT_EQ(got.count(p), nearest < radius);
+      }
       bool in = false;
       for (const auto& line : outlines)
         for (std::size_t i = 0; i < line.size(); ++i) {
           const Vec2 u = line[i], v = line[(i + 1) % line.size()];
-          if ((u.y() > c.y()) != (v.y() > c.y()) && c.x() < (v.x() - u.x()) * (c.y() - u.y()) / (v.y() - u.y()) + u.x()) in = !in;
+          if ((u.y() > c.y()) != (v.y() > c.y()) &&
+              c.x() < (v.x() - u.x()) * (c.y() - u.y()) / (v.y() - u.y()) + u.x())
+            in = !in;
         }
       EXPECT_EQ(area.count(p), in) << p;
     }
   }
 }
 
-// The matrix kept up to date equals the one measured afresh, whatever is painted, over whatever, in whichever way.
+// The matrix kept up to date equals the one measured afresh, whatever is painted, over whatever, in whichever
+// way.
 TEST(TextureNib, MatrixAndOccupancyKeepUp) {
   const Image picture = pattern("fat", 64, "0.7");
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches})
@@ -94,7 +107,9 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
           EXPECT_EQ(nib.picture().pixels[i], picture.pixels[i]);
         } else {
           ASSERT_NE(nib.base_relative()[i], kNoLevel);
-          if (finish == Finish::Levels) { EXPECT_EQ(nib.picture().pixels[i], nib.texture().levels.color[nib.base_relative()[i]]); }
+          if (finish == Finish::Levels) {
+            EXPECT_EQ(nib.picture().pixels[i], nib.texture().levels.color[nib.base_relative()[i]]);
+          }
         }
     }
 }
@@ -107,7 +122,8 @@ TEST(TextureNib, PaintedColoursHaveTheirLevel) {
     nib.paint(strokes::read_stroke("6: 10 40, 50 50"));
     for (std::size_t i = 0; i < nib.occupancy().size(); ++i)
       if (nib.occupancy()[i]) {
-        EXPECT_EQ(nib.texture().levels.nearest(nib.texture().levels.position(nib.picture().pixels[i])), nib.base_relative()[i]);
+        EXPECT_EQ(nib.texture().levels.nearest(nib.texture().levels.position(nib.picture().pixels[i])),
+                  nib.base_relative()[i]);
       }
   }
 }
@@ -144,75 +160,85 @@ TEST(TextureNib, ErasesWhatLiesUnderIt) {
     Image spoilt = clean;
     for (const auto p : footprint_of(strokes::read_stroke("14: 48 48"), 96, 96))
       spoilt.pixels[p] = alien ? Vec3f(0, 0.9f, 0.1f) : clean.pixels[0];
-    const auto r = test::run_node("TextureNib", {{"image", Value::of(spoilt)}, {"strokes", Value::of(strokes_of({"16: 48 48"}))}});
+    const auto r = test::run_node(
+        "TextureNib", {{"image", Value::of(spoilt)}, {"strokes", Value::of(strokes_of({"16: 48 48"}))}});
     const Image& got = r.output<Image>("image");
     std::size_t left = 0;
-    for (const auto p : footprint_of(strokes::read_stroke("14: 48 48"), 96, 96)) left += got.pixels[p] == spoilt.pixels[p];
+    for (const auto p : footprint_of(strokes::read_stroke("14: 48 48"), 96, 96))
+      left += got.pixels[p] == spoilt.pixels[p];
     EXPECT_LE(left, 3u);
     const Image& base = r.output<Image>("base_relative");
     EXPECT_NE(base.at(48, 48), Vec3f(1, 0, 1));
   }
 }
 
-// Patches inside the repaired disc are as near to the texture's as those of untouched discs elsewhere.
+// Patches inside the repaired disc are as near to those of untouched discs as these, what it hid among them,
+// are to each other.
 TEST(TextureNib, RepairedRegionLooksLikeTheRest) {
-  for (const char* kind : {"fat", "wood", "marble"})
-    for (const char* seed : {"1", "2"}) {
-      const int n = 128;
-      const Image clean = pattern(kind, n, kind[0] == 'f' ? "0.8" : "2", seed);
-      const auto disc = [&](double x, double y) {
-        TexturePart part{&clean, std::vector<std::uint8_t>(n * n, 0)};
-        for (const auto p : capsule(n, n, {x, y}, {x, y}, 20)) part.mask[p] = 1;
-        return part;
-      };
-      Image spoilt = clean;
-      const auto hidden = disc(64, 64);
-      for (std::size_t i = 0; i < hidden.mask.size(); ++i)
-        if (hidden.mask[i]) spoilt.pixels[i] = Vec3f(0.7f, 0.05f, 0.05f);
-      const auto r = test::run_node("TextureNib", {{"image", Value::of(spoilt)}, {"strokes", Value::of(strokes_of({"22: 64 64"}))}});
-      TexturePart repaired = hidden, rest = hidden;
-      repaired.image = &r.output<Image>("image");
-      for (auto& m : rest.mask) m = !m;
-      double worst = 0;
-      const std::vector<Vec2> others = {{24, 24}, {104, 24}, {24, 104}, {104, 104}};
-      for (const auto& a : others)
-        for (const auto& b : others)
-          if (a != b) worst = std::max(worst, patch_distance(disc(a.x(), a.y()), disc(b.x(), b.y())));
-      EXPECT_LE(patch_distance(repaired, rest), worst) << kind << ' ' << seed;
-    }
+  for (const char* kind : {"fat", "wood", "marble"}) {
+    const int n = 128;
+    const Image clean = pattern(kind, n, kind[0] == 'f' ? "0.8" : "2");
+    const auto disc = [&](const Vec2& at) {
+      TexturePart part{&clean, std::vector<std::uint8_t>(n * n, 0)};
+      for (const auto p : capsule(n, n, at, at, 20)) part.mask[p] = 1;
+      return part;
+    };
+    const std::vector<Vec2> places = {{64, 64}, {24, 24}, {104, 24}, {24, 104}, {104, 104}};
+    TexturePart repaired = disc(places[0]);
+    Image spoilt = clean;
+    for (std::size_t i = 0; i < repaired.mask.size(); ++i)
+      if (repaired.mask[i]) spoilt.pixels[i] = Vec3f(0.7f, 0.05f, 0.05f);
+    const auto r = test::run_node(
+        "TextureNib", {{"image", Value::of(spoilt)}, {"strokes", Value::of(strokes_of({"22: 64 64"}))}});
+    repaired.image = &r.output<Image>("image");
+    double worst = 0, mean = 0;
+    for (std::size_t i = 0; i < places.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        worst = std::max(worst, patch_distance(disc(places[i]), disc(places[j])));
+    for (std::size_t i = 1; i < places.size(); ++i) mean += patch_distance(repaired, disc(places[i])) / 4;
+    EXPECT_LE(mean, worst) << kind;
+  }
 }
 
 TEST(TextureNib, RegionsAreRectanglesPolygonsAndMasks) {
   const Image picture = pattern("fat", 64);
   const Value image = Value::of(picture), strokes = Value::of(strokes_of({"5: 50 50"}));
   const auto run = [&](const std::string& region) {
-    return test::run_node("TextureNib", {{"image", image}, {"strokes", strokes}}, {{"region", region}}).output<Image>("image");
+    return test::run_node("TextureNib", {{"image", image}, {"strokes", strokes}}, {{"region", region}})
+        .output<Image>("image");
   };
   EXPECT_EQ(run("[4, 4, 30, 30]").pixels, run("[4, 4, 34, 4, 34, 34, 4, 34]").pixels);
   Image mask(64, 64, 1, 1);
   for (int y = 4; y < 34; ++y)
     for (int x = 4; x < 34; ++x) mask.at(x, y) = Vec3f::Ones();
-  EXPECT_EQ(test::run_node("TextureNib", {{"image", image}, {"strokes", strokes}, {"region_mask", Value::of(mask)}})
-                .output<Image>("image")
-                .pixels,
-            run("[4, 4, 30, 30]").pixels);
+  EXPECT_EQ(
+      test::run_node("TextureNib", {{"image", image}, {"strokes", strokes}, {"region_mask", Value::of(mask)}})
+          .output<Image>("image")
+          .pixels,
+      run("[4, 4, 30, 30]").pixels);
   // A mask to fill is an area.
   Image fill(64, 64, 1, 1);
   for (int y = 40; y < 50; ++y)
     for (int x = 40; x < 60; ++x) fill.at(x, y) = Vec3f::Ones();
-  EXPECT_EQ(test::run_node("TextureNib", {{"image", image}, {"fill", Value::of(fill)}}, {{"region", "[4, 4, 30, 30]"}})
+  EXPECT_EQ(test::run_node("TextureNib", {{"image", image}, {"fill", Value::of(fill)}},
+                           {{"region", "[4, 4, 30, 30]"}})
                 .output<Image>("image")
                 .pixels,
-            test::run_node("TextureNib", {{"image", image}, {"strokes", Value::of(strokes_of({"area: 40 40, 60 40, 60 50, 40 50"}))}},
-                           {{"region", "[4, 4, 30, 30]"}})
+            test::run_node(
+                "TextureNib",
+                {{"image", image}, {"strokes", Value::of(strokes_of({"area: 40 40, 60 40, 60 50, 40 50"}))}},
+                {{"region", "[4, 4, 30, 30]"}})
                 .output<Image>("image")
                 .pixels);
 }
 
 TEST(TextureNib, RefusesBadInput) {
   const Value image = Value::of(pattern("fat", 48));
-  const auto code = [&](const std::vector<std::string>& strokes, std::map<std::string, std::string> p, const Value& picture) {
-    return test::code_of([&] { test::run_node("TextureNib", {{"image", picture}, {"strokes", Value::of(strokes_of(strokes))}}, p); });
+  const auto code = [&](const std::vector<std::string>& strokes, std::map<std::string, std::string> p,
+                        const Value& picture) {
+    return test::code_of([&] {
+      test::run_node("TextureNib", {{"image", picture}, {"strokes", Value::of(strokes_of(strokes))}}, p);
+    });
   };
   EXPECT_EQ(code({"5: 100 100"}, {}, image), "outside-image");
   EXPECT_EQ(code({"5: 10 10", "5: -20 10"}, {}, image), "outside-image");
@@ -228,7 +254,10 @@ TEST(TextureNib, RefusesBadInput) {
   EXPECT_EQ(test::code_of([&] { test::run_node("TextureNib", {{"image", image}}); }), "nothing-to-paint");
   Strokes malformed;
   malformed.strokes.push_back({{{Vec2(5, std::nan(""))}}, 3, false});
-  EXPECT_EQ(test::code_of([&] { test::run_node("TextureNib", {{"image", image}, {"strokes", Value::of(malformed)}}); }), "bad-stroke");
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("TextureNib", {{"image", image}, {"strokes", Value::of(malformed)}});
+            }),
+            "bad-stroke");
 }
 
 }  // namespace

@@ -1,0 +1,36 @@
+// A solid from noise whose slices have the co-occurrence matrices of pictures: the three-dimensional form of
+// Malzbender and Spach 1993, section 3.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nodes/common/color_levels.h"
+#include "nodes/data/image.h"
+#include "runtime/work.h"
+
+namespace terrazzo::cooccurrence_solid {
+
+struct SolidFieldSettings {
+  int levels = 8, extent = 2, scales = 1, sweeps = 10;
+  Vec3i size = Vec3i::Constant(64);  // voxels
+  std::string space = "oklab";
+  std::uint64_t seed = 1;
+};
+
+struct SolidFieldResult {
+  ColorLevels levels;
+  LevelField field;                  // periodic; z upwards
+  std::vector<double> error;         // E over the three axes at the start and after each sweep
+  std::vector<std::size_t> changed;  // voxels, by each sweep
+  std::array<double, 3> axis_error;  // of the slices across each axis against its picture, at the end
+};
+
+// What slices across x, y and z look like. On x and y a picture's columns run along y and x, its rows upwards
+// along z; on z along x and y. Throws Error "too-small", "no-pixels", "one-color", "bad-pixels".
+SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldSettings&,
+                                  const Work& = {});
+
+}  // namespace terrazzo::cooccurrence_solid

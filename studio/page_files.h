@@ -1,0 +1,11 @@
+// The page's files, embedded when the program is built.
+#pragma once
+
+#include <string>
+
+namespace terrazzo::studio {
+
+// The text of a file of studio/page by name, or null.
+const char* page_file(const std::string& name);
+
+}  // namespace terrazzo::studio

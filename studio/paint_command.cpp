@@ -1,0 +1,60 @@
+#include "studio/paint_command.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "runtime/cli/options.h"
+#include "studio/paint_server.h"
+#include "studio/painting.h"
+
+namespace terrazzo::studio {
+namespace fs = std::filesystem;
+namespace {
+
+struct PaintOptions {
+  std::string image, save;
+  int port = 0;
+};
+
+int paint(const PaintOptions& o) {
+  Painting painting(o.image);
+  const fs::path save = fs::absolute(
+      o.save.empty() ? fs::path(fs::path(o.image).stem().string() + "_painted.yaml") : fs::path(o.save));
+  if (!fs::is_directory(save.parent_path()))
+    throw Error("usage", "there is no folder '" + save.parent_path().string() + "' to save to");
+  PaintServer server(painting, save);
+  const int port = server.bind(o.port);
+  std::cout << "http://127.0.0.1:" << port << "/" << std::endl;
+  std::cerr << "Open this address to paint on " << o.image << "; strokes are saved to " << save.string()
+            << ". Ctrl-C ends.\n";
+  const std::atomic<bool>* cancel = cli::cancel_on_interrupt();
+  std::atomic<bool> ended{false};
+  std::thread watch([&] {
+    while (!ended && !cancel->load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    server.stop();
+  });
+  server.serve();
+  ended = true;
+  watch.join();
+  return cli::done;  // there is no other way to end it
+}
+
+}  // namespace
+
+void add_paint(CLI::App& app, int& exit_code) {
+  auto* command =
+      app.add_subcommand("paint", "Paint on a picture with texture nibs, in a browser on this machine");
+  auto o = std::make_shared<PaintOptions>();
+  command->add_option("image", o->image, "Picture to paint on")->required();
+  command->add_option("--save", o->save,
+                      "Graph file that the page saves to (default: IMAGE's name with _painted.yaml, here)");
+  command->add_option("--port", o->port, "Port on 127.0.0.1; 0: any that is free")
+      ->check(CLI::Range(0, 65535));
+  command->callback([o, &exit_code] { exit_code = paint(*o); });
+}
+
+}  // namespace terrazzo::studio

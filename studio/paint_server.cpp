@@ -1,0 +1,272 @@
+#include "studio/paint_server.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "nodes/common/color.h"
+#include "nodes/texture_nib/views.h"
+#include "studio/page_files.h"
+#include "studio/painting.h"
+
+#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo::studio {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using texture_nib::Rectangle;
+
+namespace {
+
+std::string bytes_of(const Image& image, const Rectangle& r) {
+  std::string out;
+  out.reserve(static_cast<std::size_t>(r.x1 - r.x0) * (r.y1 - r.y0) * 4);
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x = r.x0; x < r.x1; ++x) {
+      const Vec3f c = linear_to_srgb(image.at(x, y));
+      for (int k = 0; k < 3; ++k)
+        out += static_cast<char>(static_cast<unsigned char>(std::lround(255 * std::clamp(c[k], 0.0f, 1.0f))));
+      out += static_cast<char>(255);
+    }
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) {
+      return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
+    };
+    const unsigned v = byte(0) << 16 | byte(1) << 8 | byte(2);
+    for (int k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : digits[v >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
+Rectangle joined(const Rectangle& a, const Rectangle& b) {
+  if (a.x1 <= a.x0) return b;
+  if (b.x1 <= b.x0) return a;
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+NibChoice choice_of(const json& j) {
+  NibChoice c;
+  c.region = j.at("region").get<std::vector<double>>();
+  c.levels = j.value("levels", c.levels), c.extent = j.value("extent", c.extent);
+  c.scales = j.value("scales", c.scales), c.passes = j.value("passes", c.passes);
+  c.finish = j.value("finish", c.finish), c.seed = j.value("seed", c.seed);
+  if (j.contains("threshold") && !j["threshold"].is_null()) c.threshold = j["threshold"].get<double>();
+  return c;
+}
+
+// The media type of a page's file by its extension.
+const char* media_type(const std::string& name) {
+  if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
+  if (name.ends_with(".css")) return "text/css; charset=utf-8";
+  return "text/html; charset=utf-8";
+}
+
+}  // namespace
+
+struct PaintServer::Impl {
+  Painting& painting;
+  fs::path save_as;
+  httplib::Server server;
+  std::mutex mutex;  // a painting is one thread's at a time
+  int port = 0;
+
+  static void refuse(httplib::Response& out, int status, const Diagnostic& d) {
+    out.status = status;
+    out.set_content(json{{"code", d.code}, {"message", d.message}, {"hint", d.hint}}.dump(
+                        -1, ' ', false, json::error_handler_t::replace),
+                    "application/json");
+  }
+
+  bool is_ours(const std::string& host) const {
+    return host == fmt::format("127.0.0.1:{}", port) || host == fmt::format("localhost:{}", port);
+  }
+
+  // Whether a request comes from our own page, or from no page at all.
+  bool welcome(const httplib::Request& in) const {
+    if (!is_ours(in.get_header_value("Host"))) return false;
+    const std::string origin = in.get_header_value("Origin"), site = in.get_header_value("Sec-Fetch-Site");
+    if (in.has_header("Origin") && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
+      return false;
+    return site.empty() || site == "same-origin" || site == "none";
+  }
+
+  // A handler that holds the painting, reads JSON where there is a body, and tells errors as JSON.
+  template <class Answer>
+  httplib::Server::Handler handler(Answer answer) {
+    return [this, answer](const httplib::Request& in, httplib::Response& out) {
+      try {
+        json body;
+        if (in.method == "POST") {
+          if (!in.get_header_value("Content-Type").starts_with("application/json"))
+            throw Error("bad-request", "the request's content is not JSON", "send application/json");
+          body = json::parse(in.body);
+        }
+        const std::lock_guard lock(mutex);
+        answer(in, body, out);
+      } catch (const Error& e) {
+        refuse(out, 400, e.diagnostic());
+      } catch (const json::exception& e) {
+        refuse(out, 400, {Severity::Error, "bad-request", e.what(), "", {}, "", ""});
+      } catch (const std::exception& e) {
+        refuse(out, 500, {Severity::Error, "failed", e.what(), "", {}, "", ""});
+      }
+    };
+  }
+
+  json state() const {
+    const Image& p = painting.picture();
+    json nib = nullptr;
+    if (const NibChoice* c = painting.choice())
+      nib = {{"region", c->region},
+             {"levels", c->levels},
+             {"extent", c->extent},
+             {"scales", c->scales},
+             {"finish", c->finish},
+             {"threshold", painting.nib()->texture().threshold},
+             {"error", painting.nib()->error()}};
+    return {{"name", painting.file().filename().string()},
+            {"width", p.width},
+            {"height", p.height},
+            {"nib", nib},
+            {"strokes", painting.strokes()},
+            {"save_as", save_as.string()},
+            {"content", painting.content()}};
+  }
+
+  void stroke(const json& body, httplib::Response& out) {
+    const auto start = std::chrono::steady_clock::now();
+    if (body.value("begin", false)) painting.begin_stroke(body.at("radius").get<double>());
+    Rectangle changed;
+    for (const auto& point : body.at("points")) {
+      if (!point.is_array() || point.size() != 2) throw Error("bad-stroke", "a point is [x, y]");
+      changed = joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}));
+    }
+    if (body.value("end", false)) painting.end_stroke();
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    const bool any = changed.x1 > changed.x0;
+    out.set_content(json{{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
+                         {"pixels", any ? base64(bytes_of(painting.picture(), changed)) : ""},
+                         {"milliseconds", took.count()},
+                         {"strokes", painting.strokes()}}
+                        .dump(),
+                    "application/json");
+  }
+
+  void view(const std::string& kind, httplib::Response& out) const {
+    const Image& p = painting.picture();
+    const Rectangle all{0, 0, p.width, p.height};
+    if (kind == "picture") return out.set_content(bytes_of(p, all), "application/octet-stream");
+    if (kind != "base_relative" && kind != "occupancy")
+      throw Error("bad-request", "there is no view '" + kind + "'", "picture, base_relative or occupancy");
+    if (!painting.nib()) throw Error("no-nib", "no nib is chosen yet", "pick a region of the picture first");
+    const Image drawn = kind == "occupancy" ? texture_nib::occupancy_view(*painting.nib())
+                                            : texture_nib::base_relative_view(*painting.nib());
+    out.set_content(bytes_of(drawn, all), "application/octet-stream");
+  }
+
+  void save(httplib::Response& out) const {
+    const std::string graph = painting.graph(save_as);
+    const fs::path fresh = save_as.string() + ".new";
+    std::ofstream file(fresh, std::ios::binary);
+    file << graph;
+    file.close();
+    std::error_code error;
+    if (file) fs::rename(fresh, save_as, error);
+    if (!file || error)
+      throw Error("write-failed", "cannot write '" + save_as.string() + "'",
+                  "start paint with another --save");
+    out.set_content(json{{"file", save_as.string()}, {"graph", graph}}.dump(), "application/json");
+  }
+
+  void routes() {
+    server.set_payload_max_length(1 << 20);
+    server.set_default_headers(
+        {{"X-Content-Type-Options", "nosniff"},
+         {"Cross-Origin-Resource-Policy", "same-origin"},
+         {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"},
+         {"Cache-Control", "no-store"}});
+    server.set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
+      if (welcome(in)) return httplib::Server::HandlerResponse::Unhandled;
+      refuse(out, 403,
+             {Severity::Error,
+              "foreign-origin",
+              "this request comes from another site or names another host",
+              "open the address that terrazzo paint prints",
+              {},
+              "",
+              ""});
+      return httplib::Server::HandlerResponse::Handled;
+    });
+    for (const std::string name : {"paint.html", "paint.js", "paint.css"})
+      server.Get(name == "paint.html" ? "/" : "/" + name,
+                 [name](const httplib::Request&, httplib::Response& out) {
+                   out.set_content(page_file(name), media_type(name));
+                 });
+    const auto answer_state = [this](auto&, const json&, httplib::Response& out) {
+      out.set_content(state().dump(), "application/json");
+    };
+    server.Get("/api/state", handler(answer_state));
+    server.Get("/api/view", handler([this](const httplib::Request& in, const json&, httplib::Response& out) {
+                 view(in.get_param_value("kind"), out);
+               }));
+    server.Post("/api/nib", handler([this, answer_state](const httplib::Request& in, const json& body,
+                                                         httplib::Response& out) {
+                  painting.choose(choice_of(body));
+                  answer_state(in, body, out);
+                }));
+    server.Post("/api/stroke", handler([this](const httplib::Request&, const json& body,
+                                              httplib::Response& out) { stroke(body, out); }));
+    server.Post("/api/undo", handler([this, answer_state](const httplib::Request& in, const json& body,
+                                                          httplib::Response& out) {
+                  if (!painting.undo()) throw Error("nothing-to-undo", "nothing is painted");
+                  answer_state(in, body, out);
+                }));
+    server.Post("/api/save",
+                handler([this](const httplib::Request&, const json&, httplib::Response& out) { save(out); }));
+    server.set_error_handler([](const httplib::Request& in, httplib::Response& out) {
+      if (out.body.empty())
+        refuse(out, out.status,
+               {Severity::Error,
+                out.status == 413 ? "too-large" : "not-found",
+                out.status == 413 ? "the request is too large" : "there is nothing at " + in.path,
+                "",
+                {},
+                "",
+                ""});
+    });
+  }
+};
+
+PaintServer::PaintServer(Painting& painting, fs::path save_as)
+    : impl_(new Impl{painting, std::move(save_as), {}, {}, 0}) {
+  impl_->routes();
+}
+
+PaintServer::~PaintServer() = default;
+
+int PaintServer::bind(int port) {
+  impl_->port = port == 0                                       ? impl_->server.bind_to_any_port("127.0.0.1")
+                : impl_->server.bind_to_port("127.0.0.1", port) ? port
+                                                                : -1;
+  if (impl_->port <= 0)
+    throw Error("port-in-use", fmt::format("port {} of 127.0.0.1 cannot be had", port),
+                "leave --port out for any that is free");
+  return impl_->port;
+}
+
+void PaintServer::serve() { impl_->server.listen_after_bind(); }
+
+void PaintServer::stop() { impl_->server.stop(); }
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,74 @@
+#include "nodes/cooccurrence_solid/cooccurrence_solid.h"
+
+#include <gtest/gtest.h>
+
+#include "nodes/common/cooccurrence.h"
+#include "nodes/data/volume.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using namespace cooccurrence_solid;
+
+Image pattern(const char* kind, const char* axis) {
+  return test::run_node("Pattern", {},
+                        {{"kind", kind}, {"axis", axis}, {"width", "64"}, {"height", "64"}, {"scale", "1"}})
+      .output<Image>("image");
+}
+
+// Slices cut out as pictures have the pictures' matrices, on each axis its own.
+TEST(CooccurrenceSolid, SlicesMatchThePictureOfTheirAxis) {
+  const Image along = pattern("muscle", "x"), across = pattern("muscle", "z");
+  SolidFieldSettings s;
+  s.size = Vec3i(32, 28, 36);
+  s.levels = 5;
+  const SolidFieldResult r = synthesize_solid({&along, &along, &across}, s);
+  EXPECT_LT(r.error.back(), r.error.front() / 50);
+  const auto flat = cooccurrence_offsets(s.extent);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+    std::vector<LevelField> slices;
+    for (int k = 0; k < s.size[axis]; ++k) {
+      LevelField f(Vec3i(s.size[u], s.size[v], 1));
+      for (int row = 0; row < s.size[v]; ++row)
+        for (int column = 0; column < s.size[u]; ++column) {
+          int at[3];
+          at[axis] = k, at[u] = column, at[v] = s.size[v] - 1 - row;
+          f.at[f.index(column, row)] = r.field.at[r.field.index(at[0], at[1], at[2])];
+        }
+      slices.push_back(std::move(f));
+    }
+    const auto have = measure_cooccurrence(slices, r.levels.count(), flat);
+    const auto error = [&](const Image& picture) {
+      const LevelField f = levels_of(picture, 0, r.levels, {});
+      return cooccurrence_error(have, measure_cooccurrence({f}, r.levels.count(), flat));
+    };
+    const Image &own = axis == 2 ? across : along, &other = axis == 2 ? along : across;
+    EXPECT_LT(error(own), error(other) / 4) << axis;
+    EXPECT_LT(error(own), 0.05) << axis;
+    EXPECT_NEAR(error(own), r.axis_error[axis], 0.02) << axis;
+  }
+}
+
+TEST(CooccurrenceSolid, GivesAVolumeAndRefusesBadInput) {
+  const Value image = Value::of(pattern("fat", "z"));
+  const auto r =
+      test::run_node("CooccurrenceSolid", {{"image", image}}, {{"size", "[16, 12, 20]"}, {"sweeps", "2"}});
+  const Volume& v = r.output<Volume>("volume");
+  EXPECT_EQ(v.resolution, Vec3i(16, 12, 20));
+  ASSERT_TRUE(v.find<openvdb::Vec3SGrid>("Cd"));
+  EXPECT_EQ(v.find<openvdb::Vec3SGrid>("Cd")->activeVoxelCount(), 16u * 12 * 20);
+  const auto code = [&](const Value& picture, std::map<std::string, std::string> p) {
+    return test::code_of([&] { test::run_node("CooccurrenceSolid", {{"image", picture}}, p); });
+  };
+  EXPECT_EQ(code(image, {{"size", "4"}, {"extent", "4"}}), "too-small");
+  EXPECT_EQ(code(image, {{"size", "[16, 16]"}}), "bad-value");
+  EXPECT_EQ(code(image, {{"size", "1024"}, {"sweeps", "1"}, {"scales", "6"}, {"extent", "8"}}), "too-small");
+  EXPECT_EQ(code(Value::of(Image()), {}), "no-pixels");
+  EXPECT_EQ(code(Value::of(Image(32, 32, 1, 1)), {}), "one-color");
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,127 @@
+#include "studio/paint_server.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "studio/painting.h"
+#include "tests/studio/paint_picture.h"
+#include "tests/support/code_of.h"
+
+#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Paint : public ::testing::Test {
+ protected:
+  Paint() : port(server.bind(0)), thread([this] { server.serve(); }), client("127.0.0.1", port) {}
+  ~Paint() override {
+    server.stop();
+    thread.join();
+  }
+
+  json post(const std::string& path, const json& body, int status = 200) {
+    const auto r = client.Post(path.c_str(), body.dump(), "application/json");
+    EXPECT_TRUE(r);
+    EXPECT_EQ(r->status, status) << r->body;
+    return json::parse(r->body);
+  }
+  int status_with(const httplib::Headers& headers, const std::string& path = "/api/state") {
+    const auto r = client.Get(path.c_str(), headers);
+    return r ? r->status : 0;
+  }
+  std::string code_of_post(const std::string& path, const json& body) {
+    return post(path, body, 400).at("code");
+  }
+
+  studio::Painting painting{test::paint_picture()};
+  const fs::path saved = test::temporary_folder() / "saved.yaml";
+  studio::PaintServer server{painting, saved};
+  int port;
+  std::thread thread;
+  httplib::Client client;
+};
+
+TEST_F(Paint, PaintsUndoesAndSaves) {
+  const json before = json::parse(client.Get("/api/state")->body);
+  EXPECT_EQ(before["width"], 96);
+  EXPECT_TRUE(before["nib"].is_null());
+  const std::string picture = client.Get("/api/view?kind=picture")->body;
+  EXPECT_EQ(picture.size(), 96u * 80 * 4);
+  post("/api/nib", {{"region", {2, 2, 40, 60}}});
+  const json stroke =
+      post("/api/stroke", {{"begin", true}, {"end", true}, {"radius", 8}, {"points", {{60, 40}, {62, 44}}}});
+  EXPECT_EQ(stroke["rectangle"], json({52, 32, 70, 52}));
+  EXPECT_EQ(stroke["strokes"], 1);
+  EXPECT_EQ(stroke["pixels"].get<std::string>().size(), (18u * 20 * 4 + 2) / 3 * 4);
+  EXPECT_NE(client.Get("/api/view?kind=picture")->body, picture);
+  for (const char* kind : {"base_relative", "occupancy"})
+    EXPECT_EQ(client.Get(("/api/view?kind=" + std::string(kind)).c_str())->body.size(), picture.size());
+  const json written = post("/api/save", json::object());
+  std::ifstream in(saved);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), written["graph"]);
+  post("/api/undo", json::object());
+  EXPECT_EQ(client.Get("/api/view?kind=picture")->body, picture);
+}
+
+TEST_F(Paint, ServesThePageAndNothingElse) {
+  for (const char* path : {"/", "/paint.js", "/paint.css"}) {
+    const auto r = client.Get(path);
+    EXPECT_EQ(r->status, 200) << path;
+    EXPECT_GT(r->body.size(), 500u);
+    EXPECT_NE(r->get_header_value("Content-Security-Policy"), "");
+  }
+  for (const char* path : {"/paint.html", "/../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "//etc/passwd",
+                           "/api", "/etc/passwd"})
+    EXPECT_EQ(client.Get(path)->status, 404) << path;
+  EXPECT_EQ(json::parse(client.Get("/api/view?kind=/etc/passwd")->body)["code"], "bad-request");
+}
+
+TEST_F(Paint, AnswersItsOwnPageAlone) {
+  const std::string here = "127.0.0.1:" + std::to_string(port);
+  EXPECT_EQ(status_with({}), 200);
+  EXPECT_EQ(status_with({{"Origin", "http://" + here}}), 200);
+  EXPECT_EQ(status_with({{"Host", "localhost:" + std::to_string(port)}}), 200);
+  EXPECT_EQ(status_with({{"Origin", "http://" + here}, {"Sec-Fetch-Site", "same-origin"}}), 200);
+  for (const std::string origin :
+       {"http://evil.example", "null", "https://127.0.0.1", "http://127.0.0.1", ""})
+    EXPECT_EQ(status_with({{"Origin", origin}}), 403) << origin;
+  EXPECT_EQ(status_with({{"Origin", "http://" + here + ".evil.example"}}), 403);
+  EXPECT_EQ(status_with({{"Host", "evil.example:" + std::to_string(port)}}), 403);
+  EXPECT_EQ(status_with({{"Host", "evil.example"}}, "/"), 403);
+  EXPECT_EQ(status_with({{"Sec-Fetch-Site", "cross-site"}}), 403);
+  EXPECT_EQ(status_with({{"Sec-Fetch-Site", "same-site"}}), 403);
+  // What a form of another page can send without asking first.
+  EXPECT_EQ(client.Post("/api/undo", "{}", "text/plain")->status, 400);
+}
+
+TEST_F(Paint, RefusesMalformedRequests) {
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{5, 5}}}}), "no-nib");
+  EXPECT_EQ(code_of_post("/api/nib", {{"region", {0, 0, 2, 2}}}), "too-small");
+  EXPECT_EQ(code_of_post("/api/nib", {{"region", {0, 0, 500, 20}}}), "outside-image");
+  EXPECT_EQ(code_of_post("/api/nib", {{"region", "all"}}), "bad-request");
+  EXPECT_EQ(code_of_post("/api/nib", json::object()), "bad-request");
+  EXPECT_EQ(code_of_post("/api/nib", {{"region", {2, 2, 40, 60}}, {"finish", "gloss"}}), "bad-value");
+  EXPECT_EQ(code_of_post("/api/undo", json::object()), "nothing-to-undo");
+  post("/api/nib", {{"region", {2, 2, 40, 60}}});
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 500}, {"points", json::array()}}),
+            "nib-too-large");
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{1, 2, 3}}}}),
+            "bad-stroke");
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{"a", 2}}}}),
+            "bad-request");
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{1e30, 2}}}}),
+            "bad-stroke");
+  EXPECT_EQ(client.Post("/api/stroke", "{", "application/json")->status, 400);
+  EXPECT_EQ(client.Post("/api/stroke", std::string(2 << 20, ' '), "application/json")->status, 413);
+  studio::PaintServer second(painting, saved);
+  EXPECT_EQ(test::code_of([&] { second.bind(port); }), "port-in-use");
+}
+
+}  // namespace
+}  // namespace terrazzo
