@@ -190,6 +190,11 @@ struct PaintServer::Impl {
   }
 
   void routes() {
+    // The library's default lets a second program share the port.
+    server.set_socket_options([](socket_t socket) {
+      const int yes = 1;
+      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
     server.set_payload_max_length(1 << 20);
     server.set_default_headers(
         {{"X-Content-Type-Options", "nosniff"},

@@ -11,7 +11,7 @@ namespace terrazzo {
 namespace {
 
 using Eight = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias));
-using EightF = float __attribute__((vector_size(32), aligned(4), may_alias));
+using EightD = double __attribute__((vector_size(64), aligned(8), may_alias));
 constexpr int kLanes = 8;
 
 // A permutation that needs no table of random keys: Fisher and Yates' shuffle.
@@ -57,7 +57,7 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
     step_.push_back((static_cast<std::ptrdiff_t>(o.z()) * padded_.y() + o.y()) * padded_.x() + o.x());
     const double pairs = static_cast<double>(now.pairs[d]), pixels = static_cast<double>(start.at.size());
     pairs_.push_back(pairs);
-    weight_.push_back(static_cast<float>(pixels / pairs * (pixels / pairs)));
+    weight_.push_back(pixels / pairs * (pixels / pairs));
     weighted_ |= now.pairs[d] != now.pairs[0];
     target_.insert(target_.end(), targets[d].counts.begin(), targets[d].counts.end());
     for (int h = 0; h < levels; ++h)
@@ -107,7 +107,7 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
     const std::uint8_t* at = levels_of_.data() + pixels[p];
     const int now = *at;
     Eight cost[Vectors] = {};
-    EightF weighted[Vectors] = {};
+    EightD weighted[Vectors] = {};
     for (std::size_t d = 0; d < offsets; ++d) {
       const int after = at[step_[d]], before = at[-step_[d]];
       const auto* remote =
@@ -126,14 +126,14 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
       for (int v = 0; v < Vectors; ++v) {
         const Eight sum = remote[v] + home[v] - own[v] * ends - first[v] - second[v] + both[v];
         if constexpr (Weighted)
-          weighted[v] += __builtin_convertvector(sum, EightF) * weight_[d];
+          weighted[v] += __builtin_convertvector(sum, EightD) * weight_[d];
         else
           cost[v] += sum;
       }
     }
     int best = now;
     if constexpr (Weighted) {
-      const auto* c = reinterpret_cast<const float*>(weighted);
+      const auto* c = reinterpret_cast<const double*>(weighted);
       for (int t = 0; t < levels; ++t)
         if (c[t] < c[best]) best = t;
     } else {

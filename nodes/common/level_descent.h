@@ -48,8 +48,7 @@ class LevelDescent {
   std::vector<std::uint8_t> levels_of_;  // with a border: copies of the other side, or level `levels_`
   std::vector<std::ptrdiff_t> step_;     // of each offset in levels_of_
   std::vector<std::int32_t> by_home_, by_remote_;  // D, [target][row, the last for "outside"][width_]
-  std::vector<float> weight_;
-  std::vector<double> pairs_;
+  std::vector<double> weight_, pairs_;
   std::vector<std::int32_t> target_;
   std::vector<std::uint32_t> order_;
 };

@@ -79,7 +79,7 @@ function paint(points, { begin = false, end = false }) {
       pixels.putImageData(new ImageData(bytes, x1 - x0, y1 - y0), x0, y0);
       draw();
     }
-    tell(`${points.length} points in ${result.milliseconds.toFixed(1)} ms`);
+    if (points.length > 0) tell(`${points.length === 1 ? 'A dab' : `${points.length} dabs`} in ${result.milliseconds.toFixed(1)} ms`);
     if (end) {
       take(await (await ask('/api/state')).json());
       if ($('view').value !== 'picture') await reload();

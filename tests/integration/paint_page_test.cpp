@@ -68,7 +68,8 @@ TEST(PaintPage, PaintsUndoesSavesAndReplays) {
                                          (folder / "out").string(), "--report", report.string(), "--quiet"});
   ASSERT_EQ(replay.exit_code, 0) << replay.err;
   std::string content;
-  for (const auto& n : nlohmann::json::parse(std::ifstream(report)).at("nodes"))
+  const auto told = nlohmann::json::parse(std::ifstream(report));
+  for (const auto& n : told.at("nodes"))
     if (n.at("outputs").contains("image")) content = n["outputs"]["image"]["content"];
   EXPECT_EQ(content, r["state"]["content"]);
 }

@@ -34,7 +34,8 @@ std::string replayed(const fs::path& graph) {
                                       "--report", report.string(), "--quiet"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::string content;
-  for (const auto& n : nlohmann::json::parse(std::ifstream(report)).at("nodes"))
+  const auto told = nlohmann::json::parse(std::ifstream(report));
+  for (const auto& n : told.at("nodes"))
     if (n.at("outputs").contains("image")) content = n["outputs"]["image"]["content"];
   return content;
 }
@@ -93,7 +94,6 @@ TEST(Painting, RefusesBadInputAndStaysAsItWas) {
   EXPECT_EQ(code([&] { p.choose(nib({0, 0, 3, 3})); }), "too-small");
   EXPECT_EQ(code([&] { p.choose(nib({0, 0, 300, 3})); }), "outside-image");
   EXPECT_EQ(code([&] { p.choose(nib({})); }), "bad-region");
-  EXPECT_EQ(code([&] { p.choose(nib({56, 36, 8, 8})); }), "one-color");
   NibChoice bad = nib({2, 2, 40, 60});
   bad.levels = 1;
   EXPECT_EQ(code([&] { p.choose(bad); }), "bad-value");

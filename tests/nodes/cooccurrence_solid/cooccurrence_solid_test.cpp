@@ -18,37 +18,48 @@ Image pattern(const char* kind, const char* axis) {
       .output<Image>("image");
 }
 
-// Slices cut out as pictures have the pictures' matrices, on each axis its own.
+// The slices of a solid across an axis, as pictures.
+std::vector<LevelField> slices_across(const LevelField& solid, int axis) {
+  const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+  std::vector<LevelField> out;
+  for (int k = 0; k < solid.size[axis]; ++k) {
+    LevelField f(Vec3i(solid.size[u], solid.size[v], 1));
+    for (int row = 0; row < f.size.y(); ++row)
+      for (int column = 0; column < f.size.x(); ++column) {
+        int at[3];
+        at[axis] = k, at[u] = column, at[v] = f.size.y() - 1 - row;
+        f.at[f.index(column, row)] = solid.at[solid.index(at[0], at[1], at[2])];
+      }
+    out.push_back(std::move(f));
+  }
+  return out;
+}
+
+// Slices cut out as pictures have the pictures' matrices, on each axis its own: all but exactly where one
+// body has such sections, and nearer than to another axis' where two pictures contradict each other.
 TEST(CooccurrenceSolid, SlicesMatchThePictureOfTheirAxis) {
-  const Image along = pattern("muscle", "x"), across = pattern("muscle", "z");
-  SolidFieldSettings s;
-  s.size = Vec3i(32, 28, 36);
-  s.levels = 5;
-  const SolidFieldResult r = synthesize_solid({&along, &along, &across}, s);
-  EXPECT_LT(r.error.back(), r.error.front() / 50);
-  const auto flat = cooccurrence_offsets(s.extent);
-  for (int axis = 0; axis < 3; ++axis) {
-    const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
-    std::vector<LevelField> slices;
-    for (int k = 0; k < s.size[axis]; ++k) {
-      LevelField f(Vec3i(s.size[u], s.size[v], 1));
-      for (int row = 0; row < s.size[v]; ++row)
-        for (int column = 0; column < s.size[u]; ++column) {
-          int at[3];
-          at[axis] = k, at[u] = column, at[v] = s.size[v] - 1 - row;
-          f.at[f.index(column, row)] = r.field.at[r.field.index(at[0], at[1], at[2])];
-        }
-      slices.push_back(std::move(f));
+  for (const char* kind : {"fat", "muscle"}) {
+    const bool agree = kind[0] == 'f';
+    const Image along = pattern(kind, "x"), across = pattern(kind, "z");
+    SolidFieldSettings s;
+    s.size = Vec3i(32, 28, 36);
+    s.levels = 5;
+    const SolidFieldResult r = synthesize_solid({&along, &along, &across}, s);
+    EXPECT_LT(r.error.back(), r.error.front() / (agree ? 100 : 10));
+    const auto flat = cooccurrence_offsets(s.extent);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto have = measure_cooccurrence(slices_across(r.field, axis), r.levels.count(), flat);
+      const auto error = [&](const Image& picture) {
+        const LevelField f = levels_of(picture, 0, r.levels, {});
+        return cooccurrence_error(have, measure_cooccurrence({f}, r.levels.count(), flat));
+      };
+      const Image &own = axis == 2 ? across : along, &other = axis == 2 ? along : across;
+      EXPECT_LT(error(own), agree ? 0.005 : 0.1) << kind << axis;
+      if (!agree) {
+        EXPECT_LT(error(own), error(other)) << axis;
+      }
+      EXPECT_NEAR(error(own), r.axis_error[axis], 0.02) << kind << axis;
     }
-    const auto have = measure_cooccurrence(slices, r.levels.count(), flat);
-    const auto error = [&](const Image& picture) {
-      const LevelField f = levels_of(picture, 0, r.levels, {});
-      return cooccurrence_error(have, measure_cooccurrence({f}, r.levels.count(), flat));
-    };
-    const Image &own = axis == 2 ? across : along, &other = axis == 2 ? along : across;
-    EXPECT_LT(error(own), error(other) / 4) << axis;
-    EXPECT_LT(error(own), 0.05) << axis;
-    EXPECT_NEAR(error(own), r.axis_error[axis], 0.02) << axis;
   }
 }
 
