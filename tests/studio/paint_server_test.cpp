@@ -112,7 +112,8 @@ TEST_F(Paint, RefusesMalformedRequests) {
             "nib-too-large");
   EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{1, 2, 3}}}}),
             "bad-stroke");
-  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{"a", 2}}}}),
+  EXPECT_EQ(code_of_post("/api/stroke",
+                         {{"begin", true}, {"radius", 5}, {"points", json::array({json::array({"a", 2})})}}),
             "bad-request");
   EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{1e30, 2}}}}),
             "bad-stroke");
