@@ -8,6 +8,8 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
+constexpr int kBlock = 6;  // patches
+
 MatchFamily family_of(const Vec3i& size, int axis, int exemplar) {
   MatchFamily f;
   f.axis = axis, f.exemplar = exemplar;
@@ -52,9 +54,16 @@ MatchFamily carry_up(const MatchFamily& old, const Vec3i& from, const Vec3i& to,
   };
   work.parallel(static_cast<std::size_t>(f.slices), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      const int slice = std::min(old.slices - 1, static_cast<int>((static_cast<double>(s) + 0.5) * by_slice));
+      const auto from_slice = [&](double at) {
+        return (static_cast<int>(std::floor(at * by_slice)) + old.slices) % old.slices;
+      };
+      const int slices[2] = {from_slice(static_cast<double>(s)), from_slice(static_cast<double>(s) + 1)};
       for (int j = 0; j < f.rows; ++j)
         for (int i = 0; i < f.columns; ++i) {
+          // In half of all blocks slices 2k and 2k + 1 come from one, in the other half 2k − 1 and 2k: always
+          // the same pairs would stay more alike than others, and the wrap is never within a pair.
+          const auto block = static_cast<std::uint64_t>((j / kBlock) * f.columns + i / kBlock);
+          const int slice = slices[Random(seed, 0x70 + static_cast<std::uint64_t>(f.axis), block).below(2)];
           double miss_x, miss_y;
           const int oi = nearest(2 * i, by_x, old.columns, miss_x),
                     oj = nearest(2 * j, by_y, old.rows, miss_y);

@@ -258,7 +258,7 @@ void compute(Context& c) {
 
 NodeType solid_optimize_node() {
   NodeType type =
-      NodeType("SolidOptimize", 2)
+      NodeType("SolidOptimize", 3)
           .doc_(
               "Synthesises a tileable solid texture whose slices look like the exemplars: wood, marble, meat "
               "and other "
