@@ -5,7 +5,7 @@
 #include "nodes/register_nodes.h"
 #include "runtime/cli/command_line.h"
 #include "runtime/plugin.h"
-#include "studio/paint_command.h"
+#include "runtime/studio/paint_command.h"
 
 int main(int argc, char** argv) {
   terrazzo::Registry registry;
@@ -14,5 +14,6 @@ int main(int argc, char** argv) {
   terrazzo::register_value_types(types);
   if (const char* plugins = std::getenv("TERRAZZO_PLUGIN_PATH"))
     for (const auto& d : terrazzo::load_plugins(plugins, registry, types)) std::cerr << d.text() << '\n';
-  return terrazzo::run_command_line(argc, argv, {registry, types, terrazzo::read_provenance, terrazzo::studio::add_paint});
+  return terrazzo::run_command_line(
+      argc, argv, {registry, types, terrazzo::read_provenance, terrazzo::studio::add_paint});
 }

@@ -1,4 +1,4 @@
-#include "studio/paint_server.h"
+#include "runtime/studio/paint_server.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "studio/painting.h"
-#include "tests/studio/paint_picture.h"
+#include "runtime/studio/painting.h"
+#include "tests/runtime/studio/paint_picture.h"
 #include "tests/support/code_of.h"
 
 #include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's

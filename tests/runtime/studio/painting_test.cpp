@@ -1,11 +1,11 @@
-#include "studio/painting.h"
+#include "runtime/studio/painting.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/studio/paint_picture.h"
+#include "tests/runtime/studio/paint_picture.h"
 #include "tests/support/code_of.h"
 #include "tests/support/program.h"
 

@@ -1,4 +1,4 @@
-#include "studio/painting.h"
+#include "runtime/studio/painting.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "studio/paint_command.h"
+#include "runtime/studio/paint_command.h"
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "runtime/cli/options.h"
-#include "studio/paint_server.h"
-#include "studio/painting.h"
+#include "runtime/studio/paint_server.h"
+#include "runtime/studio/painting.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;

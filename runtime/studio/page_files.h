@@ -5,7 +5,7 @@
 
 namespace terrazzo::studio {
 
-// The text of a file of studio/page by name, or null.
+// The text of a file of page/ by name, or null.
 const char* page_file(const std::string& name);
 
 }  // namespace terrazzo::studio

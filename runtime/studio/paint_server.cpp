@@ -1,4 +1,4 @@
-#include "studio/paint_server.h"
+#include "runtime/studio/paint_server.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 
 #include "nodes/common/color.h"
 #include "nodes/texture_nib/views.h"
-#include "studio/page_files.h"
-#include "studio/painting.h"
+#include "runtime/studio/page_files.h"
+#include "runtime/studio/painting.h"
 
 #include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
 
