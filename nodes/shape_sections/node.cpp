@@ -5,6 +5,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/mesh.h"
 #include "nodes/shape_sections/sections.h"
+#include "nodes/shape_sections/views.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -50,6 +51,11 @@ void compute(Context& c) {
   c.output("image", shape_sections::picture_of(sections, columns, cell, cell / (1.15 * extent),
                                                c.work().part(0.7, 1)));
   c.output("profiles", std::move(profiles));
+  // Of a set of very many shapes the first: a picture is to be looked at.
+  constexpr std::size_t kShown = 64;
+  Shapes shown = shapes;
+  if (shown.shapes.size() > kShown) shown.shapes.resize(kShown);
+  c.output("views", shape_sections::views_of(shown, cell, c.work()));
 }
 
 }  // namespace
@@ -66,6 +72,7 @@ NodeType shape_sections_node() {
           "one per connected region, with its outer contour; areas are without holes. Places are those in "
           "the picture")
       .output("image", "Image", "the sections on a grid")
+      .output("views", "Image", "each shape (of the first 64) from three sides, along its principal axes")
       .parameter(Parameter::choice("planes", "random", {"random", "central", "principal"})
                      .doc_("random: any plane that meets a shape alike, as on a polished face; central: "
                            "through the centroid, "

@@ -7,6 +7,7 @@
 
 #include "nodes/common/mesh.h"
 #include "nodes/common/principal_axes.h"
+#include "nodes/shape_sections/views.h"
 
 namespace terrazzo::shape_sections {
 
@@ -78,12 +79,18 @@ void cover_row(const BodySection& section, const Vec2& center, double scale, int
 
 }  // namespace
 
+Mat3 volume_axes(const Mesh& mesh) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(mesh, mesh_centroid(mesh)));
+  Mat3 axes = principal_axes(solver);
+  if (axes.determinant() < 0) axes.col(2) *= -1;
+  return axes;
+}
+
 std::vector<BodySection> principal_sections(const Shapes& shapes) {
   std::vector<BodySection> out;
   for (const Shape& s : shapes.shapes) {
     const Vec3 center = mesh_centroid(s.mesh);
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(s.mesh, center));
-    const Mat3 axes = principal_axes(solver);
+    const Mat3 axes = volume_axes(s.mesh);
     for (int k = 0; k < 3; ++k) {
       Mat3 frame;
       frame.col(0) = axes.col((k + 1) % 3);

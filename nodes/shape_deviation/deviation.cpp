@@ -1,0 +1,65 @@
+#include "nodes/shape_deviation/deviation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo::shape_deviation {
+
+namespace {
+
+std::string word(const Table& t, std::size_t row, const char* column) {
+  const int c = t.column(column);
+  if (c < 0 || !std::holds_alternative<std::string>(t.rows[row][static_cast<std::size_t>(c)]))
+    throw Error("not-metrics", fmt::format("a table has no column '{}' of words", column),
+                "connect tables of ShapeMetrics");
+  return std::get<std::string>(t.rows[row][static_cast<std::size_t>(c)]);
+}
+
+}  // namespace
+
+Table average_deviations(const std::vector<const Table*>& tables, const std::vector<std::string>& measures) {
+  if (tables.empty() || tables[0]->rows.empty())
+    throw Error("no-tables", "there are no tables to average", "connect tables of ShapeMetrics");
+  const Table& first = *tables[0];
+  Table out;
+  out.columns = {"measure", "sections"};
+  std::vector<std::string> names;
+  for (std::size_t row = 0; row < first.rows.size() && word(first, row, "sections") == "central"; ++row)
+    names.push_back(word(first, row, "name"));
+  for (std::size_t k = 1; k < names.size(); ++k) out.columns.push_back(names[k] + " %");
+  for (const Table* t : tables) {
+    if (t->rows.size() != 2 * names.size())
+      throw Error("other-methods",
+                  fmt::format("a table has {} rows, the first {}", t->rows.size(), 2 * names.size()),
+                  "every table needs the same methods");
+    for (std::size_t row = 0; row < t->rows.size(); ++row)
+      if (row % names.size() != 0 && word(*t, row, "name") != names[row % names.size()])
+        throw Error("other-methods",
+                    fmt::format("row {} is '{}' in one table and '{}' in another", row + 1,
+                                names[row % names.size()], word(*t, row, "name")),
+                    "every table needs the same methods");
+  }
+  for (const auto& measure : measures) {
+    const std::string column = measure + " deviation %";
+    if (first.column(column) < 0)
+      throw Error("not-metrics", fmt::format("the tables have no column '{}'", column),
+                  "name a measure of ShapeMetrics");
+    for (const bool central : {true, false}) {
+      std::vector<Table::Cell> cells{measure, std::string(central ? "central" : "random")};
+      for (std::size_t k = 1; k < names.size(); ++k) {
+        double sum = 0;
+        for (const Table* t : tables)
+          sum += std::abs(t->number(k + (central ? 0 : names.size()), column)) /
+                 static_cast<double>(tables.size());
+        cells.emplace_back(sum);
+      }
+      out.rows.push_back(std::move(cells));
+    }
+  }
+  return out;
+}
+
+}  // namespace terrazzo::shape_deviation

@@ -1,0 +1,35 @@
+#include "graph/node_type.h"
+#include "nodes/shape_deviation/deviation.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+void compute(Context& c) {
+  std::vector<const Table*> tables;
+  for (const Value& v : c.list("tables")) tables.push_back(&v.as<Table>());
+  std::vector<std::string> measures = c.texts("measures");
+  Table t = shape_deviation::average_deviations(tables, measures);
+  c.metric("originals", static_cast<double>(tables.size()));
+  c.output("table", std::move(t));
+}
+
+}  // namespace
+
+NodeType shape_deviation_node() {
+  return NodeType("ShapeDeviation", 1)
+      .doc_(
+          "How far the sections of shape methods are from the originals', averaged over several originals: a "
+          "row "
+          "per measure and kind of section, a column per method.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, table II")
+      .input_list("tables", {"Table"},
+                  "of ShapeMetrics, one an original, whose row is the first; the same methods in each")
+      .output("table", "Table", "means of absolute deviations, %")
+      .parameter(Parameter::texts("measures", {"area/perimeter²", "total curvature rad"})
+                     .doc_("columns of ShapeMetrics, without `mean`"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

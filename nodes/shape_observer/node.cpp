@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include "graph/node_type.h"
+#include "nodes/common/plot.h"
+#include "nodes/data/table.h"
+#include "nodes/shape_observer/observer.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+
+namespace {
+
+void compute(Context& c) {
+  const auto& wires = c.list("shapes");
+  if (wires.size() < 2)
+    throw Error("no-decoys", fmt::format("{} set of shapes: there is nothing to tell apart", wires.size()),
+                "connect the original, then decoys");
+  std::vector<std::string> names;
+  if (c.keyword("names").empty()) {
+    names = c.texts("names");
+    if (names.size() != wires.size())
+      throw Error("bad-names", fmt::format("{} names for {} sets of shapes", names.size(), wires.size()),
+                  "one name a wire, the original's first")
+          .parameter("names");
+  } else {
+    for (std::size_t i = 0; i < wires.size(); ++i)
+      names.push_back(i ? fmt::format("decoy {}", i) : "original");
+  }
+  shape_observer::ObserverChoice choice;
+  choice.profiles = static_cast<int>(c.integer("profiles"));
+  choice.views = static_cast<int>(c.integer("views"));
+  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  if (static_cast<double>(choice.profiles) * choice.views > 5e6)
+    throw Error("too-many-profiles",
+                fmt::format("{} views of {} profiles are too many to measure", choice.views, choice.profiles),
+                "lower one of the two")
+        .parameter("views");
+  Table t;
+  t.columns = {"name", "told %", "standard error %", "told by"};
+  Plot plot;
+  plot.title = fmt::format("decoys found among pairs of views of {} profile{}", choice.profiles,
+                           choice.profiles == 1 ? "" : "s");
+  plot.y_label = "%";
+  PlotSeries bars;
+  bars.kind = PlotSeries::Kind::Bars;
+  for (std::size_t i = 1; i < wires.size(); ++i) {
+    const double from = (static_cast<double>(i) - 1) / static_cast<double>(wires.size() - 1);
+    const auto v = observe(wires[0].as<Shapes>(), wires[i].as<Shapes>(), choice,
+                           c.work().part(from, from + 1.0 / static_cast<double>(wires.size() - 1)));
+    t.rows.push_back({names[i], 100 * v.told, 100 * v.error, v.by});
+    plot.x_words.push_back(names[i]);
+    bars.x.push_back(static_cast<double>(i) - 1);
+    bars.y.push_back(100 * v.told);
+    bars.low.push_back(100 * (v.told - v.error));
+    bars.high.push_back(100 * (v.told + v.error));
+  }
+  plot.series.push_back(std::move(bars));
+  c.output("table", std::move(t));
+  c.output("figure", draw(plot));
+}
+
+}  // namespace
+
+NodeType shape_observer_node() {
+  return NodeType("ShapeObserver", 1)
+      .doc_(
+          "An observer in the place of people: how often a cross-validated classifier on features of "
+          "sections "
+          "tells a view of a decoy from a view of the original. 50 %: as guessing.")
+      .source_("in the place of the user study of Jagnow, Dorsey, Rushmeier 2008, section 4.2; Fisher 1936")
+      .input_list("shapes", {"Shapes"}, "the original, then decoys")
+      .output("table", "Table", "a row per decoy: pairs told right, %, standard error, and by what")
+      .output("figure", "Image", "the same as bars")
+      .parameter(Parameter::integer("profiles", 20)
+                     .range(1, 2000)
+                     .doc_("that a view shows; a picture of the study shows about 260"))
+      .parameter(Parameter::integer("views", 180).range(18, 20000).doc_("of each; as many pairs are told"))
+      .parameter(Parameter::integer("seed", 1).range(0, 4503599627370495).doc_("of the sections"))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto")
+                     .doc_("of the original and the decoys"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

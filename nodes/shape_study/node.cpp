@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "graph/node_type.h"
+#include "nodes/common/image_file.h"
+#include "nodes/data/image.h"
+#include "nodes/shape_study/screens.h"
+#include "runtime/context.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+
+namespace {
+
+std::string csv_of(const Table& t) {
+  std::string out;
+  for (std::size_t k = 0; k < t.columns.size(); ++k) out += (k ? "," : "") + t.columns[k];
+  out += "\n";
+  for (const auto& row : t.rows) {
+    for (std::size_t k = 0; k < row.size(); ++k)
+      out += (k ? "," : "") + (std::holds_alternative<double>(row[k])
+                                   ? fmt::format("{}", std::get<double>(row[k]))
+                                   : std::get<std::string>(row[k]));
+    out += "\n";
+  }
+  return out;
+}
+
+void write_text(Context& c, const std::string& path, const std::string& text) {
+  c.write_file(path, [&](const std::filesystem::path& to) {
+    std::ofstream out(to, std::ios::binary);
+    out << text;
+    if (!out.flush()) throw Error("write-failed", "could not write " + path);
+  });
+}
+
+std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
+  const auto& wires = c.list("images");
+  const auto names = c.texts("names");
+  if (names.size() != wires.size())
+    throw Error("bad-names", fmt::format("{} names for {} stacks of pictures", names.size(), wires.size()),
+                "one name a wire, as in smooth/original or smooth/csg")
+        .parameter("names");
+  std::vector<shape_study::Stimulus> out;
+  for (std::size_t i = 0; i < wires.size(); ++i) {
+    const auto slash = names[i].find('/');
+    if (slash == std::string::npos || slash == 0 || slash + 1 == names[i].size() ||
+        names[i].find_first_of(",\"\n") != std::string::npos)
+      throw Error("bad-names", fmt::format("'{}' is not a shape and a method", names[i]),
+                  "write them as in smooth/original or smooth/csg")
+          .parameter("names");
+    const auto& image = wires[i].as<Image>();
+    if (image.width <= 0 || image.height <= 0 || image.sections <= 0)
+      throw Error("empty-image", fmt::format("the pictures of {} have no pixels", names[i]));
+    out.push_back({names[i].substr(0, slash), names[i].substr(slash + 1), image.sections});
+  }
+  return out;
+}
+
+void compute(Context& c) {
+  const auto stimuli = stimuli_of(c);
+  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto screens = shape_study::make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
+  // Names that tell nothing: numbers by lot.
+  std::vector<std::pair<int, int>> all;
+  for (std::size_t i = 0; i < stimuli.size(); ++i)
+    for (int s = 0; s < stimuli[i].sections; ++s) all.emplace_back(static_cast<int>(i), s);
+  Random r(seed, 302);
+  for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[r.below(i)]);
+  std::vector<std::vector<std::string>> names(stimuli.size());
+  for (std::size_t i = 0; i < stimuli.size(); ++i)
+    names[i].resize(static_cast<std::size_t>(stimuli[i].sections));
+  const std::string folder = c.text("path");
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    c.work().check();
+    const auto [stimulus, section] = all[k];
+    const std::string name = fmt::format("{:03}.png", k + 1);
+    names[static_cast<std::size_t>(stimulus)][static_cast<std::size_t>(section)] = name;
+    const auto& image = c.list("images")[static_cast<std::size_t>(stimulus)].as<Image>();
+    c.write_file(folder + "/images/" + name,
+                 [&](const std::filesystem::path& to) { write_image(to, image, section); });
+    c.work().progress((static_cast<double>(k) + 1) / static_cast<double>(all.size()));
+  }
+  const Table key = shape_study::key_of(screens, names);
+  write_text(c, folder + "/key.csv", csv_of(key));
+  write_text(c, folder + "/index.html",
+             shape_study::page_of(screens, names, static_cast<int>(c.integer("training"))));
+  c.metric("screens", static_cast<double>(screens.size()));
+  c.metric("pictures", static_cast<double>(all.size()));
+  c.output("key", key);
+}
+
+}  // namespace
+
+NodeType shape_study_node() {
+  return NodeType("ShapeStudy", 1)
+      .doc_(
+          "A study with people, to run from a folder: screens of three pictures, of which the centre and one "
+          "side are "
+          "of the original and the other side of a decoy; a page that shows them, and the key to its "
+          "answers.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.2")
+      .writes_files_()
+      .input_list("images", {"Image"}, "stacks of sections, one a volume; at least three of each original")
+      .output("key", "Table", "screen, shape, method, decoy (left, right, none), pictures")
+      .parameter(Parameter::output_path("path").doc_("folder that gets index.html, images/ and key.csv"))
+      .parameter(Parameter::texts("names", {})
+                     .count(1, 1000)
+                     .required()
+                     .doc_("of the stacks in their order: shape/method, the method of the shape itself being "
+                           "`original`"))
+      .parameter(Parameter::integer("repeats", 4)
+                     .range(1, 100)
+                     .doc_("screens of each shape and method, and of each shape without a decoy"))
+      .parameter(Parameter::integer("training", 10).range(0, 1000).doc_("screens before the test"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of what is shown where"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

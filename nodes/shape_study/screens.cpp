@@ -1,0 +1,132 @@
+#include "nodes/shape_study/screens.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/diagnostic.h"
+#include "runtime/random.h"
+
+namespace terrazzo::shape_study {
+
+std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repeats, std::uint64_t seed) {
+  std::vector<Screen> out;
+  std::uint64_t item = 0;
+  std::vector<std::string> shapes;
+  for (const auto& s : stimuli)
+    if (std::find(shapes.begin(), shapes.end(), s.shape) == shapes.end()) shapes.push_back(s.shape);
+  for (const auto& shape : shapes) {
+    int original = -1;
+    for (std::size_t i = 0; i < stimuli.size(); ++i)
+      if (stimuli[i].shape == shape && stimuli[i].method == "original") original = static_cast<int>(i);
+    if (original < 0 || stimuli[static_cast<std::size_t>(original)].sections < 3)
+      throw Error("no-original", fmt::format("there are no three sections of the original of '{}'", shape),
+                  "name a stack of three sections or more '" + shape + "/original'");
+    for (std::size_t i = 0; i < stimuli.size(); ++i) {
+      if (stimuli[i].shape != shape) continue;
+      for (int k = 0; k < repeats; ++k) {
+        Random r(seed, 301, item++);
+        const auto n = static_cast<std::uint64_t>(stimuli[static_cast<std::size_t>(original)].sections);
+        const auto a = static_cast<int>(r.below(n));
+        int b = static_cast<int>(r.below(n - 1));
+        b += b >= a;
+        int c = static_cast<int>(r.below(n - 2));
+        for (const int taken : {std::min(a, b), std::max(a, b)}) c += c >= taken;
+        Screen s;
+        s.shape = shape, s.method = stimuli[i].method;
+        s.centre = {original, a};
+        Screen::Shown same{original, b}, other{original, c};
+        const bool left = r.below(2) == 0;
+        if (static_cast<int>(i) != original) {
+          other = {static_cast<int>(i),
+                   static_cast<int>(r.below(static_cast<std::uint64_t>(stimuli[i].sections)))};
+          s.decoy = left ? "left" : "right";
+        } else {
+          s.decoy = "none";
+        }
+        s.left = left ? other : same, s.right = left ? same : other;
+        out.push_back(s);
+      }
+    }
+  }
+  return out;
+}
+
+Table key_of(const std::vector<Screen>& screens, const std::vector<std::vector<std::string>>& names) {
+  Table t;
+  t.columns = {"screen", "shape", "method", "decoy", "left", "centre", "right"};
+  const auto name = [&](const Screen::Shown& s) {
+    return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
+  };
+  for (std::size_t i = 0; i < screens.size(); ++i) {
+    const Screen& s = screens[i];
+    t.rows.push_back({static_cast<double>(i + 1), s.shape, s.method, s.decoy, name(s.left), name(s.centre),
+                      name(s.right)});
+  }
+  return t;
+}
+
+std::string page_of(const std::vector<Screen>& screens, const std::vector<std::vector<std::string>>& names,
+                    int training) {
+  std::string list;
+  const auto name = [&](const Screen::Shown& s) {
+    return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
+  };
+  for (std::size_t i = 0; i < screens.size(); ++i)
+    list += fmt::format("[{},\"{}\",\"{}\",\"{}\"],\n", i + 1, name(screens[i].left), name(screens[i].centre),
+                        name(screens[i].right));
+  std::string page = R"html(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Which is least alike?</title><style>
+body{background:#808080;color:#000;font:18px/1.5 sans-serif;margin:0;display:flex;min-height:100vh;align-items:center;justify-content:center}
+#row{display:flex;gap:40px}#row img{width:250px;height:250px;display:block}#row img.side{cursor:pointer}
+#text{max-width:640px}button{font:inherit;padding:.3em 1.2em}textarea{width:100%;height:12em}input{font:inherit}
+</style></head><body><div id="text">
+<p>You will see three pictures in a row: sections through a material of black grains. Click the one of the outer two that is
+<b>least like the middle one</b>. Judge by the <b>shapes</b> of the grains, not by their sizes, number or places.</p>
+<p>Take part only if you like to; nothing leaves this computer. First come some screens to get used to it.</p>
+<p>A name for this session: <input id="who" value="1"> <button id="go">Begin</button></p></div>
+<div id="row" hidden></div><script>
+const training=@TRAINING@,screens=[
+@SCREENS@];
+const text=document.getElementById("text"),row=document.getElementById("row");
+function shuffled(a){a=a.slice();for(let i=a.length-1;i>0;--i){const j=Math.floor(Math.random()*(i+1));[a[i],a[j]]=[a[j],a[i]];}return a;}
+let who="",queue=[],at=0,shown=0,open=false;const answers=[];
+function next(){
+  open=false;row.hidden=true;
+  if(at===queue.length)return done();
+  if(at===training){text.hidden=false;text.innerHTML="<p>Now the test itself.</p><p><button>Go on</button></p>";
+    text.querySelector("button").onclick=()=>{text.hidden=true;show();};return;}
+  setTimeout(show,1000);
+}
+function show(){
+  row.innerHTML="";
+  const names=queue[at].slice(1);let left=3;
+  names.forEach((n,i)=>{const p=new Image();p.src="images/"+n;p.alt="";p.draggable=false;
+    p.onload=p.onerror=()=>{if(--left===0){row.hidden=false;shown=performance.now();open=true;}};
+    if(i!==1){p.className="side";p.onclick=()=>choose(i===0?"left":"right");}row.appendChild(p);});
+}
+function choose(side){
+  if(!open)return;
+  if(at>=training)answers.push([who,queue[at][0],side,((performance.now()-shown)/1000).toFixed(3)]);
+  ++at;next();
+}
+function done(){
+  const csv="participant,screen,choice,seconds\n"+answers.map(a=>a.join(",")).join("\n")+"\n";
+  text.hidden=false;text.innerHTML="<p>Done, thank you. Please save the answers.</p><p><a download='answers.csv'><button>Save answers.csv</button></a></p><textarea readonly></textarea>";
+  text.querySelector("textarea").value=csv;
+  text.querySelector("a").href=URL.createObjectURL(new Blob([csv],{type:"text/csv"}));
+}
+document.getElementById("go").onclick=()=>{
+  who=document.getElementById("who").value.replace(/[^\w.-]/g,"_")||"1";
+  queue=shuffled(screens).slice(0,training).concat(shuffled(screens));at=0;text.hidden=true;
+  if(training===0)show();else{setTimeout(show,1000);}
+};
+</script></body></html>
+)html";
+  page.replace(page.find("@TRAINING@"), 10,
+               std::to_string(std::min<std::size_t>(static_cast<std::size_t>(training), screens.size())));
+  page.replace(page.find("@SCREENS@"), 9, list);
+  return page;
+}
+
+}  // namespace terrazzo::shape_study

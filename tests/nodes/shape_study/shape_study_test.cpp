@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "nodes/data/image.h"
+#include "nodes/data/table.h"
+#include "nodes/shape_study/screens.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using namespace shape_study;
+
+const std::vector<Stimulus> kStimuli{
+    {"smooth", "original", 5}, {"smooth", "csg", 1}, {"complex", "csg", 4}, {"complex", "original", 3}};
+
+TEST(ShapeStudy, ScreensAreAsThePaperHasThem) {
+  const auto screens = make_screens(kStimuli, 40, 3);
+  std::map<std::string, int> count;
+  for (const auto& s : screens) {
+    ++count[s.shape + "/" + s.method + "/" + s.decoy];
+    const auto& original = kStimuli[static_cast<std::size_t>(s.centre.stimulus)];
+    EXPECT_EQ(original.method, "original");
+    EXPECT_EQ(original.shape, s.shape);
+    const auto& same = s.decoy == "left" ? s.right : s.left;
+    EXPECT_EQ(same.stimulus, s.centre.stimulus);
+    EXPECT_NE(same.section, s.centre.section);
+    if (s.decoy == "none") {
+      EXPECT_EQ(s.right.stimulus, s.centre.stimulus);
+      EXPECT_NE(s.right.section, s.centre.section);
+      EXPECT_NE(s.right.section, s.left.section);
+    } else {
+      const auto& decoy = s.decoy == "left" ? s.left : s.right;
+      EXPECT_EQ(kStimuli[static_cast<std::size_t>(decoy.stimulus)].method, s.method);
+      EXPECT_EQ(kStimuli[static_cast<std::size_t>(decoy.stimulus)].shape, s.shape);
+    }
+  }
+  EXPECT_EQ(screens.size(), 160u);
+  EXPECT_EQ(count["smooth/original/none"], 40);
+  EXPECT_GT(count["smooth/csg/left"], 8);
+  EXPECT_GT(count["smooth/csg/right"], 8);
+}
+
+TEST(ShapeStudy, ThePageTellsNothing) {
+  const auto screens = make_screens(kStimuli, 2, 1);
+  std::vector<std::vector<std::string>> names;
+  int n = 0;
+  for (const auto& s : kStimuli) {
+    names.emplace_back();
+    for (int i = 0; i < s.sections; ++i) names.back().push_back(std::to_string(++n) + ".png");
+  }
+  const auto page = page_of(screens, names, 10);
+  for (const char* word : {"csg", "smooth", "complex", "decoy", "http"})
+    EXPECT_EQ(page.find(word), std::string::npos) << word;
+  EXPECT_EQ(key_of(screens, names).rows.size(), screens.size());
+}
+
+TEST(ShapeStudy, WritesAFolder) {
+  const Value stack = Value::of(Image(8, 8, 3, 1, Vec3f::Ones()));
+  const auto folder = test::temporary_folder();
+  const auto run = test::run_node("ShapeStudy", {{"images", stack}, {"images", stack}},
+                                  {{"path", "study"}, {"names", "[a/original, a/csg]"}}, folder);
+  EXPECT_EQ(run.metrics.at("screens"), 8);
+  for (const char* file :
+       {"study/index.html", "study/key.csv", "study/images/001.png", "study/images/006.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
+  std::ifstream in(folder / "study/key.csv");
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "screen,shape,method,decoy,left,centre,right");
+}
+
+TEST(ShapeStudy, BadInputIsNamed) {
+  EXPECT_EQ(test::code_of([] { make_screens({{"a", "csg", 3}}, 1, 1); }), "no-original");
+  EXPECT_EQ(test::code_of([] { make_screens({{"a", "original", 2}}, 1, 1); }), "no-original");
+  const Value stack = Value::of(Image(8, 8, 3, 1, Vec3f::Ones()));
+  for (const char* names : {"[a]", "[a/b, c/d]", "[/b]"})
+    EXPECT_EQ(test::code_of([&] {
+                test::run_node("ShapeStudy", {{"images", stack}}, {{"path", "s"}, {"names", names}},
+                               test::temporary_folder());
+              }),
+              "bad-names");
+}
+
+}  // namespace
+}  // namespace terrazzo
