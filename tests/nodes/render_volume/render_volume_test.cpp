@@ -117,6 +117,26 @@ TEST(RenderVolume, OnePictureForAnyNumberOfThreads) {
   EXPECT_EQ(run(in, {}, 1).output<Image>("image").pixels, run(in, {}, 3).output<Image>("image").pixels);
 }
 
+TEST(RenderVolume, SaysWhichDeviceDrew) {
+  const Inputs in = {{"volume", Value::of(scan(Vec3i(16, 12, 8)))}};
+  const auto cpu = run(in);
+  EXPECT_TRUE(cpu.warnings.empty());
+  const auto any = run(in, {{"device", "auto"}});  // on a GPU or not, it says so
+  ASSERT_EQ(any.warnings.size(), 1u);
+  EXPECT_TRUE(any.warnings[0].starts_with("rendered ")) << any.warnings[0];
+  const auto &a = cpu.output<Image>("image"), &b = any.output<Image>("image");
+  double sum = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += (a.pixels[i] - b.pixels[i]).cwiseAbs().sum() / 3;
+  EXPECT_LT(sum / double(a.pixels.size()), 1.0 / 255);
+  try {
+    const auto gl = run(in, {{"device", "gl"}});
+    ASSERT_EQ(gl.warnings.size(), 1u);
+    EXPECT_TRUE(gl.warnings[0].starts_with("rendered by OpenGL on ")) << gl.warnings[0];
+  } catch (const Error& e) {
+    EXPECT_EQ(e.diagnostic().code, "no-gl");
+  }
+}
+
 TEST(RenderVolume, ClassesAreReadAndSorted) {
   const auto t = parse_tissues({"bone 150 4000 #ffffff texture", "skin -600 -190.5 noise opacity=0.25"});
   ASSERT_EQ(t.size(), 2u);
