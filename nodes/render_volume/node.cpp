@@ -121,7 +121,7 @@ void compute(Context& c) {
 
 NodeType render_volume_node() {
   NodeType type =
-      NodeType("RenderVolume", 1)
+      NodeType("RenderVolume", 2)
           .doc_(
               "A picture of a scan, or of a turn about it: tissues by ranges of density, each in its solid "
               "texture at "
@@ -178,7 +178,8 @@ NodeType render_volume_node() {
                          .unit_("degrees")
                          .range(-85, 85)
                          .doc_("How high the viewer stands"))
-          .parameter(Parameter::number("zoom", 1).range(0.1, 1000).doc_("1 shows all of what is kept"))
+          .parameter(Parameter::number("zoom", 1).range(0.1, 1000).doc_(
+              "1 shows all that can be seen of what is kept, from every side"))
           .parameter(Parameter::numbers("clip", {0, 1, 0, 1, 0, 1})
                          .range(0, 1)
                          .count(6, 6)

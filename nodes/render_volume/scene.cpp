@@ -8,6 +8,34 @@
 #include "graph/diagnostic.h"
 
 namespace terrazzo::render_volume {
+namespace {
+
+Eigen::AlignedBox3f box_of_visible(const ScanField& scan, const DensityIntervals& intervals) {
+  std::vector<char> visible(65536);
+  for (std::size_t v = 0; v < visible.size(); ++v) {
+    const float density = scan.low + scan.step * static_cast<float>(v);
+    const auto k =
+        std::upper_bound(intervals.edges.begin(), intervals.edges.end(), density) - intervals.edges.begin();
+    visible[v] = intervals.tissue[static_cast<std::size_t>(k)] >= 0;
+  }
+  Eigen::AlignedBox3i box;
+  std::size_t i = 0;
+  for (int z = 0; z < scan.size.z(); ++z)
+    for (int y = 0; y < scan.size.y(); ++y) {
+      const std::uint16_t* row = &scan.voxels[i];
+      int first = 0, last = scan.size.x() - 1;
+      while (first <= last && !visible[row[first]]) ++first;
+      while (last > first && !visible[row[last]]) --last;
+      if (first <= last) box.extend(Vec3i(first, y, z)), box.extend(Vec3i(last, y, z));
+      i += static_cast<std::size_t>(scan.size.x());
+    }
+  if (box.isEmpty()) return {Vec3f(Vec3f::Zero()), Vec3f(Vec3f::Ones())};
+  const Vec3f n = scan.size.cast<float>();
+  return {Vec3f(box.min().cast<float>().cwiseQuotient(n)),
+          Vec3f((box.max().cast<float>() + Vec3f::Ones()).cwiseQuotient(n))};
+}
+
+}  // namespace
 
 Scene::Scene(ScanField s, std::vector<Tissue> t, std::vector<SolidTexture> x, const Look& l)
     : scan(std::move(s)),
@@ -15,6 +43,7 @@ Scene::Scene(ScanField s, std::vector<Tissue> t, std::vector<SolidTexture> x, co
       intervals(intervals_of(tissues)),
       textures(std::move(x)),
       look(l) {
+  seen = box_of_visible(scan, intervals);
   std::vector<std::string> wanting;
   for (const Tissue& tissue : tissues) {
     const bool wants = !textures.empty() && tissue.finish == Finish::Texture;
@@ -78,8 +107,11 @@ Frame frame_of(const Scene& scene, double azimuth) {
   for (int k = 0; k < 3; ++k) {
     f.low[k] = 0.5f + n[k] * look.clip[0][k], f.high[k] = 0.5f + n[k] * look.clip[1][k];
   }
-  const Vec3f half = 0.5f * (look.clip[1] - look.clip[0]).cwiseProduct(extent);
-  const Vec3f target = 0.5f * (look.clip[0] + look.clip[1] - Vec3f::Ones()).cwiseProduct(extent);
+  // Framed by what can be seen of what is kept.
+  Eigen::AlignedBox3f kept(look.clip[0], look.clip[1]);
+  if (const auto both = kept.intersection(scene.seen); !both.isEmpty()) kept = both;
+  const Vec3f half = 0.5f * kept.sizes().cwiseProduct(extent);
+  const Vec3f target = (kept.center() - Vec3f::Constant(0.5f)).cwiseProduct(extent);
   f.camera = camera_of(look, half, static_cast<float>(azimuth));
   const float distance = -f.camera.position.dot(f.camera.forward);
   f.camera.position += target;

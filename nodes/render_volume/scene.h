@@ -42,6 +42,7 @@ struct Scene {
   std::vector<int> texture;  // of each tissue: into textures, −1 without
   std::vector<SolidTexture> textures;
   Look look;
+  Eigen::AlignedBox3f seen;  // of the voxels that a class holds, in shares of the edges; all where none is
 
   // Gives the tissues that ask for a texture one each, in order. Throws Error "missing-texture",
   // "spare-texture".
