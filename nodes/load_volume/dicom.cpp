@@ -113,6 +113,7 @@ Slice read_slice(const std::filesystem::path& path) {
   s.series = text_of(set, DCM_SeriesInstanceUID);
   const double count = double(s.width) * s.height * s.frames;
   if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
+  check_plausible(2 * count, path);
   if (!set.tagExists(DCM_PixelData)) throw unreadable(path, "it holds no pixels");
   s.values.resize(static_cast<std::size_t>(count));
   read_pixels(set, s);

@@ -108,6 +108,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work) {
     if (edge < 1 || edge > (1 << 24)) throw unreadable(path, fmt::format("axis {} has {} voxels", k, edge));
     s.size[k] = static_cast<int>(edge);
   }
+  if (s.size.cast<double>().prod() <= 2147483648.0)
+    check_plausible(s.size.cast<double>().prod() * n.nbyper, path);
   allocate(s, path.string());
 
   // Not nifti_image_load: it would turn NaN into 0 without a word.

@@ -22,6 +22,16 @@ void allocate(LoadedScan& s, const std::string& file) {
   s.values.resize(static_cast<std::size_t>(voxels));
 }
 
+void check_plausible(double bytes, const std::filesystem::path& path) {
+  std::error_code none;
+  const auto size = std::filesystem::file_size(path, none);
+  if (none || bytes <= 2000.0 * static_cast<double>(size) + 1e6) return;
+  throw Error("unreadable-volume",
+              fmt::format("'{}' has {} bytes, which cannot hold the {:.3g} bytes of voxels that it speaks of",
+                          path.string(), size, bytes),
+              "check that the file is whole");
+}
+
 void align_axes(LoadedScan& s, const Mat3& axes) {
   // The assignment of index axes to axes of space that keeps most of their directions.
   static constexpr std::array<std::array<int, 3>, 6> orders = {

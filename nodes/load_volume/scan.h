@@ -22,6 +22,10 @@ struct LoadedScan {
 // Throws Error "too-large" above 2^31 voxels, "empty-volume" where an edge is below 1; makes room otherwise.
 void allocate(LoadedScan&, const std::string& file);
 
+// Whether a file can hold so many bytes of voxels: no compression in use packs better than 2000 to 1. Throws
+// Error "unreadable-volume" where not, so that a damaged size asks for no memory.
+void check_plausible(double bytes, const std::filesystem::path&);
+
 // Turns the axes of the array to the nearest ones of space, by swaps and flips alone. Column k of `axes`:
 // where index k leads, in a space with x to the right, y to the front and z to the head. Notes more than 1
 // degree of what is left.

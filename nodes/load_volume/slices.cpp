@@ -54,6 +54,7 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
     if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || count > 2147483648.0)
       throw unreadable(path, fmt::format("{} × {} × {} pixels", spec.width, spec.height, spec.depth));
+    check_plausible(double(spec.width) * spec.height * spec.nchannels, path);
     std::vector<double> pixels(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
     if (!in->read_image(page, 0, 0, spec.nchannels, OIIO::TypeDesc::DOUBLE, pixels.data()))
       throw unreadable(path, in->geterror());

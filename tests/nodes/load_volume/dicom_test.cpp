@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "nodes/data/volume.h"
+#include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
@@ -105,6 +106,26 @@ TEST(LoadDicom, BadSeries) {
   for (const std::size_t size : {std::size_t{140}, whole.size() / 2, whole.size() - 3}) {
     std::ofstream(folder / "cut.dcm", std::ios::binary) << whole.substr(0, size);
     EXPECT_EQ(code("cut.dcm"), "unreadable-volume") << size;
+  }
+}
+
+TEST(LoadDicom, DamagedFilesNeverCrash) {
+  const auto folder = test::temporary_folder();
+  write(folder / "good.dcm", {.z = 1, .first = 9});
+  std::ifstream in(folder / "good.dcm", std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  for (std::uint64_t k = 0; k < 250; ++k) {
+    Random r(4, 4, k);
+    std::string bytes = whole;
+    for (int flips = 0; flips < 1 + static_cast<int>(k % 4); ++flips)
+      bytes[132 + r.below(bytes.size() - 132)] = static_cast<char>(r.below(256));
+    if (k % 5 == 0) bytes.resize(132 + r.below(bytes.size() - 132));
+    std::ofstream(folder / "bad.dcm", std::ios::binary) << bytes;
+    try {
+      load(folder / "bad.dcm", {{"spacing", "1"}});
+    } catch (const Error& e) {
+      EXPECT_GT(e.diagnostic().message.size(), 10u);
+    }
   }
 }
 

@@ -7,7 +7,7 @@
 
 #include "nodes/data/volume.h"
 #include "nodes/export/vdb_file.h"
-#include "nodes/load_volume/scan.h"
+#include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
@@ -159,10 +159,35 @@ TEST(LoadVolume, BadNifti) {
   Nifti huge = counting();
   huge.dim = {3, 32767, 32767, 32767, 1, 1, 1, 1};
   EXPECT_EQ(code_of([&] { load(huge.write(folder / "huge.nii")); }), "too-large");
+  huge.dim = {3, 1024, 1024, 1024, 1, 1, 1, 1};
+  EXPECT_EQ(code_of([&] { load(huge.write(folder / "huge.nii")); }), "unreadable-volume");
   Nifti one;
   one.dim = {3, 1, 1, 1, 1, 1, 1, 1};
   one.fill<std::int16_t>(1, [](std::size_t) -> std::int16_t { return 5; });
   EXPECT_EQ(grid_of(load(one.write(folder / "one.nii")))->activeVoxelCount(), 1u);
+}
+
+// Any bytes give a volume or an error that says something.
+TEST(LoadVolume, DamagedNiftiNeverCrashes) {
+  const auto folder = test::temporary_folder();
+  const auto good = counting().write(folder / "good.nii");
+  std::ifstream in(good, std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  int loaded = 0;
+  for (std::uint64_t k = 0; k < 250; ++k) {
+    Random r(3, 3, k);
+    std::string bytes = whole;
+    for (int flips = 0; flips < 1 + static_cast<int>(k % 4); ++flips)
+      bytes[r.below(k % 2 ? 120 : bytes.size())] = static_cast<char>(r.below(256));
+    std::ofstream(folder / "bad.nii", std::ios::binary) << bytes;
+    try {
+      load(folder / "bad.nii");
+      ++loaded;
+    } catch (const Error& e) {
+      EXPECT_GT(e.diagnostic().message.size(), 10u);
+    }
+  }
+  EXPECT_GT(loaded, 10);
 }
 
 fs::path slice(const fs::path& path, int channels, OIIO::TypeDesc type, const std::vector<std::uint16_t>& v,
