@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "nodes/common/level_descent.h"
+#include "nodes/cooccurrence_synth/patches.h"
 #include "runtime/random.h"
 
 namespace terrazzo::cooccurrence_synth {
@@ -54,6 +55,12 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
     if (r.changed.back() == 0) break;
   }
   r.field = descent.field();
+  r.finished_error = r.error.back();
+  if (s.patches) {
+    r.from = patch_sources(source, sections, r.levels, wanted, s.tileable, s.seed, r.field, work.quiet());
+    r.finished_error =
+        cooccurrence_error(measure_cooccurrence(r.field, levels, offsets, s.tileable, work.quiet()), wanted);
+  }
   return r;
 }
 

@@ -21,6 +21,7 @@ struct SynthSettings {
   int width = 0, height = 0;    // pixels; 0: the source's
   bool tileable = true;         // opposite edges are neighbours
   std::string space = "oklab";  // or rgb: where colours are clustered
+  bool patches = false;         // ends in the source's own colours (patches.h)
   std::uint64_t seed = 1;
 };
 
@@ -29,6 +30,8 @@ struct SynthResult {
   LevelField field;
   std::vector<double> error;         // E at the start and after each sweep
   std::vector<std::size_t> changed;  // pixels, by each sweep; one entry fewer
+  std::vector<std::uint32_t> from;   // of each pixel, with patches: the source's pixel whose colour it has
+  double finished_error = 0;         // E of the field as it is in the end
 };
 
 // `mask`: which pixels of the source count, one entry each, or empty. Throws Error "too-small" where the

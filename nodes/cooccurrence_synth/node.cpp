@@ -33,6 +33,7 @@ void compute(Context& c) {
   SynthSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
+  s.patches = c.text("finish") == "patches";
   s.tileable = c.boolean("tileable"), s.space = c.text("space");
   s.seed = static_cast<std::uint64_t>(c.integer("seed"));
   if (c.keyword("size").empty()) {
@@ -52,6 +53,8 @@ void compute(Context& c) {
     table.rows.push_back(
         {static_cast<double>(i), r.error[i], i == 0 ? 0.0 : static_cast<double>(r.changed[i - 1])});
   Image out = image_of(r.field, r.levels, source.pixel_size);
+  for (std::size_t i = 0; i < r.from.size(); ++i) out.pixels[i] = source.pixels[r.from[i]];
+  c.metric("finished_error", r.finished_error);
   c.metric("error_start", r.error.front());
   c.metric("error", r.error.back());
   c.metric("sweeps", static_cast<double>(r.changed.size()));
@@ -79,7 +82,8 @@ NodeType cooccurrence_synth_node() {
       .input("image", "Image", "the texture; several sections count together")
       .optional_input("mask", {"Labels", "Image"},
                       "where the texture is measured: labels other than 0, or brighter than 0.2")
-      .output("image", "Image", "the field, in the levels' colours")
+      .output("image", "Image",
+              "the field, in the levels' colours or, with finish patches, the picture's own")
       .output("table", "Table",
               "sweep, error E of the matrix (half of the offsets), pixels changed; sweep 0 is the noise")
       .output("figure", "Image", "the table's two curves (the paper's figure 3)")
@@ -103,6 +107,10 @@ NodeType cooccurrence_synth_node() {
                      .range(2, 16384)
                      .unit_("pixels")
                      .doc_("Edge, or width and height; auto: the picture's"))
+      .parameter(Parameter::choice("finish", "levels", {"levels", "patches"})
+                     .doc_("levels: their few colours, the paper's. patches: colours of the source's pixels "
+                           "in like surroundings, "
+                           "levels following, so that shapes survive"))
       .parameter(Parameter::boolean("tileable", true).doc_("Opposite edges continue each other"))
       .parameter(Parameter::integer("seed", 1)
                      .range(0, 9007199254740991)
