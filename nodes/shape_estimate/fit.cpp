@@ -128,7 +128,8 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   for (const Outline& o : *request.all) blur.push_back(o.blur / o.perimeter);
   std::nth_element(blur.begin(), blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2), blur.end());
   // What smoothing of pixels' steps took from the observed is taken from the bodies' sections too.
-  measuring.blur = std::min(0.03, blur[blur.size() / 2]);
+  // At least as much as hides the triangles of a body from those of an original.
+  measuring.blur = std::clamp(blur[blur.size() / 2], 0.006, 0.03);
 
   FeatureSample observed;
   for (const Outline& o : *request.all) {

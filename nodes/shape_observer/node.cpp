@@ -29,6 +29,7 @@ void compute(Context& c) {
   shape_observer::ObserverChoice choice;
   choice.profiles = static_cast<int>(c.integer("profiles"));
   choice.views = static_cast<int>(c.integer("views"));
+  choice.eyesight = c.number("eyesight");
   choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
   if (static_cast<double>(choice.profiles) * choice.views > 5e6)
     throw Error("too-many-profiles",
@@ -75,6 +76,11 @@ NodeType shape_observer_node() {
                      .range(1, 2000)
                      .doc_("that a view shows; a picture of the study shows about 260"))
       .parameter(Parameter::integer("views", 180).range(18, 20000).doc_("of each; as many pairs are told"))
+      .parameter(
+          Parameter::number("eyesight", 1)
+              .range(0, 100)
+              .doc_("error with which each measure of a profile is read, in units of what is just visible "
+                    "in a picture of some 16 pixels; 0: exactly, down to the triangles of a mesh"))
       .parameter(Parameter::integer("seed", 1).range(0, 4503599627370495).doc_("of the sections"))
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto")
                      .doc_("of the original and the decoys"))

@@ -1,15 +1,19 @@
 #include "nodes/shape_observer/observer.h"
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 
 #include "nodes/common/outline_features.h"
+#include "runtime/random.h"
 
 namespace terrazzo::shape_observer {
 
 namespace {
 
 constexpr int kFolds = 9;
+constexpr std::array<double, kOutlineFeatures> kVisible{0.0012, 0.12,  0.03, 0.006, 4,   0.7,
+                                                        0.02,   0.015, 0.1,  0.05,  0.15};
 constexpr auto kFeatures = static_cast<Eigen::Index>(kOutlineFeatures);
 
 // Rows: views; columns: means, then standard deviations (where a view has several profiles).
