@@ -208,7 +208,7 @@ class Deformed : public BodyFamily {
     at += kHarmonics;
     for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(kFieldAmplitude[k] * x[at + k], 0.12);
     at += kFields;
-    const double smooth = std::clamp(x[at + kPlanes], -0.6, 1.6);
+    const double smooth = std::clamp(x[at + kPlanes], -0.25, 1.6);
     const Eigen::VectorXd swell = swells_ * c;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       Vec3& p = mesh.vertices[v];

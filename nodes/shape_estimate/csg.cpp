@@ -102,11 +102,11 @@ Estimate csg(const EstimateRequest& request, const Work& work) {
   Estimate out;
   out.deviation = silhouette_deviation(polygons);
   // Points that say nothing make faces that nobody sees.
-  const double tolerance[] = {4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
+  const double tolerance[] = {2e-2, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
   for (auto& p : polygons) {
     Vec2 low = p[0], high = p[0];
     for (const auto& q : p) low = low.cwiseMin(q), high = high.cwiseMax(q);
-    p = simplified(p, tolerance[std::clamp(request.subdivision, 0, 4)] * (high - low).maxCoeff());
+    p = simplified(p, tolerance[std::clamp(request.subdivision, -1, 4) + 1] * (high - low).maxCoeff());
   }
   out.mesh = intersect_extrusions(polygons, work);
   if (out.mesh.triangles.empty())

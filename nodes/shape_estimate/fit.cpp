@@ -52,7 +52,8 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
       r.all = request.all;
       r.index = static_cast<int>(tasks[i].hand);
       r.seed = request.seed;
-      r.subdivision = tasks[i].method->permutations || tasks[i].method->least == 1 ? 0 : 1;
+      // Silhouettes without their fine detail, which extrusion would make ridges of.
+      r.subdivision = tasks[i].method->silhouettes ? -1 : 1;
       r.axis = tasks[i].axis;
       try {
         Mesh mesh = tasks[i].method->run(r, work.quiet()).mesh;
@@ -124,15 +125,21 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
 Fit fit_bodies(const FitRequest& request, const Work& work) {
   OutlineMeasuring measuring;
   measuring.points = kPoints;
-  std::vector<double> blur;
-  for (const Outline& o : *request.all) blur.push_back(o.blur / o.perimeter);
+  std::vector<double> blur, convexity;
+  for (const Outline& o : *request.all)
+    blur.push_back(o.blur / o.perimeter), convexity.push_back(o.convexity);
   std::nth_element(blur.begin(), blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2), blur.end());
-  // What smoothing of pixels' steps took from the observed is taken from the bodies' sections too.
-  // At least as much as hides the triangles of a body from those of an original.
-  measuring.blur = std::clamp(blur[blur.size() / 2], 0.006, 0.03);
+  // At least as much as hides the triangles of a body from those of an original. Where pixels' steps had to
+  // be smoothed, as much as hides the fray that segmentation leaves, from observed and made sections alike;
+  // and the tenth that is least convex stays out, for it is what ran together.
+  const double pixels = blur[blur.size() / 2];
+  measuring.blur = pixels > 0 ? std::clamp(3 * pixels, 0.012, 0.03) : 0.006;
+  std::sort(convexity.begin(), convexity.end());
+  const double least_convex = pixels > 0 ? convexity[convexity.size() / 10] : 0;
 
   FeatureSample observed;
   for (const Outline& o : *request.all) {
+    if (o.convexity < least_convex) continue;
     const OutlineFeatures f = outline_features(o.points, measuring);
     if (f[OutlineFeature::Circularity] <= 0) continue;
     observed.features.push_back(f);
