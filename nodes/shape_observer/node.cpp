@@ -63,7 +63,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_observer_node() {
-  return NodeType("ShapeObserver", 2)
+  return NodeType("ShapeObserver", 3)
       .doc_(
           "An observer in the place of people: how often a cross-validated classifier on features of "
           "sections "

@@ -28,7 +28,12 @@ Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std
       if (loops.size() < n) loops.push_back(&profile[0]);
   std::vector<OutlineFeatures> features(loops.size());
   work.part(0.5, 1).parallel(loops.size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) features[i] = outline_features(*loops[i], {choice.points, 0});
+    for (std::size_t i = begin; i < end; ++i) {
+      features[i] = outline_features(*loops[i], {choice.points, 0});
+      Random error(seed, 303, i);
+      for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+        features[i].values[k] += choice.eyesight * kVisible[k] * error.normal();
+    }
   });
   const bool spread = choice.profiles >= 5;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(choice.views, spread ? 2 * kFeatures : kFeatures);
