@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "graph/diagnostic.h"
@@ -43,6 +44,8 @@ void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
     if (keep[i]) v[to++] = v[i];
   v.resize(to);
 }
+
+constexpr int kAuditRounds = 60;
 
 class Packer {
  public:
@@ -102,7 +105,9 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
   anneal_.extra = {};
   const int all = options_.iterations;
   int left = all;
-  for (int round = 0; round < 12; ++round) {
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  int since = 0;  // rounds without fewer pairs
+  for (int round = 0; round < kAuditRounds && since < 12; ++round) {
     anneal_.iterations = std::max(left, 400);
     state_ = pack(contact_shapes_, packing_, anneal_, work);
     result_.iterations += state_.iterations;
@@ -113,10 +118,18 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
       double& margin = anneal_.extra.of_pair[{p.a, p.b}];
       margin += std::max(margin, 1.5 * p.depth + 5e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
     }
+    if (audit_.found.size() < fewest)
+      fewest = audit_.found.size(), since = 0;
+    else
+      ++since;
     // Where many pairs are found, or mending here opens overlaps there, the contacts miss something
-    // everywhere.
+    // everywhere. By the typical depth: a wide margin for all stirs up the whole packing.
     const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
-    if (many || round >= 6) anneal_.extra.all += (many ? 0.6 : 0.3) * audit_.worst;
+    if (many || since >= 3) {
+      double mean = 0;
+      for (const auto& p : audit_.found) mean += p.relative / static_cast<double>(audit_.found.size());
+      anneal_.extra.all += many ? 0.6 * audit_.worst : 0.3 * mean;
+    }
     anneal_.settle = true;
   }
 }
@@ -166,7 +179,7 @@ PackResult Packer::run() {
   anneal_and_audit(resumed ? 1.0 : 0.6, work_.part(0.05, 0.95));
 
   const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
-  if (jammed && options_.on_jam == OnJam::Fail) {
+  if (packing_.shrink < 1 && options_.on_jam == OnJam::Fail) {
     throw Error("jammed",
                 fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",
                             packing_.count(), fraction(), population_.requested_fraction),
