@@ -3,8 +3,8 @@
 #include <GL/glcorearb.h>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/gl_program.h"
 #include "nodes/common/mesh.h"
-#include "nodes/common/shader_source.h"
 
 namespace terrazzo {
 namespace {
@@ -23,7 +23,6 @@ struct StencilSlicer::Gl {
 
   explicit Gl(GlDevice device) : context(device) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
-  TERRAZZO_GL(AttachShader, PFNGLATTACHSHADERPROC);
   TERRAZZO_GL(BindBuffer, PFNGLBINDBUFFERPROC);
   TERRAZZO_GL(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
   TERRAZZO_GL(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC);
@@ -31,9 +30,6 @@ struct StencilSlicer::Gl {
   TERRAZZO_GL(BufferData, PFNGLBUFFERDATAPROC);
   TERRAZZO_GL(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC);
   TERRAZZO_GL(Clear, PFNGLCLEARPROC);
-  TERRAZZO_GL(CompileShader, PFNGLCOMPILESHADERPROC);
-  TERRAZZO_GL(CreateProgram, PFNGLCREATEPROGRAMPROC);
-  TERRAZZO_GL(CreateShader, PFNGLCREATESHADERPROC);
   TERRAZZO_GL(DrawBuffer, PFNGLDRAWBUFFERPROC);
   TERRAZZO_GL(DrawElementsInstanced, PFNGLDRAWELEMENTSINSTANCEDPROC);
   TERRAZZO_GL(Enable, PFNGLENABLEPROC);
@@ -44,15 +40,11 @@ struct StencilSlicer::Gl {
   TERRAZZO_GL(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC);
   TERRAZZO_GL(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
   TERRAZZO_GL(GetError, PFNGLGETERRORPROC);
-  TERRAZZO_GL(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC);
-  TERRAZZO_GL(GetProgramiv, PFNGLGETPROGRAMIVPROC);
   TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
-  TERRAZZO_GL(LinkProgram, PFNGLLINKPROGRAMPROC);
   TERRAZZO_GL(PixelStorei, PFNGLPIXELSTOREIPROC);
   TERRAZZO_GL(ReadBuffer, PFNGLREADBUFFERPROC);
   TERRAZZO_GL(ReadPixels, PFNGLREADPIXELSPROC);
   TERRAZZO_GL(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC);
-  TERRAZZO_GL(ShaderSource, PFNGLSHADERSOURCEPROC);
   TERRAZZO_GL(StencilFunc, PFNGLSTENCILFUNCPROC);
   TERRAZZO_GL(StencilOp, PFNGLSTENCILOPPROC);
   TERRAZZO_GL(Uniform1f, PFNGLUNIFORM1FPROC);
@@ -62,33 +54,13 @@ struct StencilSlicer::Gl {
   TERRAZZO_GL(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC);
   TERRAZZO_GL(Viewport, PFNGLVIEWPORTPROC);
 #undef TERRAZZO_GL
-
-  void compile(GLenum kind, const char* name) {
-    const char* text = shader_source(name);
-    const GLuint shader = CreateShader(kind);
-    ShaderSource(shader, 1, &text, nullptr);
-    CompileShader(shader);
-    AttachShader(program, shader);
-  }
-  void link() {
-    LinkProgram(program);
-    GLint good = 0;
-    GetProgramiv(program, GL_LINK_STATUS, &good);
-    if (good) return;
-    char log[1024] = "";
-    GetProgramInfoLog(program, sizeof log, nullptr, log);
-    throw Error("no-gl", "the driver " + context.renderer() + " refuses the shaders: " + log,
-                "use method: slice, or a newer driver");
-  }
 };
 
 StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
     : gl_(std::make_unique<Gl>(device)), stencil_(static_cast<std::size_t>(kSlices) * kTile * kTile) {
   Gl& gl = *gl_;
-  gl.program = gl.CreateProgram();
-  gl.compile(GL_VERTEX_SHADER, "stencil_slice.vert");
-  gl.compile(GL_FRAGMENT_SHADER, "stencil_slice.frag");
-  gl.link();
+  gl.program = make_gl_program(gl.context, "stencil_slice.vert", "stencil_slice.frag",
+                               "use method: slice, or a newer driver");
   gl.UseProgram(gl.program);
   // Two pixels of margin, so that no body reaches into the next tile.
   const double radius = mesh_bounding_radius(mesh) * kTile / (kTile - 4);

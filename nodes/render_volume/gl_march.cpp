@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/shader_source.h"
+#include "nodes/common/gl_program.h"
 
 namespace terrazzo::render_volume {
 namespace {
@@ -25,15 +25,11 @@ struct GlMarcher::Gl {
   explicit Gl(GlDevice device) : context(device), software(device == GlDevice::Cpu) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
   TERRAZZO_GL(ActiveTexture, PFNGLACTIVETEXTUREPROC);
-  TERRAZZO_GL(AttachShader, PFNGLATTACHSHADERPROC);
   TERRAZZO_GL(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
   TERRAZZO_GL(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC);
   TERRAZZO_GL(BindTexture, PFNGLBINDTEXTUREPROC);
   TERRAZZO_GL(BindVertexArray, PFNGLBINDVERTEXARRAYPROC);
   TERRAZZO_GL(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC);
-  TERRAZZO_GL(CompileShader, PFNGLCOMPILESHADERPROC);
-  TERRAZZO_GL(CreateProgram, PFNGLCREATEPROGRAMPROC);
-  TERRAZZO_GL(CreateShader, PFNGLCREATESHADERPROC);
   TERRAZZO_GL(DrawArrays, PFNGLDRAWARRAYSPROC);
   TERRAZZO_GL(DrawBuffers, PFNGLDRAWBUFFERSPROC);
   TERRAZZO_GL(Enable, PFNGLENABLEPROC);
@@ -45,18 +41,12 @@ struct GlMarcher::Gl {
   TERRAZZO_GL(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
   TERRAZZO_GL(GetError, PFNGLGETERRORPROC);
   TERRAZZO_GL(GetIntegerv, PFNGLGETINTEGERVPROC);
-  TERRAZZO_GL(GetProgramInfoLog, PFNGLGETPROGRAMINFOLOGPROC);
-  TERRAZZO_GL(GetProgramiv, PFNGLGETPROGRAMIVPROC);
-  TERRAZZO_GL(GetShaderInfoLog, PFNGLGETSHADERINFOLOGPROC);
-  TERRAZZO_GL(GetShaderiv, PFNGLGETSHADERIVPROC);
   TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
-  TERRAZZO_GL(LinkProgram, PFNGLLINKPROGRAMPROC);
   TERRAZZO_GL(PixelStorei, PFNGLPIXELSTOREIPROC);
   TERRAZZO_GL(ReadBuffer, PFNGLREADBUFFERPROC);
   TERRAZZO_GL(ReadPixels, PFNGLREADPIXELSPROC);
   TERRAZZO_GL(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC);
   TERRAZZO_GL(Scissor, PFNGLSCISSORPROC);
-  TERRAZZO_GL(ShaderSource, PFNGLSHADERSOURCEPROC);
   TERRAZZO_GL(TexImage3D, PFNGLTEXIMAGE3DPROC);
   TERRAZZO_GL(TexParameteri, PFNGLTEXPARAMETERIPROC);
   TERRAZZO_GL(Uniform1f, PFNGLUNIFORM1FPROC);
@@ -69,35 +59,6 @@ struct GlMarcher::Gl {
   TERRAZZO_GL(UseProgram, PFNGLUSEPROGRAMPROC);
   TERRAZZO_GL(Viewport, PFNGLVIEWPORTPROC);
 #undef TERRAZZO_GL
-
-  void compile(GLenum kind, const char* name) {
-    const char* text = shader_source(name);
-    const GLuint shader = CreateShader(kind);
-    ShaderSource(shader, 1, &text, nullptr);
-    CompileShader(shader);
-    GLint good = 0;
-    GetShaderiv(shader, GL_COMPILE_STATUS, &good);
-    if (!good) {
-      char log[1024] = "";
-      GetShaderInfoLog(shader, sizeof log, nullptr, log);
-      refuse(log);
-    }
-    AttachShader(program, shader);
-  }
-  void link() {
-    LinkProgram(program);
-    GLint good = 0;
-    GetProgramiv(program, GL_LINK_STATUS, &good);
-    if (good) return;
-    char log[1024] = "";
-    GetProgramInfoLog(program, sizeof log, nullptr, log);
-    refuse(log);
-  }
-  [[noreturn]] void refuse(const std::string& log) const {
-    throw Error("no-gl", "the driver " + context.renderer() + " refuses the shader: " + log,
-                "set device: cpu, or install a newer driver")
-        .parameter("device");
-  }
 
   GLint at(const std::string& name) const { return GetUniformLocation(program, name.c_str()); }
   void set(const std::string& name, float v) const { Uniform1f(at(name), v); }
@@ -150,10 +111,8 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
         fmt::format("{} textures are more than the {} of the shader", scene.textures.size(), kTextures),
         "set device: cpu")
         .parameter("device");
-  gl.program = gl.CreateProgram();
-  gl.compile(GL_VERTEX_SHADER, "march_volume.vert");
-  gl.compile(GL_FRAGMENT_SHADER, "march_volume.frag");
-  gl.link();
+  gl.program = make_gl_program(gl.context, "march_volume.vert", "march_volume.frag",
+                               "set device: cpu, or install a newer driver");
   gl.UseProgram(gl.program);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1), gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
 

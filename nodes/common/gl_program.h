@@ -1,0 +1,12 @@
+// Shader programs of an EglContext.
+#pragma once
+
+#include "nodes/common/egl_context.h"
+
+namespace terrazzo {
+
+// A linked program of two embedded shaders, by file name. Throws Error "no-gl" with the driver's words,
+// `hint` and the parameter "device" where the driver refuses them.
+unsigned make_gl_program(const EglContext&, const char* vertex, const char* fragment, const char* hint);
+
+}  // namespace terrazzo
