@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/color.h"
 
 namespace ocio = OCIO_NAMESPACE;
 
@@ -123,7 +124,61 @@ ocio::ConstProcessorRcPtr processor_of(const std::string& name) {
       .parameter("colorspace");
 }
 
+bool has_view(const ocio::Config& config, const std::string& display, const std::string& view) {
+  for (int i = 0; i < config.getNumViews(display.c_str()); ++i)
+    if (view == config.getView(display.c_str(), i)) return true;
+  return false;
+}
+
+// Display and view that "view" or "display/view" names; both kinds of names may hold a slash.
+ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const std::string& name) {
+  std::string display = config.getDefaultDisplay(), view = name;
+  if (name.empty()) view = config.getDefaultView(display.c_str());
+  for (std::size_t slash = 0; !has_view(config, display, view);) {
+    slash = name.find('/', slash);
+    if (slash == std::string::npos) {
+      std::string known;
+      for (int d = 0; d < config.getNumDisplays(); ++d)
+        for (int v = 0; v < config.getNumViews(config.getDisplay(d)); ++v)
+          known += (known.empty() ? "" : ", ") + std::string(config.getDisplay(d)) + "/" +
+                   config.getView(config.getDisplay(d), v);
+      throw Error("unknown-view", "$OCIO's configuration has no view '" + name + "'", "it has: " + known)
+          .parameter("view");
+    }
+    display = name.substr(0, slash), view = name.substr(slash + 1);
+    ++slash;
+  }
+  auto t = ocio::DisplayViewTransform::Create();
+  t->setDisplay(display.c_str()), t->setView(view.c_str());
+  return t;
+}
+
 }  // namespace
+
+void show_through_view(Vec3f* pixels, std::size_t width, std::size_t height, const std::string& view) {
+  const auto config = from_environment();
+  if (!config)
+    throw Error("no-color-config", "a view is one of the configuration that $OCIO names, and OCIO is not set",
+                "set the variable OCIO, or tone: neutral")
+        .parameter("tone");
+  try {
+    const auto transform = view_transform(*config, view);
+    const char* source = nullptr;
+    for (const char* linear : linear_names)
+      if (!source && config->getColorSpace(linear)) source = linear;
+    if (!source)
+      throw Error("color-config", "$OCIO's configuration has no linear Rec. 709 colour space", "give it one");
+    transform->setSrc(source);
+    if (width == 0 || height == 0) return;
+    ocio::PackedImageDesc picture(pixels, static_cast<long>(width), static_cast<long>(height), 3);
+    config->getProcessor(transform)->getDefaultCPUProcessor()->apply(picture);
+  } catch (const ocio::Exception& e) {
+    throw Error("color-config", std::string("the view cannot be shown: ") + e.what(), "set tone: neutral")
+        .parameter("view");
+  }
+  for (std::size_t i = 0; i < width * height; ++i)
+    pixels[i] = srgb_to_linear(pixels[i].cwiseMax(0.0f).cwiseMin(1.0f));
+}
 
 std::string color_config_id() {
   try {

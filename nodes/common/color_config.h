@@ -20,6 +20,12 @@ std::string color_config_id();
 // Error "unknown-colorspace", or "color-config" where $OCIO's configuration is broken or has no way there.
 void to_linear_rec709(Vec3f* pixels, std::size_t width, std::size_t height, const std::string& colorspace);
 
+// Shows scene-linear Rec. 709 through a view of $OCIO's configuration, in place: `view` is a view of its
+// default display, "display/view", or empty for the default one. What comes out is scene-linear again, such
+// that encoding it as sRGB gives the view's own values; within [0, 1]. Throws Error "no-color-config" where
+// $OCIO is not set, "unknown-view", "color-config".
+void show_through_view(Vec3f* pixels, std::size_t width, std::size_t height, const std::string& view);
+
 // The names that to_linear_rec709 knows.
 std::vector<std::string> colorspace_names();
 

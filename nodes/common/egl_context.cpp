@@ -24,8 +24,8 @@ bool lists(const char* extensions, const char* name) {
   return extensions && std::strstr(extensions, name) != nullptr;
 }
 
-// The device by enumeration, which needs no window system and tells software from hardware.
-EGLDeviceEXT device_of(GlDevice kind) {
+// The devices by enumeration, which needs no window system and tells software from hardware.
+std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
   const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
   const auto text =
       reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(eglGetProcAddress("eglQueryDeviceStringEXT"));
@@ -34,13 +34,15 @@ EGLDeviceEXT device_of(GlDevice kind) {
   if (!lists(client, "EGL_EXT_platform_device") || !query || !text || !query(0, nullptr, &count) ||
       count == 0)
     throw no_gl(kind, "EGL finds no devices here");
-  std::vector<EGLDeviceEXT> devices(static_cast<std::size_t>(count));
-  query(count, devices.data(), &count);
-  for (EGLint i = 0; i < count; ++i) {
-    const bool software = lists(text(devices[i], EGL_EXTENSIONS), "EGL_MESA_device_software");
-    if (software == (kind == GlDevice::Cpu)) return devices[i];
-  }
-  throw no_gl(kind, kind == GlDevice::Cpu ? "EGL has no software renderer here" : "EGL finds no GPU here");
+  std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count)), wanted;
+  query(count, all.data(), &count);
+  all.resize(static_cast<std::size_t>(count));
+  for (const EGLDeviceEXT device : all)
+    if (lists(text(device, EGL_EXTENSIONS), "EGL_MESA_device_software") == (kind == GlDevice::Cpu))
+      wanted.push_back(device);
+  if (wanted.empty())
+    throw no_gl(kind, kind == GlDevice::Cpu ? "EGL has no software renderer here" : "EGL finds no GPU here");
+  return wanted;
 }
 
 }  // namespace
@@ -48,6 +50,7 @@ EGLDeviceEXT device_of(GlDevice kind) {
 struct EglContext::Handles {
   EGLDisplay display = EGL_NO_DISPLAY;
   EGLContext context = EGL_NO_CONTEXT;
+  void start(EGLDeviceEXT device, GlDevice kind);
   ~Handles() {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -57,17 +60,17 @@ struct EglContext::Handles {
   }
 };
 
-EglContext::EglContext(GlDevice kind) : handles_(std::make_unique<Handles>()) {
+// Throws Error "no-gl" where the device has no OpenGL 4.5 to offer.
+void EglContext::Handles::start(EGLDeviceEXT device, GlDevice kind) {
   const auto display_of =
       reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
-  const EGLDeviceEXT device = device_of(kind);
-  if (display_of) handles_->display = display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
+  if (display_of) display = display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr);
   EGLint major = 0, minor = 0;
-  if (handles_->display == EGL_NO_DISPLAY || !eglInitialize(handles_->display, &major, &minor)) {
-    handles_->display = EGL_NO_DISPLAY;
+  if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor)) {
+    display = EGL_NO_DISPLAY;
     throw no_gl(kind, "EGL's device does not start");
   }
-  if (!lists(eglQueryString(handles_->display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context") ||
+  if (!lists(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context") ||
       !eglBindAPI(EGL_OPENGL_API))
     throw no_gl(kind, "EGL's device has no OpenGL without a surface");
   const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
@@ -80,12 +83,22 @@ EglContext::EglContext(GlDevice kind) : handles_(std::make_unique<Handles>()) {
                             EGL_NONE};
   EGLConfig config = nullptr;
   EGLint configs = 0;
-  if (!eglChooseConfig(handles_->display, wanted, &config, 1, &configs) || configs == 0)
-    config = EGL_NO_CONFIG_KHR;
-  handles_->context = eglCreateContext(handles_->display, config, EGL_NO_CONTEXT, version);
-  if (handles_->context == EGL_NO_CONTEXT ||
-      !eglMakeCurrent(handles_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, handles_->context))
+  if (!eglChooseConfig(display, wanted, &config, 1, &configs) || configs == 0) config = EGL_NO_CONFIG_KHR;
+  context = eglCreateContext(display, config, EGL_NO_CONTEXT, version);
+  if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
     throw no_gl(kind, "OpenGL 4.5 core cannot be had from EGL's device");
+}
+
+EglContext::EglContext(GlDevice kind) {
+  // Of several the first that works: a display's adapter may come before the GPU that can compute.
+  const auto devices = devices_of(kind);
+  for (std::size_t i = 0; !handles_; ++i) try {
+      auto handles = std::make_unique<Handles>();
+      handles->start(devices[i], kind);
+      handles_ = std::move(handles);
+    } catch (const Error&) {
+      if (i + 1 == devices.size()) throw;
+    }
   if (const auto* name = function<PFNGLGETSTRINGPROC>("glGetString")(GL_RENDERER))
     renderer_ = reinterpret_cast<const char*>(name);
 }

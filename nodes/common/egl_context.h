@@ -8,7 +8,7 @@ namespace terrazzo {
 
 enum class GlDevice {
   Cpu,  // Mesa's llvmpipe: slow, the same pixels on every machine with the same Mesa
-  Gpu   // the first EGL device that is none
+  Gpu   // the first EGL device that is none and works
 };
 
 // A core context, current on the thread that made it until it is destroyed there. One at a time per thread.

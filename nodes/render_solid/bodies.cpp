@@ -2,6 +2,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/render_solid/paint.h"
+#include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/ray_mesh.h"
 #include "nodes/render_solid/solid.h"
@@ -45,7 +46,8 @@ class Carved : public Solid {
 
 class Heap : public Solid {
  public:
-  Heap(const Particles& particles, const Shapes& shapes) : colors_(particles.color) {
+  Heap(const Particles& particles, const Shapes& shapes, const ResidualField* residual)
+      : colors_(particles, residual), longest_(static_cast<float>(particles.box.maxCoeff())) {
     const double longest = particles.box.maxCoeff();
     std::vector<RayScene::Triangles> meshes;
     for (const Shape& s : shapes.shapes) bodies_.emplace_back(s), meshes.push_back(bodies_.back().triangles);
@@ -62,10 +64,11 @@ class Heap : public Solid {
       for (const Vec3& v : shapes.shapes[instances[i].mesh].mesh.vertices)
         lowest = std::min(lowest, particles.position[i].z() / longest + scale * rotation.row(2).dot(v));
     }
-    for (auto& i : instances) i.offset.z() -= static_cast<float>(lowest);
+    lowest_ = static_cast<float>(lowest);
+    for (auto& i : instances) i.offset.z() -= lowest_;
     scene_ = std::make_unique<RayScene>(meshes, instances);
   }
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool) const override {
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
     RayHit hit;
     if (!scene_->nearest(origin, direction, hit)) return false;
     s.position = origin + hit.distance * direction;
@@ -73,7 +76,8 @@ class Heap : public Solid {
     bodies_[mesh_of_[hit.instance]].normals_at(hit, s.face, s.normal);
     s.face = rotations_[hit.instance] * s.face;
     s.normal = rotations_[hit.instance] * s.normal;
-    s.albedo = colors_[hit.instance].cwiseMax(0.0f).cwiseMin(1.0f);
+    s.albedo =
+        colors_.at((s.position + Vec3f(0, 0, lowest_)) * longest_, static_cast<int>(hit.instance), sharp);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {
@@ -82,7 +86,8 @@ class Heap : public Solid {
   Eigen::AlignedBox3f bounds() const override { return scene_->bounds(); }
 
  private:
-  std::vector<Vec3f> colors_;
+  ParticleColors colors_;
+  float longest_, lowest_ = 0;
   std::vector<RayMesh> bodies_;
   std::vector<Eigen::Matrix3f> rotations_;
   std::vector<std::uint32_t> mesh_of_;
@@ -95,9 +100,10 @@ std::unique_ptr<Solid> object_solid(const Paint& paint, const Shape& object) {
   return std::make_unique<Carved>(paint, object);
 }
 
-std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& shapes) {
+std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& shapes,
+                                      const ResidualField* residual) {
   check_shown(particles, shapes);
-  return std::make_unique<Heap>(particles, shapes);
+  return std::make_unique<Heap>(particles, shapes, residual);
 }
 
 }  // namespace terrazzo

@@ -3,6 +3,7 @@
 
 #include "nodes/common/noise.h"
 #include "nodes/render_solid/paint.h"
+#include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/ray_mesh.h"
 #include "nodes/render_solid/solid.h"
@@ -15,11 +16,11 @@ constexpr float beyond = 2e-6f;  // world units that a ray goes on past what it 
 class Fracture : public Solid {
  public:
   Fracture(const Paint& paint, const Particles& particles, const Shapes& shapes, double level,
-           double roughness, std::uint64_t seed)
-      : paint_(paint), level_(level), roughness_(roughness), seed_(seed), colors_(particles.color) {
+           double roughness, std::uint64_t seed, const ResidualField* residual)
+      : paint_(paint), level_(level), roughness_(roughness), seed_(seed), colors_(particles, residual) {
     const double longest = particles.box.maxCoeff();
+    longest_ = static_cast<float>(longest);
     size_ = (particles.box / longest).cast<float>();
-    for (Vec3f& c : colors_) c = c.cwiseMax(0.0f).cwiseMin(1.0f);
     std::vector<RayScene::Triangles> meshes;
     std::vector<double> radius;
     for (const Shape& s : shapes.shapes) {
@@ -30,6 +31,7 @@ class Fracture : public Solid {
     }
     std::vector<RayScene::Instance> instances;
     float top = static_cast<float>(level + 2 * roughness) * size_.z();
+    const float highest = static_cast<float>(level + 1.35 * roughness) * size_.z();  // of the face
     for (std::size_t i = 0; i < particles.count(); ++i) {
       const auto mesh = static_cast<std::uint32_t>(particles.shape[i]);
       const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
@@ -40,12 +42,13 @@ class Fracture : public Solid {
             const Vec3f at =
                 (particles.position[i] / longest).cast<float>() + Vec3f(x, y, z).cwiseProduct(size_);
             if ((at.array() + r < 0).any() || (at.array() - r > size_.array()).any()) continue;
+            const bool stays = at.z() < height(at.x(), at.y());
+            if (!stays && at.z() - r > highest) continue;  // gone, and no socket
             RayScene::Instance instance;
             instance.mesh = mesh;
             instance.linear = (turn * (particles.scale[i] / longest)).cast<float>();
             instance.offset = at;
             instances.push_back(instance);
-            const bool stays = at.z() < height(at.x(), at.y());
             images_.push_back({i, mesh, turn.cast<float>(), stays});
             if (stays) top = std::max(top, at.z() + r);
           }
@@ -179,14 +182,16 @@ class Fracture : public Solid {
     if (!s) return true;
     s->position = at, s->face = face, s->normal = normal, s->open = false;
     // A particle has its own colour all over; elsewhere it is what the paint says just below.
-    s->albedo = within >= 0 ? colors_[images_[within].particle] : paint_.at(at, face, sharp);
+    s->albedo = within >= 0 ? colors_.at(at * longest_, static_cast<int>(images_[within].particle), sharp)
+                            : paint_.at(at, face, sharp);
     return true;
   }
 
   const Paint& paint_;
   double level_, roughness_;
   std::uint64_t seed_;
-  std::vector<Vec3f> colors_;
+  ParticleColors colors_;
+  float longest_ = 1;  // mm a world unit
   Vec3f size_;
   std::vector<RayMesh> bodies_;
   std::vector<Image> images_;
@@ -198,9 +203,10 @@ class Fracture : public Solid {
 }  // namespace
 
 std::unique_ptr<Solid> fracture_solid(const Paint& paint, const Particles& particles, const Shapes& shapes,
-                                      double level, double roughness, std::uint64_t seed) {
+                                      double level, double roughness, std::uint64_t seed,
+                                      const ResidualField* residual) {
   check_shown(particles, shapes);
-  return std::make_unique<Fracture>(paint, particles, shapes, level, roughness, seed);
+  return std::make_unique<Fracture>(paint, particles, shapes, level, roughness, seed, residual);
 }
 
 }  // namespace terrazzo

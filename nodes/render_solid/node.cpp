@@ -1,11 +1,14 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
+#include "nodes/common/color_config.h"
 #include "nodes/data/volume.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"
 #include "nodes/render_solid/paint.h"
+#include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/render.h"
+#include "nodes/render_solid/residual_field.h"
 #include "nodes/render_solid/tone.h"
 #include "runtime/context.h"
 
@@ -39,8 +42,28 @@ Lie lie_of(const Context& c) {
   return Lie::of(three("turn"), three("shift"));
 }
 
+// What colours are looked up in, for as long as the picture takes.
+struct Material {
+  std::unique_ptr<ResidualField> residual;
+  std::unique_ptr<ColorField> field;
+  std::unique_ptr<Paint> paint;
+};
+
+// The fine detail on particles and binder, where there is one.
+void take_residual(Context& c, Material& m) {
+  const auto* volume = c.optional<Volume>("residual");
+  if (!volume) return;
+  m.residual =
+      std::make_unique<ResidualField>(*volume, c.input<Particles>("particles").box, c.work().part(0, 0.05));
+  const double scale = std::exp(m.residual->scale().array().log().abs().maxCoeff());
+  c.metric("residual_scale", scale);
+  if (scale > 1.25)
+    c.warn("the residual is scaled by a factor of " + std::to_string(scale).substr(0, 4) +
+           " to tile the box: a tile of another size keeps its scale");
+}
+
 // The colour inside, from voxels or from the particles themselves.
-std::unique_ptr<Paint> paint_of(Context& c, const std::string& mode, std::unique_ptr<ColorField>& field) {
+void take_paint(Context& c, const std::string& mode, Material& m) {
   const double repeat = mode == "fracture" ? 1 : c.number("repeat");
   std::string color = c.text("color");
   if (mode == "fracture")
@@ -49,18 +72,25 @@ std::unique_ptr<Paint> paint_of(Context& c, const std::string& mode, std::unique
     color = c.has("volume") || !c.has("particles") ? "volume" : "particles";
   if (color == "particles") {
     need(c, "colour from particles", "particles"), need(c, "colour from particles", "shapes");
-    return particle_paint(c.input<Particles>("particles"), c.input<Shapes>("shapes"), repeat,
-                          mode == "fracture" ? Lie{} : lie_of(c));
+    const auto& particles = c.input<Particles>("particles");
+    check_shown(particles, c.input<Shapes>("shapes"));
+    take_residual(c, m);
+    m.paint = particle_paint(particles, c.input<Shapes>("shapes"), repeat,
+                             mode == "fracture" ? Lie{} : lie_of(c), m.residual.get());
+    return;
   }
   need(c, "mode '" + mode + "'", "volume");
-  field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
-  if (field->clamped() > 0.01f)
-    c.warn("colours outside 0 to 1 in " + std::to_string(static_cast<int>(100 * field->clamped() + 0.5f)) +
+  if (c.has("residual"))
+    c.warn("the residual is not used: the picture takes the volume's colours; color: particles takes both");
+  m.field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
+  if (m.field->clamped() > 0.01f)
+    c.warn("colours outside 0 to 1 in " + std::to_string(static_cast<int>(100 * m.field->clamped() + 0.5f)) +
            " % of the voxels were clamped, since no surface reflects more light than it gets");
-  return field_paint(*field, repeat, lie_of(c), mode == "block" || mode == "cube");
+  m.paint = field_paint(*m.field, repeat, lie_of(c), mode == "block" || mode == "cube");
 }
 
-std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, const Paint* paint, std::uint64_t seed) {
+std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m, std::uint64_t seed) {
+  const Paint* paint = m.paint.get();
   if (mode == "block") return block_solid(*paint, c.number("cut"));
   if (mode == "cube") return block_solid(*paint, 0);
   if (mode == "vase") return object_solid(*paint, vase_form());
@@ -78,12 +108,23 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, const Paint
   const auto& particles = c.input<Particles>("particles");
   const auto& shapes = c.input<Shapes>("shapes");
   if (mode == "fracture")
-    return fracture_solid(*paint, particles, shapes, c.number("level"), c.number("roughness"), seed);
-  return particle_solid(particles, shapes);
+    return fracture_solid(*paint, particles, shapes, c.number("level"), c.number("roughness"), seed,
+                          m.residual.get());
+  check_shown(particles, shapes);
+  take_residual(c, m);
+  return particle_solid(particles, shapes, m.residual.get());
 }
 
 void compute(Context& c) {
-  const std::string mode = resolved_mode(c), tone = c.text("tone");
+  const std::string mode = resolved_mode(c);
+  if (c.text("tone") == "view" && c.text("color_config") != color_config_id())
+    throw Error(
+        "color-config",
+        "the colour configuration is '" + color_config_id() + "', not '" + c.text("color_config") + "'",
+        "set the variable OCIO to the configuration that the graph was written for, or leave "
+        "color_config out")
+        .parameter("color_config");
+  const Tone tone(c.text("tone"), c.text("view"));
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
   const float elevation = degree * static_cast<float>(c.number("elevation"));
   RenderSettings settings;
@@ -92,12 +133,10 @@ void compute(Context& c) {
   settings.samples = static_cast<int>(c.integer("samples"));
   settings.gloss = static_cast<float>(c.number("gloss"));
   settings.seed = static_cast<std::uint64_t>(c.integer("seed"));
-  settings.tone_map = tone == "neutral";
 
-  std::unique_ptr<ColorField> field;
-  std::unique_ptr<Paint> paint;
-  if (mode != "particles") paint = paint_of(c, mode, field);
-  const std::unique_ptr<Solid> solid = solid_of(c, mode, paint.get(), settings.seed);
+  Material material;
+  if (mode != "particles") take_paint(c, mode, material);
+  const std::unique_ptr<Solid> solid = solid_of(c, mode, material, settings.seed);
 
   const int frames = static_cast<int>(c.integer("frames"));
   Image turn(settings.width, settings.height, frames, 1);
@@ -108,7 +147,7 @@ void compute(Context& c) {
     const Camera camera = Camera::framing(solid->bounds(), at, elevation, settings.width, settings.height);
     Image image = render(*solid, Studio(light), camera, settings,
                          c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames));
-    if (tone == "aces") aces_tone(image);
+    tone.apply(image);
     std::copy(image.pixels.begin(), image.pixels.end(),
               turn.pixels.begin() + static_cast<std::ptrdiff_t>(turn.index(0, 0, i)));
   }
@@ -118,7 +157,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType render_solid_node() {
-  return NodeType("RenderSolid", 2)
+  return NodeType("RenderSolid", 3)
       .doc_(
           "A picture of the solid: a block with a corner cut out, a body carved from it, or its particles "
           "alone, "
@@ -128,6 +167,9 @@ NodeType render_solid_node() {
       .optional_input("particles", {"Particles"},
                       "A packing: shown without its binder, broken, or carved at full resolution")
       .optional_input("shapes", {"Shapes"}, "The particles' forms")
+      .optional_input("residual", {"Volume"},
+                      "Grid residual of ResidualSynth: the photograph's fine detail on particles and binder, "
+                      "where colours are theirs")
       .optional_input("object", {"Shapes"}, "A body to carve from the solid")
       .output("image", "Image", "Scene-linear and ready for display: 1 is white; a section a frame")
       .parameter(
@@ -170,10 +212,16 @@ NodeType render_solid_node() {
               .range(0, 0.5)
               .doc_("Of a fracture: how far the binder's face goes up and down, as a share of the height"))
       .parameter(
-          Parameter::choice("tone", "neutral", {"neutral", "aces", "none"})
-              .doc_("How strong light becomes a picture: neutral keeps every colour up to 0.85 and bends "
-                    "what is "
-                    "above; aces: the Academy's rendering for displays, through OpenColorIO; none: as it is"))
+          Parameter::choice("tone", "neutral", {"neutral", "aces", "view", "none"})
+              .doc_("How strong light becomes a picture, through OpenColorIO: neutral keeps every colour up "
+                    "to 0.85 and bends what is above; aces: the Academy's rendering for displays; view: one "
+                    "of $OCIO's configuration; none: as it is"))
+      .parameter(Parameter::text("view", "")
+                     .doc_("With tone: view, a view of the configuration's default display, or "
+                           "display/view; empty: the default view"))
+      .parameter(Parameter::text("color_config", color_config_id())
+                     .doc_("Identity of the colour configuration in force, so that a changed $OCIO is a "
+                           "changed input. Write it only to insist on one"))
       .parameter(Parameter::number("repeat", 1)
                      .range(0.05, 64)
                      .doc_("Periods of the volume along the longest edge of the block or object"))

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "nodes/render_solid/color_field.h"
+#include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 
 namespace terrazzo {
@@ -37,20 +38,19 @@ class FieldPaint : public Paint {
 
 class ParticlePaint : public Paint {
  public:
-  ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Lie& lie)
+  ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Lie& lie,
+                const ResidualField* residual)
       : index_(particles, shapes),
         box_(particles.box.cast<float>()),
         turn_(lie.turn),
         shift_(lie.shift.cwiseProduct(box_)),
-        binder_(particles.binder_color.cwiseMax(0.0f).cwiseMin(1.0f)) {
+        colors_(particles, residual) {
     mm_per_unit_ = box_.maxCoeff() * static_cast<float>(repeat);
-    for (const Vec3f& c : particles.color) colors_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
   }
-  Vec3f at(const Vec3f& point, const Vec3f& face, bool) const override {
+  Vec3f at(const Vec3f& point, const Vec3f& face, bool sharp) const override {
     // Just below the surface, where cut particles and their binder part.
     const Vec3f p = turn_ * (point * mm_per_unit_ - (1e-4f * mm_per_unit_) * face) + shift_;
-    const int i = index_.at(p);
-    return i < 0 ? binder_ : colors_[static_cast<std::size_t>(i)];
+    return colors_.at(p, index_.at(p), sharp);
   }
   Vec3f period() const override { return box_ / box_.maxCoeff(); }
 
@@ -58,9 +58,9 @@ class ParticlePaint : public Paint {
   ParticleIndex index_;
   Vec3f box_;
   Eigen::Matrix3f turn_;
-  Vec3f shift_, binder_;
+  Vec3f shift_;
   float mm_per_unit_;
-  std::vector<Vec3f> colors_;
+  ParticleColors colors_;
 };
 
 }  // namespace
@@ -82,8 +82,8 @@ std::unique_ptr<Paint> field_paint(const ColorField& field, double repeat, const
 }
 
 std::unique_ptr<Paint> particle_paint(const Particles& particles, const Shapes& shapes, double repeat,
-                                      const Lie& lie) {
-  return std::make_unique<ParticlePaint>(particles, shapes, repeat, lie);
+                                      const Lie& lie, const ResidualField* residual) {
+  return std::make_unique<ParticlePaint>(particles, shapes, repeat, lie, residual);
 }
 
 }  // namespace terrazzo

@@ -11,6 +11,7 @@
 namespace terrazzo {
 
 class ColorField;
+class ResidualField;
 
 // Where an object's points lie in the material: turned, then shifted. An oblique cut through a periodic
 // material does not repeat.
@@ -36,7 +37,9 @@ class Paint {
 // set points on faces take the voxels half a voxel below them.
 std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const Lie& = {}, bool layer = true);
 
-// Particles at full resolution in their binder, repeated as their box is. Throws what particle_solid throws.
-std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1, const Lie& = {});
+// Particles at full resolution in their binder, repeated as their box is, with the fine detail of `residual`
+// where it is not null; that must outlive the paint. Throws what particle_solid throws.
+std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1, const Lie& = {},
+                                      const ResidualField* residual = nullptr);
 
 }  // namespace terrazzo

@@ -131,14 +131,6 @@ float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 -
 
 }  // namespace
 
-Vec3f tone_mapped(const Vec3f& linear) {
-  constexpr float knee = 0.85f;
-  const Vec3f v = linear.cwiseMax(0.0f);
-  const float m = v.maxCoeff();
-  if (m <= knee) return v;
-  return v * ((knee + (1 - knee) * (1 - std::exp(-(m - knee) / (1 - knee)))) / m);
-}
-
 Image render(const Solid& solid, const Studio& studio, const Camera& camera, const RenderSettings& settings,
              const Work& work) {
   Image image(settings.width, settings.height, 1, 1);
@@ -162,7 +154,7 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
           sum += paths.from_camera(camera.position, d, random);
         }
         sum /= float(settings.samples);
-        image.at(x, y) = settings.tone_map ? tone_mapped(sum) : sum;
+        image.at(x, y) = sum;
       }
   });
   return image;

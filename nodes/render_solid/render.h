@@ -16,20 +16,15 @@ struct RenderSettings {
   int samples = 32;               // paths a pixel
   int bounces = 2;                // diffuse reflections between surfaces
   float gloss = 0.35f;            // share of a polished surface's mirror reflection, 0…1
-  bool tone_map = true;
   std::uint64_t seed = 1;
 };
 
-// The radiance of each pixel, scene-linear and display-referred: 1 is white. The
+// The radiance of each pixel, scene-linear: what an unshadowed white surface facing up sends back is 1. The
 // result does not depend on the number of threads.
 //
 // Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by
 // sampling. Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased
 // (a control variate).
 Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
-
-// Leaves values up to 0.85 as they are and bends those above towards 1; all channels by the same factor, so
-// that the hue stays.
-Vec3f tone_mapped(const Vec3f& linear);
 
 }  // namespace terrazzo

@@ -12,6 +12,7 @@
 namespace terrazzo {
 
 class Paint;
+class ResidualField;
 
 struct SurfacePoint {
   Vec3f position;
@@ -39,14 +40,17 @@ std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel 
 // A body carved from the material, its longest side one unit. Throws what render_mesh throws.
 std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object);
 
-// Particles in their own colours. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
-std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&);
+// Particles in their own colours, with the fine detail of `residual` where it is not null; that must outlive
+// the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
+std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
+                                      const ResidualField* residual = nullptr);
 
 // A block broken across: below a rough face at `level` (share of the height, `roughness` to both sides)
 // particles whose middle lies under it stay whole and stand out; the others are gone and leave their sockets
-// (Singh, McAllister and others 2008, figure 1b). The block is one period of the packing. Throws what
-// particle_solid throws.
+// (Singh, McAllister and others 2008, figure 1b). The block is one period of the packing; `paint` tells the
+// colours of all but whole particles' surfaces. Throws what particle_solid throws.
 std::unique_ptr<Solid> fracture_solid(const Paint&, const Particles&, const Shapes&, double level,
-                                      double roughness, std::uint64_t seed);
+                                      double roughness, std::uint64_t seed,
+                                      const ResidualField* residual = nullptr);
 
 }  // namespace terrazzo

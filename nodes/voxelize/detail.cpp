@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/tile_fit.h"
+
 namespace terrazzo {
 namespace {
 
@@ -72,10 +74,8 @@ Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work)
     throw Error("bad-residual", "the residual's voxels have no size");
   for (int a = 0; a < 3; ++a) {
     const double edge = lattice.size[a] * lattice.voxel, period = in[a] * voxel;
-    // Between m and m + 1 periods the one whose scale is nearer to 1, as a ratio.
-    const double exact = std::clamp(edge / period, 1.0, 1e6), m = std::floor(exact);
-    periods_[a] = static_cast<int>(exact * exact > m * (m + 1) ? m + 1 : m);
-    scale_[a] = edge / (periods_[a] * period);
+    const TileFit fit = fit_tile(edge, period);
+    periods_[a] = fit.periods, scale_[a] = fit.scale;
   }
   std::vector<Vec3f> source = dense(*grid, in, work);
   if (std::any_of(source.begin(), source.end(), [](const Vec3f& v) { return !v.allFinite(); }))

@@ -7,6 +7,7 @@
 #include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/render.h"
 #include "nodes/render_solid/sampler.h"
+#include "nodes/render_solid/tone.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -85,7 +86,7 @@ Painted object(const ColorField& field, const Shape& shape) {
 
 RenderSettings plain(int size, int samples) {
   RenderSettings s;
-  s.width = s.height = size, s.samples = samples, s.gloss = 0, s.tone_map = false;
+  s.width = s.height = size, s.samples = samples, s.gloss = 0;
   return s;
 }
 
@@ -229,13 +230,13 @@ TEST(RenderSolid, TheBlockShadowsTheFloorBesideIt) {
 }
 
 TEST(RenderSolid, ToneCurveKeepsMidtonesAndHues) {
-  EXPECT_EQ(tone_mapped(Vec3f(0.2f, 0.5f, 0.8f)), Vec3f(0.2f, 0.5f, 0.8f));
-  const Vec3f bright = tone_mapped(Vec3f(2, 1, 0.5f));
+  EXPECT_EQ(neutral_curve(Vec3f(0.2f, 0.5f, 0.8f)), Vec3f(0.2f, 0.5f, 0.8f));
+  const Vec3f bright = neutral_curve(Vec3f(2, 1, 0.5f));
   EXPECT_LE(bright.maxCoeff(), 1);
   EXPECT_NEAR(bright.x() / bright.y(), 2, 1e-5);
   float before = 0;
   for (float v = 0; v < 3; v += 0.01f) {
-    const float now = tone_mapped(Vec3f::Constant(v)).x();
+    const float now = neutral_curve(Vec3f::Constant(v)).x();
     EXPECT_GE(now, before - 1e-6f);
     before = now;
   }

@@ -1,0 +1,38 @@
+// The colours of particles and binder, with a photograph's fine detail where there is one.
+#pragma once
+
+#include <vector>
+
+#include "nodes/common/color.h"
+#include "nodes/data/particles.h"
+#include "nodes/render_solid/residual_field.h"
+
+namespace terrazzo {
+
+class ParticleColors {
+ public:
+  // The residual, which may be null, must outlive it.
+  explicit ParticleColors(const Particles& particles, const ResidualField* residual = nullptr)
+      : residual_(residual) {
+    const auto add = [&](const Vec3f& c) {
+      flat_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
+      encoded_.push_back(linear_to_srgb(flat_.back()));
+    };
+    for (const Vec3f& c : particles.color) add(c);
+    add(particles.binder_color);
+  }
+
+  // At a point, mm, of a particle or, where that is −1, of the binder; `sharp`: with its detail, which is
+  // added to encoded values, as it was taken.
+  Vec3f at(const Vec3f& mm, int particle, bool sharp) const {
+    const std::size_t i = particle < 0 ? flat_.size() - 1 : static_cast<std::size_t>(particle);
+    if (!residual_ || !sharp) return flat_[i];
+    return srgb_to_linear((encoded_[i] + residual_->at(mm, particle)).cwiseMax(0.0f).cwiseMin(1.0f));
+  }
+
+ private:
+  std::vector<Vec3f> flat_, encoded_;  // the binder's last
+  const ResidualField* residual_;
+};
+
+}  // namespace terrazzo
