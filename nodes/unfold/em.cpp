@@ -5,9 +5,13 @@
 #include <numbers>
 
 #include "nodes/common/size_kernel.h"
+#include "nodes/unfold/presence.h"
 
 namespace terrazzo {
 namespace {
+
+// ½·1.645²: what a one-sided test at 5 % asks of a log likelihood.
+constexpr double kDrop = 1.353;
 
 // Weighted profiles carry the information of Σw²/Σw fewer: counts and exposure are both divided by that.
 double mean_weight(const Observation& q) {
@@ -53,6 +57,7 @@ EmModel make_em_model(const KMatrix& k, const UnfoldModel& model) {
     m.width[j] = (b - a) * bins / (hi - lo);
     m.place[j] = (std::sqrt((a + b) / 2) - std::sqrt(lo)) / (std::sqrt(hi) - std::sqrt(lo));
     m.reclass(j / parts, j) = 1;
+    m.cls.push_back(j / parts);
   }
   m.volume = m.reclass.transpose() * model.volume;
   return m;
@@ -74,6 +79,13 @@ Eigen::VectorXd draw_em(const EmModel& m, const EmFit& fit, const Observation& q
                         Random& random) {
   return m.reclass * m.width.cwiseProduct(draw_density(
                          problem_of(m, q, weights, area, area_ratio, area_error), fit.fits, random));
+}
+
+std::vector<char> may_be_empty(const EmModel& m, const EmFit& fit, const Observation& q, double area,
+                               const Work& work) {
+  const double unit = mean_weight(q);
+  return may_be_empty(m.fine * (area / unit), count(q.size, q.weight, m.profiles).sum / unit, m.cls,
+                      fit.density, kDrop, work);
 }
 
 }  // namespace terrazzo

@@ -21,6 +21,7 @@ struct EmModel {
   Eigen::MatrixXd reclass;       // N_V of the model's visible classes = reclass · density
   Eigen::VectorXd place;         // of the inner bins on the unit interval, by the square root of the size
   Eigen::VectorXd width;         // of the inner bins relative to their mean: density = width · exp(θ)
+  std::vector<int> cls;          // visible class of each inner bin
   Eigen::VectorXd volume;        // of a particle of each inner bin once it is uniform in its class, mm³
 };
 
@@ -34,6 +35,9 @@ struct EmFit {
 // The fit of one colour class. `area_error`: relative error with which the volume fraction is held to the
 // class's area fraction. No profiles: densities of zero and no fits.
 EmFit fit_em(const EmModel&, const Observation&, double area, double area_error, const Work&);
+
+// Whether each visible class may hold nothing, for all that 90 % intervals can tell.
+std::vector<char> may_be_empty(const EmModel&, const EmFit&, const Observation&, double area, const Work&);
 
 // Densities of the visible classes for profiles of other weights (the bootstrap's); `area_ratio` multiplies
 // the area fraction.

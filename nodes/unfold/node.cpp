@@ -64,9 +64,11 @@ void compute(Context& c) {
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = static_cast<std::uint64_t>(c.integer("seed"));
   UnfoldResult r = unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
-  double fraction = 0, negative = 0, freedom = 0;
+  double fraction = 0, negative = 0, freedom = 0, jumps = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;
-  for (const auto& f : r.fits) negative = std::max(negative, f.negative), freedom += f.freedom;
+  for (const auto& f : r.fits) {
+    negative = std::max(negative, f.negative), freedom += f.freedom, jumps += f.jumps;
+  }
   if (negative > 0)
     c.warn(
         fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: em "
@@ -90,6 +92,7 @@ void compute(Context& c) {
                        r.observations.used, r.model.visible()));
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
+  if (o.method == "em") c.metric("jumps", jumps);
   c.metric("profiles_used", static_cast<double>(r.observations.used));
   c.metric("area_fraction", fraction);
   c.metric("volume_fraction", r.distribution.volume_fraction);
@@ -105,7 +108,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 2)
+  return NodeType("Unfold", 3)
       .doc_(
           "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
           "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")

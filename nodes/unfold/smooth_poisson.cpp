@@ -3,22 +3,37 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <Eigen/Cholesky>
+
+#include "nodes/unfold/posterior.h"
 
 namespace terrazzo {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using Breaks = std::vector<int>;
+using Fits = std::vector<SmoothPoissonFit>;
 
-constexpr double kRidge = 1e-6;  // keeps bins that no count reaches from drifting away
-constexpr double kVague = 10;  // standard deviation that an unpenalised direction counts with in the evidence
-constexpr double kTiny = 1e-12;     // least expected count
-constexpr double kLargestStep = 3;  // of log densities, per Newton step
+constexpr int kOrders = 3;
+// Decades of strength, the most first: from "nothing but the unpenalised form" to "any".
+struct Series {
+  double first;
+  int count;
+};
+constexpr Series kSeries[kOrders] = {{1e2, 8}, {1e1, 10}, {1e0, 13}};
+constexpr double kGiveUp = 25;       // log evidence below the best at which a series of strengths ends
+constexpr double kAnother = 0.5;     // chance of one more break
+constexpr int kMostBreaks = 4;       // looked for
+constexpr std::size_t kParents = 3;  // sets of breaks to which another is added
+constexpr double kNoParent = 3;      // log evidence below the best at which a set is none
+constexpr double kHopeless = 12;     // log evidence below the best at which a place for a break is given up
+constexpr Eigen::Index kMostBins = 120;
 constexpr double kRougher =
     0.01;  // strength in draws: intervals leave out the bias of smoothing only if it is less
-constexpr double kGiveUp = 25;  // log evidence below the best at which a series of strengths ends
+constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 double log_determinant(const Eigen::LLT<MatrixXd>& l) {
   double sum = 0;
@@ -26,147 +41,139 @@ double log_determinant(const Eigen::LLT<MatrixXd>& l) {
   return 2 * sum;
 }
 
-// Divided differences of an order, scaled so that |D·θ|² = ∫|θ⁽ᵒʳᵈᵉʳ⁾|² over the unit interval.
-struct Roughness {
-  int order;
-  MatrixXd D, penalty;
-  Roughness(int order, const VectorXd& place) : order(order) {
-    const Eigen::Index bins = place.size();
-    D = MatrixXd::Identity(bins, bins);
-    VectorXd at = place, step;
-    for (int k = 0; k < order; ++k) {
-      const Eigen::Index rows = D.rows() - 1;
-      step = at.tail(rows) - at.head(rows);
-      MatrixXd next = step.cwiseInverse().asDiagonal() * (D.bottomRows(rows) - D.topRows(rows));
-      D = std::move(next);
-      at = ((at.tail(rows) + at.head(rows)) / 2).eval();
-    }
-    D = (step.cwiseSqrt().asDiagonal() * D).eval();
-    penalty = D.transpose() * D;
-  }
-  // Of the penalty, without its null space.
-  double log_det() const { return log_determinant(Eigen::LLT<MatrixXd>(D * D.transpose())); }
-};
+double best_of(const Fits& fits) {
+  double best = kNever;
+  for (const auto& f : fits) best = std::max(best, f.evidence);
+  return best;
+}
 
-// The penalised log likelihood, its slope and Fisher's information at a point.
-class Posterior {
+class Search {
  public:
-  Posterior(const SmoothPoissonProblem& p, const Roughness& r, double strength, const VectorXd* shift)
-      : p_(p), r_(r), strength_(strength), shift_(shift) {
-    // An even density that explains the number of counts: what the ridge pulls towards, so that units do not
-    // matter.
-    const double exposure = p.A.sum();
-    level_ = std::log(std::max(p.counts.sum(), kTiny) / std::max(exposure, 1e-300));
+  explicit Search(const SmoothPoissonProblem& p) : p_(p), level_(even_level(p)), bins_(p.A.cols()) {
+    for (int order = 1; order <= kOrders; ++order) differences_.push_back(roughness(order, p.place));
   }
-  double level() const { return level_; }
+  int bins() const { return static_cast<int>(bins_); }
 
-  double value(const VectorXd& theta, VectorXd& x, VectorXd& mu) const {
-    x = theta.array().exp();
-    mu = (p_.A * x).cwiseMax(kTiny);
-    double sum = (p_.counts.array() * mu.array().log()).sum() - mu.sum();
-    if (p_.total.size() > 0) {
-      const double miss = (p_.total.dot(x) - p_.known_total) / (p_.known_error * p_.known_total);
-      sum -= miss * miss / 2;
+  // All strengths of an order without breaks.
+  Fits without_breaks(int order, const Work& work) const {
+    Fits fits;
+    double strength = kSeries[order - 1].first, best = kNever;
+    VectorXd theta = VectorXd::Constant(bins_, level_);
+    for (int k = 0; k < kSeries[order - 1].count; ++k, strength /= 10) {
+      work.check();
+      fits.push_back(fit(order, strength, {}, theta, 1e-6));
+      theta = fits.back().theta;
+      best = std::max(best, fits.back().evidence);
+      if (fits.back().evidence < best - kGiveUp) break;
     }
-    VectorXd rough = r_.D * theta;
-    if (shift_) rough -= *shift_;
-    return sum - strength_ * rough.squaredNorm() / 2 - kRidge * (theta.array() - level_).square().sum() / 2;
+    return fits;
   }
 
-  void slopes(const VectorXd& theta, const VectorXd& x, const VectorXd& mu, VectorXd& gradient,
-              MatrixXd& information) const {
-    const MatrixXd J = p_.A * x.asDiagonal();
-    gradient = J.transpose() * (p_.counts.array() / mu.array() - 1).matrix();
-    information.noalias() = J.transpose() * mu.cwiseInverse().asDiagonal() * J;
-    if (p_.total.size() > 0) {
-      const double error = p_.known_error * p_.known_total;
-      const VectorXd v = p_.total.cwiseProduct(x) / error;
-      gradient -= (p_.total.dot(x) - p_.known_total) / error * v;
-      information += v * v.transpose();
+  // From the best fit of each order with a break less: what smoothing had to allow for a jump it need not any
+  // more, so strengths rise while that helps.
+  Fits with_break(const Breaks& breaks, const Fits& parents, double best, const Work& work) const {
+    Fits fits;
+    for (int order = 1; order <= kOrders; ++order) {
+      const SmoothPoissonFit* from = nullptr;
+      for (const auto& f : parents)
+        if (f.order == order && (!from || f.evidence > from->evidence)) from = &f;
+      if (!from) continue;
+      VectorXd theta = from->theta;
+      double last = kNever;
+      for (double s = from->strength; s < 2 * kSeries[order - 1].first; s *= 10) {
+        work.check();
+        fits.push_back(fit(order, s, breaks, theta, 1e-4));
+        const double e = fits.back().evidence;
+        if (e < last || e < best - kHopeless) break;
+        theta = fits.back().theta, last = e;
+      }
     }
-    gradient -= strength_ * (r_.penalty * theta);
-    if (shift_) gradient += strength_ * (r_.D.transpose() * *shift_);
-    gradient.array() -= kRidge * (theta.array() - level_);
-    information += strength_ * r_.penalty;
-    information.diagonal().array() += kRidge;
+    return fits;
   }
 
  private:
+  double log_prior(std::size_t breaks) const {
+    double sum = std::log(1 - kAnother);
+    for (std::size_t m = 0; m < breaks; ++m)
+      sum += std::log(kAnother * static_cast<double>(m + 1) / static_cast<double>(bins_ - 1 - m));
+    return sum;
+  }
+
+  SmoothPoissonFit fit(int order, double strength, const Breaks& breaks, const VectorXd& start,
+                       double enough) const {
+    const SmoothPrior prior = smooth_prior(order, differences_[order - 1], strength, breaks, level_);
+    SmoothPoissonFit f;
+    f.order = order, f.strength = strength, f.breaks = breaks, f.theta = start;
+    MatrixXd information(bins_, bins_);
+    const double value = climb(Posterior(p_, prior), f.theta, information, enough);
+    const Eigen::LLT<MatrixXd> factor(information);
+    f.evidence = value + (prior.log_det - log_determinant(factor)) / 2 + log_prior(breaks.size());
+    f.freedom = static_cast<double>(bins_) - factor.solve(prior.precision).trace();
+    return f;
+  }
+
   const SmoothPoissonProblem& p_;
-  const Roughness& r_;
-  double strength_, level_;
-  const VectorXd* shift_;
+  double level_;
+  Eigen::Index bins_;
+  std::vector<MatrixXd> differences_;
 };
 
-// Newton's method, damped after Levenberg, from theta; returns the value reached.
-double climb(const Posterior& f, VectorXd& theta, MatrixXd& information) {
-  VectorXd x, mu, gradient, next_x, next_mu;
-  double value = f.value(theta, x, mu), damping = 0;
-  for (int step = 0; step < 60; ++step) {
-    f.slopes(theta, x, mu, gradient, information);
-    double gain = -1;
-    for (int attempt = 0; attempt < 12 && gain < 0; ++attempt) {
-      MatrixXd damped = information;
-      damped.diagonal().array() += damping;
-      VectorXd move = damped.llt().solve(gradient);
-      if (const double most = move.cwiseAbs().maxCoeff(); most > kLargestStep) move *= kLargestStep / most;
-      const VectorXd next = theta + move;
-      const double there = f.value(next, next_x, next_mu);
-      if (there >= value - 1e-12) {
-        gain = std::max(0.0, there - value);
-        theta = next, x.swap(next_x), mu.swap(next_mu), value = there;
-        damping = damping > 1e-9 ? damping / 10 : 0;
-      } else {
-        damping = damping > 0 ? 10 * damping : 0.01 * information.diagonal().maxCoeff();
-      }
+// Adds what has one break more than each of `parents`; returns the likeliest sets of those.
+std::vector<Breaks> add_breaks(const Search& search, const std::vector<Breaks>& parents,
+                               std::map<Breaks, Fits>& sets, double& best, const Work& work) {
+  std::map<Breaks, const Fits*> from;
+  for (const Breaks& parent : parents)
+    for (int b = 0; b + 1 < search.bins(); ++b) {
+      if (std::find(parent.begin(), parent.end(), b) != parent.end()) continue;
+      Breaks breaks = parent;
+      breaks.insert(std::upper_bound(breaks.begin(), breaks.end(), b), b);
+      if (!sets.count(breaks)) from.emplace(std::move(breaks), &sets.at(parent));
     }
-    if (gain < 1e-6) break;
-  }
-  f.slopes(theta, x, mu, gradient, information);
-  return value;
+  const std::vector<std::pair<Breaks, const Fits*>> list(from.begin(), from.end());
+  std::vector<Fits> found(list.size());
+  work.parallel(list.size(), 1, [&](std::size_t i, std::size_t) {
+    found[i] = search.with_break(list[i].first, *list[i].second, best, work);
+  });
+
+  std::vector<std::pair<double, Breaks>> ranked;
+  for (std::size_t i = 0; i < list.size(); ++i) ranked.emplace_back(best_of(found[i]), list[i].first);
+  for (std::size_t i = 0; i < list.size(); ++i) sets.emplace(list[i].first, std::move(found[i]));
+  std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  std::vector<Breaks> next;
+  if (ranked.empty() || ranked.front().first < best - 1) return next;  // one more does not help
+  best = std::max(best, ranked.front().first);
+  for (const auto& [evidence, breaks] : ranked)
+    if (next.size() < kParents && evidence > best - kNoParent) next.push_back(breaks);
+  return next;
 }
 
 }  // namespace
 
 std::vector<SmoothPoissonFit> smooth_poisson_fits(const SmoothPoissonProblem& p, const Work& work) {
-  // Decades of strength, the most first: from "nothing but the unpenalised form" to "any".
-  struct Series {
-    int order;
-    double first;
-    int count;
-  };
-  constexpr Series kSeries[] = {{1, 1e2, 8}, {2, 1e1, 10}, {3, 1e0, 13}};
-  const Eigen::Index bins = p.A.cols();
-  std::vector<std::vector<SmoothPoissonFit>> series(std::size(kSeries));
-  work.parallel(std::size(kSeries), 1, [&](std::size_t s, std::size_t) {
-    const Roughness r(kSeries[s].order, p.place);
-    const double log_det = r.log_det();
-    double strength = kSeries[s].first, best = -std::numeric_limits<double>::infinity();
-    VectorXd theta;
-    MatrixXd information(bins, bins);
-    for (int k = 0; k < kSeries[s].count; ++k, strength /= 10) {
-      work.check();
-      const Posterior f(p, r, strength, nullptr);
-      if (theta.size() == 0) theta = VectorXd::Constant(bins, f.level());
-      const double value = climb(f, theta, information);
-      SmoothPoissonFit fit;
-      fit.order = r.order, fit.strength = strength, fit.theta = theta;
-      const Eigen::LLT<MatrixXd> factor(information);
-      fit.evidence = value + ((bins - r.order) * std::log(strength) + log_det) / 2 -
-                     r.order * std::log(kVague) - log_determinant(factor) / 2;
-      fit.freedom = static_cast<double>(bins) - strength * factor.solve(r.penalty).trace();
-      best = std::max(best, fit.evidence);
-      const bool hopeless = fit.evidence < best - kGiveUp;
-      series[s].push_back(std::move(fit));
-      if (hopeless) break;
-    }
+  const Search search(p);
+  std::vector<Fits> orders(kOrders);
+  work.part(0, 0.2).parallel(kOrders, 1, [&](std::size_t s, std::size_t) {
+    orders[s] = search.without_breaks(static_cast<int>(s) + 1, work);
   });
-  std::vector<SmoothPoissonFit> all;
-  for (auto& s : series)
-    for (auto& f : s) all.push_back(std::move(f));
-  double best = all[0].evidence, sum = 0;
-  for (const auto& f : all) best = std::max(best, f.evidence);
-  for (auto& f : all) sum += f.weight = std::exp(f.evidence - best);
+  std::map<Breaks, Fits> sets;
+  for (auto& o : orders) sets[{}].insert(sets[{}].end(), o.begin(), o.end());
+  double best = best_of(sets[{}]);
+  std::vector<Breaks> parents{{}};
+  if (p.A.cols() > kMostBins) parents.clear();
+  for (int k = 0; k < kMostBreaks && !parents.empty(); ++k)
+    parents = add_breaks(search, parents, sets, best,
+                         work.part(0.2 + 0.8 * k / kMostBreaks, 0.2 + 0.8 * (k + 1) / kMostBreaks));
+
+  Fits all;
+  double sum = 0;
+  for (auto& [breaks, fits] : sets)
+    for (auto& f : fits) {
+      f.weight = std::exp(f.evidence - best);
+      sum += f.weight;
+      all.push_back(std::move(f));
+    }
   std::erase_if(all, [&](const SmoothPoissonFit& f) { return f.weight < 1e-4 * sum; });
   sum = 0;
   for (const auto& f : all) sum += f.weight;
@@ -186,13 +193,14 @@ VectorXd draw_density(const SmoothPoissonProblem& p, const std::vector<SmoothPoi
   std::size_t k = 0;
   while (k + 1 < fits.size() && u >= fits[k].weight) u -= fits[k].weight, ++k;
   const SmoothPoissonFit& fit = fits[k];
-  const Roughness r(fit.order, p.place);
-  const double strength = kRougher * fit.strength;
-  VectorXd shift(r.D.rows());
-  for (auto& s : shift) s = random.normal() / std::sqrt(strength);
+  const SmoothPrior prior = smooth_prior(fit.order, roughness(fit.order, p.place), kRougher * fit.strength,
+                                         fit.breaks, even_level(p));
+  VectorXd shift(prior.D.rows()), off(prior.ridge.size());
+  for (auto& s : shift) s = random.normal() / std::sqrt(prior.strength);
+  for (Eigen::Index j = 0; j < off.size(); ++j) off[j] = random.normal() / std::sqrt(prior.ridge[j]);
   VectorXd theta = fit.theta;
   MatrixXd information(theta.size(), theta.size());
-  climb(Posterior(p, r, strength, &shift), theta, information);
+  climb(Posterior(p, prior, &shift, &off), theta, information, 1e-6);
   return theta.array().exp();
 }
 

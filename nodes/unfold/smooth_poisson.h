@@ -1,4 +1,5 @@
-// Densities that vary smoothly, from Poisson counts, with the smoothness chosen by the counts themselves.
+// Densities that vary smoothly but for a few jumps, from Poisson counts, with the smoothness and the jumps
+// chosen by the counts themselves.
 #pragma once
 
 #include <vector>
@@ -20,22 +21,23 @@ struct SmoothPoissonProblem {
   double known_total = 0, known_error = 0;
 };
 
-// One way to be smooth and the densities of highest posterior density under it: the prior is
-// −½·strength·∫|θ⁽ᵒʳᵈᵉʳ⁾|² over the unit interval, so that orders 1, 2, 3 let constants, exponentials and
-// Gaussians pass unpenalised.
+// One way to be smooth (smooth_prior.h) and the densities of highest posterior density under it.
 struct SmoothPoissonFit {
   int order = 1;
   double strength = 0;
-  Eigen::VectorXd theta;  // log of the expected number per bin
-  double freedom = 0;     // parameters that the counts determine: the trace of the smoother
-  double evidence = 0;    // log marginal likelihood (Laplace's approximation), up to a constant
-  double weight = 0;      // its share among all, Σ = 1
+  std::vector<int> breaks;  // bins after which densities may jump
+  Eigen::VectorXd theta;    // log of the expected number per bin
+  double freedom = 0;       // parameters that the counts determine: the trace of the smoother
+  double evidence = 0;      // log marginal likelihood (Laplace's approximation) and prior of the breaks
+  double weight = 0;        // its share among all, Σ = 1
 };
 
-// Fits over all orders and decades of strength that have a weight of 1e-4 or more, weighted by evidence:
-// empirical Bayes (as restricted maximum likelihood chooses the smoothing of splines; Wood 2011), averaged
-// rather than chosen. Newton steps on the penalised likelihood, which EM reaches too but in thousands of
-// steps (Green 1990). Counts must not be all zero.
+// Fits over all orders, decades of strength and up to four breaks that have a weight of 1e-4 or more,
+// weighted by evidence: empirical Bayes (as restricted maximum likelihood chooses the smoothing of splines;
+// Wood 2011), averaged rather than chosen. One more break is as likely as none, and may be anywhere; they are
+// searched for one by one from the three likeliest sets (as Denison, Mallick and Smith 1998 sample them).
+// Newton steps on the penalised likelihood, which EM reaches too but in thousands of steps (Green 1990).
+// Counts must not be all zero. More than 120 bins: no breaks, which would take minutes.
 std::vector<SmoothPoissonFit> smooth_poisson_fits(const SmoothPoissonProblem&, const Work&);
 
 // Σ weight·exp(θ).

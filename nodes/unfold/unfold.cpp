@@ -47,7 +47,8 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     em = fit_em(*em_model, q, o.area, kFractionError, work.part(0, 0.3));
     fit.density = em_model->reclass * em.density;
     fit.refitted = em_model->coarse * em.density;
-    for (const auto& f : em.fits) fit.freedom += f.weight * f.freedom;
+    for (const auto& f : em.fits)
+      fit.freedom += f.weight * f.freedom, fit.jumps += f.weight * static_cast<double>(f.breaks.size());
   } else {
     if (options.method == "nnls") {
       fit.density = solve_nnls(m, counts, o.area, q.area_fraction, kFractionError);
@@ -71,11 +72,13 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
         return solve_inverse(m, again.sum / o.area).cwiseMax(0);
       },
       work.part(0.3, 1));
+  std::vector<char> empty(static_cast<std::size_t>(m.visible()), false);
+  if (em_model) empty = may_be_empty(*em_model, em, q, o.area, work);
   for (int j = 0; j < m.visible(); ++j) {
     auto& low = out.intervals.low[static_cast<std::size_t>(j)];
     auto& high = out.intervals.high[static_cast<std::size_t>(j)];
     const double unseen = kUnseen / (m.matrix.col(j).sum() * o.area);
-    low = std::max(0.0, std::min(low, fit.density[j] - unseen)),
+    low = empty[static_cast<std::size_t>(j)] ? 0 : std::max(0.0, std::min(low, fit.density[j] - unseen));
     high = std::max(high, fit.density[j] + unseen);
   }
   return out;

@@ -33,6 +33,7 @@ struct UnfoldFit {
   Eigen::VectorXd density;             // N_V, per mm³, of the visible classes
   double negative = 0;                 // Σ |N_V| that `inverse` had below zero, relative to Σ |N_V|
   double freedom = 0;                  // parameters that the profiles determine
+  double jumps = 0;                    // that `em` takes the density to have, mean over its fits
 };
 
 struct UnfoldResult {
@@ -51,12 +52,12 @@ int classes_for(std::size_t profiles);
 double estimate_d_max(const Observations&, const KMatrix&, int classes, double smallest_visible, const Work&);
 
 // `em`: penalised maximum likelihood of Poisson counts on a finer grid of sizes, log densities smooth to the
-// degree that the counts ask for. `nnls`: densities ≥ 0 of least squared error, every class weighted by the
-// counting error of its profiles. Both hold the volume fraction Σ N_V·V to the area fraction of the profiles
-// (V_V = A_A), which is known far better than any class. `inverse` solves N_A = M·N_V (Jagnow et al. 2004,
-// eq. 8, 12) and sets negative densities to zero. Where the area observed is unknown Σ N_V is 1 and the
-// volume fraction 0. Throws Error "no-profiles", "bad-profiles", "bad-kmatrix", "too-few-profiles",
-// "singular", "unstable" (more than full), "nothing-visible", "too-small" (d_max).
+// degree that the counts ask for, with jumps where they do. `nnls`: densities ≥ 0 of least squared error,
+// every class weighted by the counting error of its profiles. Both hold the volume fraction Σ N_V·V to the
+// area fraction of the profiles (V_V = A_A), which is known far better than any class. `inverse` solves N_A =
+// M·N_V (Jagnow et al. 2004, eq. 8, 12) and sets negative densities to zero. Where the area observed is
+// unknown Σ N_V is 1 and the volume fraction 0. Throws Error "no-profiles", "bad-profiles", "bad-kmatrix",
+// "too-few-profiles", "singular", "unstable" (more than full), "nothing-visible", "too-small" (d_max).
 UnfoldResult unfold(const Profiles&, const KMatrix&, const UnfoldOptions&, const Work&);
 
 }  // namespace terrazzo

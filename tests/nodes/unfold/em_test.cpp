@@ -8,6 +8,7 @@
 
 #include "nodes/common/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
+#include "nodes/unfold/presence.h"
 #include "nodes/unfold/smooth_poisson.h"
 #include "nodes/unfold/unfold.h"
 #include "runtime/random.h"
@@ -166,6 +167,71 @@ TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   }
 }
 
+// Sizes cut off by sieves, as aggregates are: the mean over 4 repetitions; `nnls` errs about .2.
+TEST(UnfoldEm, DensitiesMayJump) {
+  const KMatrix k = kmatrix_of("sphere");
+  const std::pair<double, double> cuts[] = {{0.5, 1.0}, {0.35, 0.75}};
+  for (const auto& [lo, hi] : cuts) {
+    const Population truth(k, [&](double x) { return static_cast<double>(x > lo && x < hi); });
+    const double mean = mean_size(truth);
+    double em = 0, nnls = 0, jumps = 0;
+    int held = 0, of = 0;
+    for (int r = 0; r < 4; ++r) {
+      const Profiles p = truth.sample(2000, 500 + r);
+      const double sum = sum_of(p, k, truth, mean, 2000);
+      const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = hi, .bootstrap = 40}, {});
+      em += l1_error(u, truth, sum) / 4, jumps += u.fits[0].jumps / 4;
+      nnls +=
+          l1_error(unfold(p, k, {.method = "nnls", .smallest_visible = 0, .d_max = hi}, {}), truth, sum) / 4;
+      for (std::size_t j = 0; j < 10; ++j, ++of) {
+        const double t =
+            truth.between(u.distribution.class_edges[j], u.distribution.class_edges[j + 1]) * sum;
+        const auto& e = u.distribution.shapes[0];
+        held += t >= e.low[j] * (1 - 1e-9) && t <= e.high[j] * (1 + 1e-9);
+      }
+    }
+    EXPECT_LT(em, 0.14);
+    EXPECT_LT(em, nnls);
+    EXPECT_GT(jumps, 0.4);
+    EXPECT_GT(static_cast<double>(held) / of, 0.8);  // .94 in the long run
+  }
+}
+
+TEST(SmoothPoisson, FindsAJumpAndNothingElse) {
+  SmoothPoissonProblem p;
+  p.A = Eigen::MatrixXd::Identity(30, 30);
+  p.counts = Eigen::VectorXd::Constant(30, 20);
+  p.counts.tail(18).setConstant(80);
+  p.place = Eigen::VectorXd::LinSpaced(30, 0, 1);
+  const auto fits = smooth_poisson_fits(p, {});
+  double there = 0, jumps = 0;
+  for (const auto& f : fits) {
+    jumps += f.weight * static_cast<double>(f.breaks.size());
+    for (const int b : f.breaks) there += b == 11 ? f.weight : 0;
+  }
+  EXPECT_GT(there, 0.95);
+  EXPECT_LT(jumps, 1.3);
+  const Eigen::VectorXd x = mean_density(fits);
+  for (int j = 0; j < 30; ++j) EXPECT_NEAR(x[j] / p.counts[j], 1, 0.05) << j;
+}
+
+TEST(Presence, OnlyWhatCountsShowIsThere) {
+  // Three classes of two bins, each seen by itself; the second has nothing, the third next to nothing.
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(6, 6);
+  Eigen::VectorXd counts(6);
+  counts << 10, 12, 0, 0, 1, 0;
+  const std::vector<int> cls{0, 0, 1, 1, 2, 2};
+  const Eigen::VectorXd start = Eigen::VectorXd::Constant(6, 4);
+  EXPECT_EQ(may_be_empty(A, counts, cls, start, 1.353, {}), (std::vector<char>{0, 1, 0}));
+  // A profile that two classes can show speaks for neither.
+  Eigen::MatrixXd both(2, 2);
+  both << 1, 1, 0, 1;
+  Eigen::VectorXd seen(2);
+  seen << 20, 0;
+  EXPECT_EQ(may_be_empty(both, seen, {0, 1}, Eigen::VectorXd::Constant(2, 5), 1.353, {}),
+            (std::vector<char>{0, 1}));
+}
+
 TEST(SmoothPoisson, FindsAnEvenDensityFromEvenCounts) {
   SmoothPoissonProblem p;
   p.A = Eigen::MatrixXd::Identity(20, 20) * 5;
@@ -179,7 +245,9 @@ TEST(SmoothPoisson, FindsAnEvenDensityFromEvenCounts) {
   for (const double v : x) EXPECT_NEAR(v, 6, 1e-3);
   // The smoothest of the orders wins: nothing speaks for more.
   for (const auto& f : fits)
-    if (f.weight > 0.5) EXPECT_EQ(f.order, 1);
+    if (f.weight > 0.5) {
+      EXPECT_EQ(f.order, 1);
+    }
 }
 
 TEST(SmoothPoisson, UnitsDoNotMatter) {
