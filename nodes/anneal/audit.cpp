@@ -9,9 +9,8 @@
 #include "nodes/anneal/triangle_overlap.h"
 
 namespace terrazzo::anneal {
-namespace {
 
-struct Solid {
+struct Auditor::Solid {
   const Mesh* mesh;
   AabbTree tree;
   MeshDistance distance;
@@ -20,6 +19,10 @@ struct Solid {
     for (const auto& v : m.vertices) radius = std::max(radius, v.norm());
   }
 };
+
+namespace {
+
+using Solid = Auditor::Solid;
 
 // b's frame seen from a's, both unscaled: p ↦ linear p + offset.
 struct Map {
@@ -107,18 +110,35 @@ double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound
   return bound;
 }
 
-// How deep the deepest of `own`'s vertices and triangles' centres lies inside `other`, in other's unit.
-double deepest_point(const Solid& own, const Solid& other, const Map& own_to_other) {
-  double deepest = 0;
+// How deep the deepest of `own`'s vertices and triangles' centres lies inside `other`, in other's unit;
+// `least` where none lies deeper. Boxes of triangles whose every point lies less deep than one found before
+// are passed over.
+double deepest_point(const Solid& own, const Solid& other, const Map& own_to_other, double least = 0) {
+  double deepest = least;
   const Aabb& box = other.tree.nodes[0].box;
+  const double scale = own_to_other.linear.col(0).norm();
   const auto probe = [&](const Vec3& v) {
     const Vec3 p = own_to_other(v);
     if (box.squared_distance(p) == 0) deepest = std::max(deepest, -other.distance.signed_distance(p));
   };
-  for (const auto& v : own.mesh->vertices) probe(v);
-  for (std::size_t t = 0; t < own.mesh->triangles.size(); ++t) {
-    const Corners c = corners(*own.mesh, static_cast<int>(t));
-    probe((c[0] + c[1] + c[2]) / 3);
+  std::vector<int> stack{0};
+  while (!stack.empty()) {
+    const int k = stack.back();
+    stack.pop_back();
+    const auto& node = own.tree.nodes[k];
+    const double radius = 0.5 * (node.box.high - node.box.low).norm() * scale;
+    const Vec3 center = own_to_other(node.box.center());
+    if (box.squared_distance(center) > radius * radius) continue;
+    if (radius - other.distance.signed_distance(center) <= deepest) continue;
+    if (node.right != 0) {
+      stack.insert(stack.end(), {node.right, k + 1});
+      continue;
+    }
+    for (int m = node.first; m < node.first + node.count; ++m) {
+      const Corners c = corners(*own.mesh, own.tree.triangles[m]);
+      for (const auto& v : c) probe(v);
+      probe((c[0] + c[1] + c[2]) / 3);
+    }
   }
   return deepest;
 }
@@ -131,8 +151,10 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
                    rotation_b.transpose() * -offset / scale_b};
   const double crossed = crossing(a, b, b_to_a) * scale_a;
   if (crossed >= 0)  // faces that only touch may still bound bodies that overlap, where they lie in one plane
-    return gap +
-           std::max({crossed, deepest_point(a, b, a_to_b) * scale_b, deepest_point(b, a, b_to_a) * scale_a});
+  {
+    const double depth = deepest_point(a, b, a_to_b, crossed / scale_b) * scale_b;
+    return gap + deepest_point(b, a, b_to_a, depth / scale_a) * scale_a;
+  }
   // No surfaces cross: one may still lie wholly inside the other.
   const auto inside = [](const Solid& outer, const Vec3& p) {
     return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
@@ -182,13 +204,16 @@ class Cells {
 
 }  // namespace
 
-AuditResult audit(const Shapes& shapes, const Particles& particles, double gap, const Work& work) {
+Auditor::Auditor(const Shapes& shapes) : shapes_(shapes), solids_(shapes.shapes.size()) {}
+Auditor::~Auditor() = default;
+
+AuditResult Auditor::operator()(const Particles& particles, double gap, const Work& work) {
   AuditResult result;
   const std::size_t n = particles.count();
   if (n == 0) return result;
-  std::vector<std::unique_ptr<Solid>> solids(shapes.shapes.size());
+  auto& solids = solids_;
   for (std::int32_t s : particles.shape)
-    if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes.shapes[s].mesh);
+    if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes_.shapes[s].mesh);
   std::vector<double> radius(n);
   std::vector<Mat3> rotation(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -241,6 +266,10 @@ AuditResult audit(const Shapes& shapes, const Particles& particles, double gap, 
   }
   for (const auto& p : result.found) result.worst = std::max(result.worst, p.relative);
   return result;
+}
+
+AuditResult audit(const Shapes& shapes, const Particles& particles, double gap, const Work& work) {
+  return Auditor(shapes)(particles, gap, work);
 }
 
 }  // namespace terrazzo::anneal

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "nodes/data/particles.h"
@@ -27,6 +28,19 @@ struct AuditResult {
 // exact measures: how deep a vertex or a triangle's centre of one lies inside the other, and the least
 // translation that parts two crossing triangles. Bodies nearer to each other than `gap` (mm) count as
 // penetrating by what is missing.
+class Auditor {
+ public:
+  struct Solid;                            // a shape's box tree
+  explicit Auditor(const Shapes& shapes);  // keeps a reference
+  ~Auditor();
+  AuditResult operator()(const Particles& particles, double gap = 0, const Work& work = {});
+
+ private:
+  const Shapes& shapes_;
+  std::vector<std::unique_ptr<Solid>> solids_;  // of the shapes met so far
+};
+
+// Once.
 AuditResult audit(const Shapes& shapes, const Particles& particles, double gap = 0, const Work& work = {});
 
 }  // namespace terrazzo::anneal

@@ -166,7 +166,7 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
 }
 
 // Elements of `own` in the field of `other`; `offset` is other's centre less own's.
-Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, bool fine,
+Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, Detail detail,
                  float slack, bool known, std::vector<std::int32_t>& candidates,
                  std::vector<Probe::Point>& points) {
   points.clear();
@@ -177,7 +177,7 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) frame.m[3 * r + c] = m(r, c);
   frame.t = other.rotation.transpose() * (-offset) * inverse;
-  const ElementTree& tree = fine ? own.shape->fine : own.shape->coarse;
+  const ElementTree& tree = own.shape->tree(detail);
   const float threshold = margin * inverse;
   Probe probe{points};
   if (known) {
@@ -249,7 +249,7 @@ void Contact::add(const Vec3f& n, const Vec3f& arm_a, const Vec3f& arm_b, float 
   depth = std::max(depth, d);
 }
 
-Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, Detail detail,
                      ContactCandidates& candidates, float slack) {
   Contact contact;
   const bool ball_a = a.shape->field.kind() == DistanceField::Kind::Sphere;
@@ -272,14 +272,14 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
   const bool known = candidates.known;
   candidates.known = true;
   thread_local std::vector<Probe::Point> points_a, points_b;
-  const Probe of_a = probe_body(a, b, offset, margin, fine, slack, known, candidates.of_a, points_a);
+  const Probe of_a = probe_body(a, b, offset, margin, detail, slack, known, candidates.of_a, points_a);
   const float gap_a = of_a.gap * b.scale - margin;
   if (!known && of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
     candidates.known = false;
     contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
     return contact;
   }
-  const Probe of_b = probe_body(b, a, -offset, margin, fine, slack, known, candidates.of_b, points_b);
+  const Probe of_b = probe_body(b, a, -offset, margin, detail, slack, known, candidates.of_b, points_b);
   if (of_a.weight == 0 && of_b.weight == 0) {
     contact.gap = std::max(std::min(gap_a, of_b.gap * a.scale - margin), 0.f);
     return contact;

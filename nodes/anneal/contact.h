@@ -45,7 +45,7 @@ struct ContactCandidates {
 // `margin` count as penetrating by the difference. Depths are measured at the elements that enter the margin;
 // those that enter deeper count more. `candidates` are probed where known; else they are collected for
 // `slack` mm of further travel.
-Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, bool fine,
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, Detail detail,
                      ContactCandidates& candidates, float slack);
 
 }  // namespace terrazzo::anneal

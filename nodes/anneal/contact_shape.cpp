@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kCells = 40;  // of the grid across the shape
 constexpr int kCoarse = 96, kFine = 1000;
-// Most contacts miss far less than the worst: the few others are left to the audit, which widens their margin.
+// Most contacts miss far less than the worst: the few others are left to the audit, which widens their
+// margin.
 constexpr double kAllowance = 0.15;
 constexpr int kLeaf = 4;
 constexpr std::size_t kFaces = 40;  // of a polyhedron that is tested by separating axes
@@ -220,7 +221,7 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
       DistanceField::Kind::Planes) {  // vertices are ends of edges, flat faces touch only those
     for (const auto& [a, b] : convex_edges(mesh, 1e-3))
       segments.push_back(segment_element(mesh.vertices[a], mesh.vertices[b]));
-    s.coarse = s.fine = make_tree(segments);
+    s.trees[0] = s.trees[1] = s.trees[2] = make_tree(segments);
     s.error = 1e-6 * r;
     return s;
   }
@@ -243,8 +244,11 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
     fine.push_back(point_element(mesh.vertices[choice.order[k]]));
     if (k < kCoarse) coarse.push_back(fine.back());
   }
-  s.coarse = make_tree(std::move(coarse));
-  s.fine = make_tree(std::move(fine));
+  s.trees[0] = make_tree(std::move(coarse));
+  s.trees[1] = make_tree(std::move(fine));
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+    if (!covered[v]) segments.push_back(point_element(mesh.vertices[v]));
+  s.trees[2] = make_tree(std::move(segments));
   s.error = 1e-6 * r;
   // The sphere around its mesh needs no allowance.
   if (s.field.kind() == DistanceField::Kind::Grid)

@@ -34,10 +34,15 @@ struct ElementTree {
   std::vector<Element> elements;
 };
 
+// Which elements are probed: few for states far from done, those that flat partners touch, or all that there
+// are, for partners that touch in dents and where rounded ridges cross.
+enum class Detail { Coarse, Fine, All };
+
 struct ContactShape {
   Polytope polytope;  // empty unless convex with few faces
   DistanceField field;
-  ElementTree coarse, fine;  // a subset for far-from-done states, and all
+  ElementTree trees[3];  // by Detail; `All` has every vertex
+  const ElementTree& tree(Detail d) const { return trees[static_cast<int>(d)]; }
   // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface:
   // only what lies inside tells how deep they are.
   std::vector<Ball> core;

@@ -54,6 +54,7 @@ class Packer {
       : shapes_(shapes),
         options_(options),
         work_(work),
+        auditor_(shapes),
         population_(populate(distribution, shapes, start, options.population, work)) {}
 
   PackResult run();
@@ -62,6 +63,7 @@ class Packer {
   const Shapes& shapes_;
   const PackOptions& options_;
   const Work& work_;
+  Auditor auditor_;
   Population population_;
   std::vector<ContactShape> contact_shapes_;
   Packing packing_;
@@ -74,6 +76,7 @@ class Packer {
   void place();
   void anneal_and_audit(double start_shrink, const Work& work);
   void drop(const Work& work);
+  bool has_more_detail() const;
   double fraction() const { return population_.fraction * std::pow(packing_.shrink, 3); }
 };
 
@@ -98,10 +101,17 @@ void Packer::place() {
   place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
 }
 
+bool Packer::has_more_detail() const {
+  return std::any_of(contact_shapes_.begin(), contact_shapes_.end(), [](const ContactShape& s) {
+    return s.tree(Detail::All).elements.size() > s.tree(Detail::Fine).elements.size();
+  });
+}
+
 // Anneals until the audit finds nothing: what it finds widens the margin of the particles concerned.
 void Packer::anneal_and_audit(double start_shrink, const Work& work) {
   anneal_.start_shrink = start_shrink;
   anneal_.settle = false;
+  anneal_.detail = Detail::Fine;
   anneal_.extra = {};
   const int all = options_.iterations;
   int left = all;
@@ -112,8 +122,14 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
     state_ = pack(contact_shapes_, packing_, anneal_, work);
     result_.iterations += state_.iterations;
     left -= state_.iterations;
-    audit_ = audit(shapes_, placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
+    audit_ = auditor_(placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
     if (audit_.worst == 0 || !state_.free) break;
+    const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
+    anneal_.settle = true;
+    if (many && anneal_.detail == Detail::Fine && has_more_detail()) {
+      anneal_.detail = Detail::All;  // first look closer
+      continue;
+    }
     for (const auto& p : audit_.found) {  // doubled where it was not enough
       double& margin = anneal_.extra.of_pair[{p.a, p.b}];
       margin += std::max(margin, 1.5 * p.depth + 5e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
@@ -124,13 +140,11 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
       ++since;
     // Where many pairs are found, or mending here opens overlaps there, the contacts miss something
     // everywhere. By the typical depth: a wide margin for all stirs up the whole packing.
-    const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
     if (many || since >= 3) {
       double mean = 0;
       for (const auto& p : audit_.found) mean += p.relative / static_cast<double>(audit_.found.size());
       anneal_.extra.all += many ? 0.6 * audit_.worst : 0.3 * mean;
     }
-    anneal_.settle = true;
   }
 }
 
@@ -187,7 +201,7 @@ PackResult Packer::run() {
   }
   for (int k = 0; options_.on_jam == OnJam::Shrink && audit_.worst > kTolerance && k < 40; ++k) {
     packing_.shrink *= 1 - 2 * std::min(audit_.worst, 0.05);
-    audit_ = audit(shapes_, placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
+    audit_ = auditor_(placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
   }
   if (jammed && options_.on_jam == OnJam::Drop) drop(work_.part(0.95, 1));
   if (audit_.worst > kTolerance)

@@ -133,8 +133,8 @@ Overlap Relaxation::find_contacts(const Work& work) {
           if (candidates.known && travelled - noted_[k] > 0.99 * slack) candidates.known = false;
           if (!candidates.known) noted_[k] = travelled;
           contacts_[k] =
-              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin), fine,
-                           candidates, static_cast<float>(slack));
+              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin),
+                           detail, candidates, static_cast<float>(slack));
           // Elements that are no candidates may come as near as what is left of the slack.
           const double left = candidates.known ? slack - (travelled - noted_[k]) : 1e300;
           slack_[k] =

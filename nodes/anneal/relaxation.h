@@ -47,7 +47,7 @@ class Relaxation {
   Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap);
 
   static constexpr double kCold = 0.5;  // a step length that comes to rest
-  bool fine = true;                     // all elements, or the coarse subset
+  Detail detail = Detail::Fine;
   double surplus = 0.002;  // distance aimed for beyond what is asked, in sizes: makes the end finite
   double step_length = kCold, memory = 0.87;
   Margins extra;
@@ -65,7 +65,7 @@ class Relaxation {
   void shake(double amplitude, std::uint64_t seed, std::uint64_t round, double above, const Work& work);
   // Changes packing.shrink, keeping what is known of the neighbours.
   void resize(double shrink);
-  // Call after changing fine, surplus or extra from outside.
+  // Call after changing detail, surplus or extra from outside.
   void forget() { stale_ = true; }
   // Call after changing positions or orientations from outside.
   void rest();

@@ -63,9 +63,10 @@ void Schedule::tell() {
 }
 
 void Schedule::set(double shrink, bool fine, double surplus) {
-  if (relax_.fine != fine || relax_.surplus != surplus) relax_.forget();
+  const Detail detail = fine ? options_.detail : Detail::Coarse;
+  if (relax_.detail != detail || relax_.surplus != surplus) relax_.forget();
   relax_.resize(shrink);
-  relax_.fine = fine;
+  relax_.detail = detail;
   relax_.surplus = surplus;
 }
 
@@ -83,7 +84,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
     if (k % 40 == 39) {
       if (last_.energy > before * (1 - least_progress)) {
         // A few bodies caught in each other, in a packing that is free elsewhere, come loose by a kick.
-        if (relax_.fine == false || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
+        if (relax_.detail == Detail::Coarse || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
           return Outcome::Stalled;
         relax_.shake(0.01 * kicks, options_.seed, ++shakes_, std::max(relax_.surplus, 0.5 * last_.worst),
                      quiet_);
@@ -216,6 +217,7 @@ std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& 
                               const AnnealOptions& options, const Work& work) {
   Relaxation relaxation(shapes, packing, options.binder_gap);
   relaxation.extra = options.extra;
+  relaxation.detail = options.detail;
   relaxation.surplus = 0;
   relaxation.measure(work);
   return relaxation.strain();

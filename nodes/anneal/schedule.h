@@ -13,6 +13,7 @@ struct AnnealOptions {
   bool settle = false;        // only mend a packing that is almost free, at the size it has
   double aim = 1;     // a size beyond 1 to reach where it takes no rounds: leaves room for the audit's finds
   double enough = 1;  // where the bodies jam, a size at which to stop growing
+  Detail detail = Detail::Fine;  // of contacts once the bodies have their size
   Margins extra;
 };
 

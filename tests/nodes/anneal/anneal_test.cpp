@@ -237,6 +237,23 @@ TEST(Anneal, DenseSpheresAndEllipsoids) {
                0.65);
 }
 
+// Small grains touch large ones in their dents and across their ridges, where a choice of surface points made
+// for flat partners sees nothing.
+TEST(Anneal, DentedGrainsOfManySizesPackDense) {
+  const auto shapes = test::shapes_of({test::warped(test::icosphere(3), [](const Vec3& p) {
+    const double r =
+        1 + 0.1 * std::sin(5 * p[0] + 1) * std::sin(4 * p[1]) + 0.08 * std::sin(6 * p[2] + 2 * p[0]);
+    return Vec3(r * p.cwiseProduct(Vec3(1.2, 1, 0.8)));
+  })});
+  auto d = test::distribution(shapes, 1, 6, 0.56, 7);
+  for (std::size_t k = 0; k < 7; ++k) d.shapes[0].N_V[k] *= std::pow(0.45, k);
+  const auto run = pack(shapes, d, {{"size", "10"}});
+  EXPECT_GT(run.output<Particles>("particles").count(), 50u);
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), 0.56, 0.0056);
+  EXPECT_EQ(run.metrics.at("max_penetration"), 0);
+  EXPECT_EQ(run.metrics.at("shrink"), 1);
+}
+
 // Wherever the user stops, no further report comes: one interval between checks is all the work still done.
 TEST(Anneal, StopsWithinOneReport) {
   const auto shapes = test::shapes_of({test::peanut(2), test::cube()});
