@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 
+#include "nodes/common/geodesic_sphere.h"
 #include "nodes/common/mesh.h"
 #include "nodes/shape/closed_form.h"
 
@@ -16,26 +17,6 @@ namespace {
 void match_volume(Mesh& mesh, double volume) {
   const double s = std::cbrt(volume / mesh_volume(mesh));
   for (auto& v : mesh.vertices) v *= s;
-}
-
-// Each triangle into four; the midpoints are shared by their two triangles.
-void split_in_four(Mesh& mesh) {
-  std::map<std::pair<int, int>, int> midpoint;
-  auto middle = [&](int a, int b) {
-    const auto [it, fresh] = midpoint.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
-    if (fresh) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]) / 2);
-    return it->second;
-  };
-  std::vector<Triangle> out;
-  out.reserve(mesh.triangles.size() * 4);
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-    out.push_back({a, ab, ca});
-    out.push_back({b, bc, ab});
-    out.push_back({c, ca, bc});
-    out.push_back({ab, bc, ca});
-  }
-  mesh.triangles = std::move(out);
 }
 
 // Six n × n grids on the faces of the cube [−1, 1]³ with shared borders.
@@ -70,21 +51,9 @@ Mesh cube_grid(int n) {
   return mesh;
 }
 
-Mesh icosahedron() {
-  const double p = std::numbers::phi;
-  Mesh m;
-  m.vertices = {{-1, p, 0},  {1, p, 0},  {-1, -p, 0}, {1, -p, 0}, {0, -1, p},  {0, 1, p},
-                {0, -1, -p}, {0, 1, -p}, {p, 0, -1},  {p, 0, 1},  {-p, 0, -1}, {-p, 0, 1}};
-  m.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  for (auto& v : m.vertices) v /= 2;  // edge 2 to edge 1
-  return m;
-}
-
 // The dual: a vertex for each face of the icosahedron, a pentagon (three triangles) for each of its vertices.
 Mesh dodecahedron() {
-  const Mesh ico = icosahedron();
+  const Mesh ico = icosahedron_mesh();
   Mesh m;
   for (const auto& t : ico.triangles)
     m.vertices.push_back((ico.vertices[t[0]] + ico.vertices[t[1]] + ico.vertices[t[2]]) / 3);
@@ -107,12 +76,8 @@ Mesh dodecahedron() {
 }  // namespace
 
 Mesh ellipsoid_mesh(const Vec3& extents, int detail) {
-  Mesh mesh = icosahedron();
-  for (int i = 0; i < detail; ++i) {
-    split_in_four(mesh);
-    for (auto& v : mesh.vertices) v.normalize();
-  }
-  for (auto& v : mesh.vertices) v = v.normalized().cwiseProduct(extents / 2);
+  Mesh mesh = geodesic_sphere(detail);
+  for (auto& v : mesh.vertices) v = v.cwiseProduct(extents / 2);
   match_volume(mesh, *ellipsoid_closed_form(extents).volume);
   return mesh;
 }
@@ -158,7 +123,7 @@ Mesh superquadric_mesh(const Vec3& extents, double e1, double e2, int detail) {
 }
 
 Mesh platonic_mesh(const std::string& kind) {
-  if (kind == "icosahedron") return icosahedron();
+  if (kind == "icosahedron") return icosahedron_mesh();
   if (kind == "dodecahedron") return dodecahedron();
   Mesh m;
   if (kind == "tetrahedron") {

@@ -8,18 +8,15 @@
 #include "nodes/common/convex_polyhedron.h"
 #include "nodes/common/mesh.h"
 #include "nodes/common/principal_axes.h"
-#include "runtime/random.h"
+#include "nodes/shape_estimate/swelling.h"
 
 namespace terrazzo::shape_estimate {
 
 namespace {
 
-using std::numbers::pi;
-
-constexpr int kDegrees = 4, kHarmonics = (kDegrees + 1) * (kDegrees + 1) - 4;  // without degrees 0 and 1
-constexpr int kLowHarmonics = 12;                                              // degrees 2 and 3
-constexpr int kPlanes = 6, kCuts = 16, kFields = 3, kWaves = 20;
-constexpr double kFieldAmplitude[kFields] = {0.05, 0.03, 0.015};
+constexpr int kDegrees = 4, kHarmonics = harmonic_count(kDegrees);
+constexpr int kLowDegrees = 3, kLowHarmonics = harmonic_count(kLowDegrees);
+constexpr int kPlanes = 6, kCuts = 16, kFields = Fields::kCount;
 
 // Splits edges longer than `limit`, longest first and in both their triangles, in rounds.
 void split_edges(Mesh& mesh, double limit) {
@@ -89,87 +86,14 @@ std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
   return at;
 }
 
-// Real spherical harmonics of a direction, degrees 2 to kDegrees, each of unit mean square over the sphere.
-void harmonics(const Vec3& u, double* out) {
-  double p[kDegrees + 1][kDegrees + 1] = {};
-  const double s = std::sqrt(std::max(0.0, 1 - u.z() * u.z()));
-  double sectoral = 1;
-  for (int m = 0; m <= kDegrees; ++m) {
-    if (m > 0) sectoral *= s * std::sqrt((2 * m + 1.0) / (2 * m));
-    p[m][m] = sectoral;
-    if (m < kDegrees) p[m][m + 1] = u.z() * std::sqrt(2 * m + 3.0) * sectoral;
-    for (int n = m + 2; n <= kDegrees; ++n) {
-      const double a = std::sqrt((4.0 * n * n - 1) / (1.0 * n * n - m * m));
-      const double b = std::sqrt(((n - 1.0) * (n - 1.0) - m * m) / (4.0 * (n - 1.0) * (n - 1.0) - 1));
-      p[m][n] = a * (u.z() * p[m][n - 1] - b * p[m][n - 2]);
-    }
-  }
-  const double phi = std::atan2(u.y(), u.x());
-  int k = 0;
-  for (int n = 2; n <= kDegrees; ++n) {
-    out[k++] = p[0][n];
-    for (int m = 1; m <= n; ++m) {
-      out[k++] = std::numbers::sqrt2 * p[m][n] * std::cos(m * phi);
-      out[k++] = std::numbers::sqrt2 * p[m][n] * std::sin(m * phi);
-    }
-  }
-}
-
-Vec3 random_direction(Random& r) {
-  const double z = r.uniform(-1, 1), a = 2 * pi * r.uniform(), s = std::sqrt(1 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
-
-std::vector<Vec3> spread_directions(std::uint64_t seed, int count) {
-  Random r(seed, 209);
-  std::vector<Vec3> out;
-  // As far apart as so many can be, give or take.
-  double apart = 1.7 * std::sqrt(4 * pi / count) / 2;
-  for (int tries = 0; static_cast<int>(out.size()) < count; ++tries) {
-    if (tries % 100 == 99) apart *= 0.93;
-    const Vec3 d = random_direction(r);
-    if (std::all_of(out.begin(), out.end(),
-                    [&](const Vec3& m) { return std::acos(std::clamp(m.dot(d), -1.0, 1.0)) > apart; }))
-      out.push_back(d);
-  }
-  return out;
-}
-
-double bounded(double v, double most) { return most * std::tanh(v / most); }
-
 // About the centroid, in the principal axes, of the volume of the unit sphere.
 void normalise(Mesh& m) {
   transform(m, Mat3::Identity(), -mesh_centroid(m));
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(m));
   Mat3 axes = principal_axes(solver);
   if (axes.determinant() < 0) axes.col(2) *= -1;
-  transform(m, axes.transpose() / std::cbrt(mesh_volume(m) * 3 / (4 * pi)), Vec3::Zero());
+  transform(m, axes.transpose() / std::cbrt(mesh_volume(m) * 3 / (4 * std::numbers::pi)), Vec3::Zero());
 }
-
-// Random functions of the direction, of ever shorter waves.
-class Fields {
- public:
-  explicit Fields(std::uint64_t seed) {
-    constexpr double kLength[kFields][2] = {{1.0, 1.6}, {0.55, 0.9}, {0.35, 0.55}};
-    for (int k = 0; k < kFields; ++k) {
-      Random r(seed, 207, static_cast<std::uint64_t>(k));
-      for (int w = 0; w < kWaves; ++w) {
-        wave_[k][w] = random_direction(r) * (2 * pi / r.uniform(kLength[k][0], kLength[k][1]));
-        phase_[k][w] = 2 * pi * r.uniform();
-      }
-    }
-  }
-  // Unit mean square.
-  double operator()(int k, const Vec3& u) const {
-    double sum = 0;
-    for (int w = 0; w < kWaves; ++w) sum += std::cos(wave_[k][w].dot(u) + phase_[k][w]);
-    return sum / std::sqrt(kWaves / 2.0);
-  }
-
- private:
-  Vec3 wave_[kFields][kWaves];
-  double phase_[kFields][kWaves];
-};
 
 Vec3 stretch_of(double a, double b) {
   const double s1 = std::exp(bounded(0.5 * a, 1)), s2 = std::exp(bounded(0.5 * b, 1));
@@ -190,7 +114,7 @@ class Deformed : public BodyFamily {
       smoothing_.push_back(soft[v] - body_.vertices[v]);
       double h[kHarmonics];
       const Vec3 u = body_.vertices[v].normalized();
-      harmonics(u, h);
+      harmonics(u, kDegrees, h);
       const auto row = static_cast<Eigen::Index>(v);
       for (int k = 0; k < kHarmonics; ++k) swells_(row, k) = h[k];
       for (int k = 0; k < kFields; ++k) swells_(row, kHarmonics + k) = fields(k, u);
@@ -206,7 +130,7 @@ class Deformed : public BodyFamily {
     for (int k = 0, n = 2; n <= kDegrees; ++n)
       for (int m = 0; m < 2 * n + 1; ++m, ++k) c[k] = bounded(0.24 / n * x[at + k], 0.4);
     at += kHarmonics;
-    for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(kFieldAmplitude[k] * x[at + k], 0.12);
+    for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
     at += kFields;
     const double smooth = std::clamp(x[at + kPlanes], -0.25, 1.6);
     const Eigen::VectorXd swell = swells_ * c;
@@ -275,11 +199,11 @@ class Cut : public BodyFamily {
     }
     for (Vec3& v : mesh.vertices) {
       const Vec3 u = v.normalized();
-      double h[kHarmonics], swell = 0;
-      harmonics(u, h);
+      double h[kLowHarmonics], swell = 0;
+      harmonics(u, kLowDegrees, h);
       for (int k = 0; k < kLowHarmonics; ++k) swell += bounded((k < 5 ? 0.07 : 0.05) * x[at + k], 0.3) * h[k];
       for (int k = 0; k < kFields; ++k)
-        swell += bounded(0.5 * kFieldAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
+        swell += bounded(0.5 * Fields::kAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
       v = v.cwiseProduct(stretch) * std::exp(std::clamp(swell, -1.0, 1.0));
     }
     return mesh;

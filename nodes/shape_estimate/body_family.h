@@ -16,6 +16,8 @@ class BodyFamily {
   virtual ~BodyFamily() = default;
   virtual int dimensions() const = 0;
   virtual Mesh body(const Eigen::VectorXd& x) const = 0;
+  // The same in finer triangles where the family has them.
+  virtual Mesh fine_body(const Eigen::VectorXd& x) const { return body(x); }
 };
 
 // A body deformed by maps that do not fold space, so that what does not pass through itself does not begin
@@ -33,5 +35,12 @@ std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed);
 // distances, then wear (smoothing of edges), swelling of the degrees 2 and 3, roughness and stretching as
 // above. Sharp edges are where planes meet, which a deformed tessellation cannot have.
 std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed);
+
+// A ball made a body by the maps of a modeller (Barr 1984): swelled by spherical harmonics of the degrees 2
+// to 5 and by random fields of shorter waves, pressed flat against planes whose directions move too,
+// stretched, tapered, and its long axis bent into an arc: a body then that has no point whose rays leave it
+// once. 0 is number `guess` of a low-discrepancy sequence of such bodies: bent or straight, flat-sided or
+// round, long, flat, lumpy.
+std::unique_ptr<BodyFamily> modelled_bodies(std::uint64_t seed, int guess);
 
 }  // namespace terrazzo::shape_estimate

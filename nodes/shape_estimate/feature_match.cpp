@@ -16,6 +16,8 @@ constexpr std::array<double, kOutlineFeatures + 1> kLeastSpread{0.0012, 0.12,  0
 constexpr std::array<double, kOutlineFeatures + 1> kImportance{1.5, 1.5, 1,   1,   1,   0.5,
                                                                0.7, 0.5, 0.5, 0.5, 0.5, 0};
 
+constexpr double kToldByMeans = 0.5;
+
 }  // namespace
 
 FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uint64_t seed) {
@@ -47,6 +49,18 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
     directions_.push_back(p);
   }
   const auto points = standard(observed);
+  using Matrix = Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures>;
+  Matrix covariance = Matrix::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Map<const Eigen::Matrix<double, kOutlineFeatures, 1>> x(points[i].data());
+    covariance += observed.weight[i] / total * x * x.transpose();
+  }
+  // What is hardly visible is not told, and a sample's covariance is none too sure.
+  for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    covariance(i, i) = 1.1 * covariance(i, i) + std::pow(kLeastSpread[k] * scale_[k], 2);
+  }
+  whitening_ = covariance.llt().matrixL().solve(Matrix::Identity());
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {
     const auto sorted = along(points, observed.weight, a);
     std::array<double, kQuantiles> q{};
@@ -100,9 +114,15 @@ double FeatureTarget::distance(const FeatureSample& s) const {
 Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (s.features.empty()) return {};
   constexpr auto kEach = static_cast<Eigen::Index>(kQuantiles + 1);
-  Eigen::VectorXd out = Eigen::VectorXd::Zero((kAxes + kDirections) * kEach);
+  constexpr auto kAll = static_cast<Eigen::Index>(kAxes + kDirections) * kEach;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + static_cast<Eigen::Index>(kOutlineFeatures));
   const auto points = standard(s);
   const double total = total_weight(s);
+  Eigen::Matrix<double, kOutlineFeatures, 1> mean = Eigen::Matrix<double, kOutlineFeatures, 1>::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+      mean[static_cast<Eigen::Index>(k)] += s.weight[i] / total * std::clamp(points[i][k], -6.0, 6.0);
+  out.tail(static_cast<Eigen::Index>(kOutlineFeatures)) = std::sqrt(kToldByMeans) * (whitening_ * mean);
   double importance = 0;
   for (const double w : importance_) importance += w;
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {

@@ -20,6 +20,8 @@ class FeatureTarget {
 
   // Weighted mean over features of the squared Wasserstein distance of order 2 along each, plus as much of
   // the mean over random directions: 0 where the distributions are one. Differences of means count thrice.
+  // And half the squared Mahalanobis distance of the means, which is what Fisher's discriminant could tell a
+  // profile by: features vary together, and what breaks that shows although each alone is within its spread.
   double distance(const FeatureSample&) const;
   // That as a sum of squares. Empty where the sample is.
   Eigen::VectorXd residuals(const FeatureSample&) const;
@@ -45,6 +47,7 @@ class FeatureTarget {
   std::vector<Point> directions_;
   std::vector<std::array<double, kQuantiles>> quantiles_;  // axes, then directions
   std::vector<double> observed_;
+  Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures> whitening_;  // of differences of means
 };
 
 }  // namespace terrazzo::shape_estimate

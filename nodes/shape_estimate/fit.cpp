@@ -21,6 +21,7 @@ constexpr std::size_t kPlanes = 192, kMostPlanes = 320;  // of each trial: as ma
 constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
 constexpr std::size_t kHands = 4;
 constexpr int kPoints = 96;
+constexpr std::size_t kGuesses = 96;  // modelled bodies that one of may be near
 
 struct Start {
   Mesh mesh;
@@ -166,50 +167,75 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Start& a, const Start& b) { return a.distance < b.distance; });
 
+  std::vector<FeatureSample> guesses(kGuesses);
+  work.part(0.08, 0.15).parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto family = modelled_bodies(request.seed, static_cast<int>(i));
+      guesses[i] = sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
+    }
+  });
+
   Fit fit;
   fit.start = starts[0].distance;
   std::vector<Mesh> bodies;
   FeatureSample before;
   const int count = request.count;
-  bool cut = false;  // the kind of family that won the first time
+  enum class Kind { Deformed, Cut, Modelled } kind = Kind::Deformed;  // of the family that won the first time
   for (int k = 0; k < count; ++k) {
-    const double from = 0.08 + 0.9 * k / count;
-    const Work part = work.part(from, from + 0.9 / count);
+    const double from = 0.15 + 0.83 * k / count;
+    const Work part = work.part(from, from + 0.83 / count);
     const std::uint64_t seed = request.seed + static_cast<std::uint64_t>(k);
+    const auto with_those_before = [&](FeatureSample s) {
+      if (k > 0 && !s.features.empty()) {
+        s = with_share(std::move(s), 1.0 / (k + 1));
+        append(s, before);
+      }
+      return s;
+    };
     const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x) -> Eigen::VectorXd {
       part.check();
       const Mesh mesh = family.body(x);
       if (mesh.triangles.empty()) return {};
-      FeatureSample s = sample(mesh, planes);
-      if (s.features.empty()) return {};
-      if (k > 0) {
-        s = with_share(std::move(s), 1.0 / (k + 1));
-        append(s, before);
-      }
+      const FeatureSample s = with_those_before(sample(mesh, planes));
       return target.residuals(s);
     };
     // A few rounds with each that may lead somewhere, then the rest of the best.
     struct Run {
       std::unique_ptr<BodyFamily> family;
       std::string from;
-      bool cut;
+      Kind kind;
       LeastSquares at;
+      int guess = -1;  // of a modelled body
     };
     std::vector<Run> runs;
     const std::size_t n = starts.size();
     const auto deformed = [&](std::size_t i) {
-      runs.push_back({deformed_bodies(starts[i % n].mesh, seed), starts[i % n].from, false, {}});
+      runs.push_back({deformed_bodies(starts[i % n].mesh, seed), starts[i % n].from, Kind::Deformed, {}, -1});
     };
     const auto polyhedron = [&](std::size_t i) {
-      runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from, true, {}});
+      runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from + ", cut", Kind::Cut, {}, -1});
     };
+    const auto modelled = [&](std::size_t most) {
+      std::vector<std::pair<double, int>> order;
+      for (std::size_t g = 0; g < kGuesses; ++g)
+        if (!guesses[g].features.empty())
+          order.emplace_back(target.distance(with_those_before(guesses[g])), static_cast<int>(g));
+      std::sort(order.begin(), order.end());
+      for (std::size_t i = 0; i < std::min(most, order.size()); ++i)
+        runs.push_back(
+            {modelled_bodies(request.seed, order[i].second), "a ball", Kind::Modelled, {}, order[i].second});
+    };
+    const auto i = static_cast<std::size_t>(k);
     if (k == 0) {
-      for (std::size_t i = 0; i < std::min<std::size_t>(n, 3); ++i) deformed(i);
+      for (std::size_t s = 0; s < std::min<std::size_t>(n, 3); ++s) deformed(s);
       polyhedron(0);
+      modelled(2);
+    } else if (kind == Kind::Deformed) {
+      deformed(i), deformed(i + 1), modelled(1);
+    } else if (kind == Kind::Cut) {
+      polyhedron(i), polyhedron(i + 1), modelled(1);
     } else {
-      const auto i = static_cast<std::size_t>(k);
-      cut ? polyhedron(i) : deformed(i);
-      cut ? polyhedron(i + 1) : deformed(i + 1);
+      modelled(3);
     }
     const auto go = [&](Run& run, int rounds, double step, const Work& w) {
       LeastSquaresOptions options;
@@ -226,9 +252,11 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     Run& best = *std::min_element(runs.begin(), runs.end(),
                                   [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
     go(best, request.rounds, 0.25, part.part(0.5, 1));
-    if (k == 0) cut = best.cut;
-    bodies.push_back(best.family->body(best.at.x));
-    fit.bodies.push_back({{}, 0, !best.cut, best.cut ? best.from + ", cut" : best.from});
+    if (k == 0) kind = best.kind;
+    // Not the same again.
+    if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
+    bodies.push_back(best.family->fine_body(best.at.x));
+    fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
     // Those so far have equal shares of the profiles.
     FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));
     for (double& w : before.weight) w *= (k + 1.0) / (k + 2);

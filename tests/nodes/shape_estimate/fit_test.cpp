@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/mesh.h"
@@ -17,6 +18,7 @@
 #include "nodes/shape_estimate/least_squares.h"
 #include "nodes/shape_estimate/section_sample.h"
 #include "nodes/shape_estimate/self_intersections.h"
+#include "runtime/random.h"
 #include "tests/nodes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -99,8 +101,10 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   StoneOptions o;
   o.kind = "clinker", o.detail = 2;
   const Mesh start = stone_mesh(o);
-  for (const bool cut : {false, true}) {
-    const auto family = cut ? cut_bodies(start, 1) : deformed_bodies(start, 1);
+  for (int kind = 0; kind < 3; ++kind) {
+    const auto family = kind == 0   ? deformed_bodies(start, 1)
+                        : kind == 1 ? cut_bodies(start, 1)
+                                    : modelled_bodies(1, 7);
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       Random r(seed, 4);
       Eigen::VectorXd x(family->dimensions());
@@ -114,6 +118,61 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
     const Mesh zero = family->body(Eigen::VectorXd::Zero(family->dimensions()));
     EXPECT_EQ(self_intersections(zero), 0);
   }
+}
+
+TEST(ShapeEstimateFit, ModelledBodiesDoNotPassThroughThemselves) {
+  for (int guess = 0; guess < 24; ++guess) {
+    const auto family = modelled_bodies(1, guess);
+    const Mesh m = family->body(Eigen::VectorXd::Zero(family->dimensions()));
+    EXPECT_EQ(self_intersections(m), 0) << guess;
+    EXPECT_NEAR(mesh_volume(m), 4 * std::numbers::pi / 3, 1e-9);
+  }
+}
+
+// What turns its outside towards the centroid is no body of rays from there.
+TEST(ShapeEstimateFit, ModelledBodiesBendBeyondStars) {
+  const auto family = modelled_bodies(1, 0);
+  for (const double turn : {0.0, 8.0}) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(family->dimensions());
+    x[0] = 4, x[x.size() - 2] = turn;  // long, and its long axis bent
+    const Mesh m = family->body(x);
+    const Vec3 c = mesh_centroid(m);
+    const bool hidden = std::any_of(m.triangles.begin(), m.triangles.end(), [&](const Triangle& t) {
+      const Vec3 &p = m.vertices[t[0]], &q = m.vertices[t[1]], &s = m.vertices[t[2]];
+      return (q - p).cross(s - p).dot(p - c) < 0;
+    });
+    EXPECT_EQ(hidden, turn > 0);
+    EXPECT_EQ(self_intersections(m), 0);
+  }
+}
+
+// The finer triangles of a fitted body are the same body.
+TEST(ShapeEstimateFit, FineBodiesAreTheSame) {
+  const auto family = modelled_bodies(1, 5);
+  const Eigen::VectorXd x = Eigen::VectorXd::Constant(family->dimensions(), 0.2);
+  const Mesh coarse = family->body(x), fine = family->fine_body(x);
+  EXPECT_EQ(fine.triangles.size(), 4 * coarse.triangles.size());
+  for (std::size_t v = 0; v < coarse.vertices.size();
+       ++v)  // the ball's first vertices are the coarser ball's
+    EXPECT_LT((fine.vertices[v] - coarse.vertices[v]).norm(), 0.05) << v;
+}
+
+// Means that lie within each feature's spread and yet break how features vary together count.
+TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
+  FeatureSample a;
+  Random r(1, 2);
+  for (int i = 0; i < 400; ++i) {
+    OutlineFeatures f;
+    f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
+    const double t = r.normal();
+    f.values[2] += 0.2 * t, f.values[7] += 0.2 * t;  // one goes with the other
+    a.features.push_back(f), a.root_area.push_back(1), a.weight.push_back(1);
+  }
+  const FeatureTarget target(a, false, 1);
+  FeatureSample along = a, across = a;
+  for (auto& f : along.features) f.values[2] += 0.06, f.values[7] += 0.06;
+  for (auto& f : across.features) f.values[2] += 0.06, f.values[7] -= 0.06;
+  EXPECT_GT(target.distance(across), 1.3 * target.distance(along));
 }
 
 TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
