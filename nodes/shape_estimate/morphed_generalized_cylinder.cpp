@@ -113,7 +113,7 @@ ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& co
   return mesh;
 }
 
-// The fewest control points that keep the profiles to this share of their diameter.
+// So few control points as keep the profiles to this share of their diameter.
 constexpr double kDeviation = 0.008;
 
 Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& work) {
@@ -129,15 +129,23 @@ Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& 
 Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, const Work& work) {
   Estimate out;
   // A finer tessellation is asked for where more of the profiles is to be kept.
-  const int most = request.control ? request.control : 4 + 2 * std::min(request.subdivision, 4);
-  for (int control = request.control ? request.control : 3; control <= most; ++control) {
+  const int most = request.control           ? request.control
+                   : request.subdivision < 2 ? 4 + 2 * request.subdivision
+                                             : 24;
+  for (int control = request.control ? request.control : 3; control <= most;) {
     work.check();
-    Mesh mesh = surface(frame, control, request.subdivision, work);
+    // A control grid so fine needs less subdivision for as fine a surface.
+    const int level =
+        !request.control && control > 10 ? std::min(request.subdivision, 1) : request.subdivision;
+    Mesh mesh = surface(frame, control, level, work);
     const double deviation = frame_deviation(frame, mesh);
-    if (out.deviation >= 0 && deviation >= out.deviation) continue;
-    out.mesh = std::move(mesh);
-    out.deviation = deviation;
-    if (deviation < kDeviation) break;
+    if (out.deviation < 0 || deviation < out.deviation) {
+      out.mesh = std::move(mesh);
+      out.deviation = deviation;
+    }
+    if (deviation < kDeviation || control == most) break;
+    // Towards as many as would do if deviations fell with their square.
+    control = std::clamp(static_cast<int>(control * std::sqrt(deviation / kDeviation)), control + 1, most);
   }
   int corners = 0;
   for (const auto& o : request.chosen) corners += o.corners;

@@ -263,13 +263,14 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::integer("subdivision", 1)
                      .range(0, 4)
                      .doc_("levels of Catmull–Clark subdivision; each gives four times the triangles (about "
-                           "500 to 2000 at 1) and, "
-                           "with control: auto, up to two more control points a quarter"))
+                           "500 to 2000 at "
+                           "1) and, with control: auto, more control points a quarter; more than ten are "
+                           "subdivided once"))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "control", "auto")
                      .range(2, 24)
-                     .doc_("control points a quarter of a curve; auto: the fewest that keep the profiles "
-                           "within 0.8 % of "
-                           "their diameter, from 3 to 4 + 2·subdivision"))
+                     .doc_("control points a quarter of a curve; auto: so few as keep the profiles within "
+                           "0.8 % of their "
+                           "diameter, up to 4 + 2·subdivision, or 24 where that is 2 or more"))
       .parameter(Parameter::choice("axis", "short", {"short", "long", "alternate"})
                      .doc_("how profiles stand on the base: lying, as in the paper, for flat and equant "
                            "shapes; upright, "
