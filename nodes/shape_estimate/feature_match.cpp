@@ -16,7 +16,7 @@ constexpr std::array<double, kOutlineFeatures + 1> kLeastSpread{0.0012, 0.12,  0
 constexpr std::array<double, kOutlineFeatures + 1> kImportance{1.5, 1.5, 1,   1,   1,   0.5,
                                                                0.7, 0.5, 0.5, 0.5, 0.5, 0};
 
-constexpr double kToldByMeans = 0.5;
+constexpr double kToldByMeans = 0.5, kByArea = 2;
 
 }  // namespace
 
@@ -60,6 +60,8 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
     const auto i = static_cast<Eigen::Index>(k);
     covariance(i, i) = 1.1 * covariance(i, i) + std::pow(kLeastSpread[k] * scale_[k], 2);
   }
+  sizes_ = sizes;
+  observed_by_area_ = means_by_area(points, observed);
   whitening_ = covariance.llt().matrixL().solve(Matrix::Identity());
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {
     const auto sorted = along(points, observed.weight, a);
@@ -107,6 +109,18 @@ std::vector<std::pair<double, double>> FeatureTarget::along(const std::vector<Po
   return out;
 }
 
+Eigen::VectorXd FeatureTarget::means_by_area(const std::vector<Point>& points, const FeatureSample& s) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kOutlineFeatures));
+  double total = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double w = s.weight[i] * s.root_area[i] * s.root_area[i];
+    total += w;
+    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+      sum[static_cast<Eigen::Index>(k)] += w * std::clamp(points[i][k], -6.0, 6.0);
+  }
+  return sum / total;
+}
+
 double FeatureTarget::distance(const FeatureSample& s) const {
   return s.features.empty() ? 1e6 : residuals(s).squaredNorm();
 }
@@ -115,16 +129,23 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (s.features.empty()) return {};
   constexpr auto kEach = static_cast<Eigen::Index>(kQuantiles + 1);
   constexpr auto kAll = static_cast<Eigen::Index>(kAxes + kDirections) * kEach;
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + static_cast<Eigen::Index>(kOutlineFeatures));
+  constexpr auto kFeatures = static_cast<Eigen::Index>(kOutlineFeatures);
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + 2 * kFeatures);
   const auto points = standard(s);
   const double total = total_weight(s);
   Eigen::Matrix<double, kOutlineFeatures, 1> mean = Eigen::Matrix<double, kOutlineFeatures, 1>::Zero();
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t k = 0; k < kOutlineFeatures; ++k)
       mean[static_cast<Eigen::Index>(k)] += s.weight[i] / total * std::clamp(points[i][k], -6.0, 6.0);
-  out.tail(static_cast<Eigen::Index>(kOutlineFeatures)) = std::sqrt(kToldByMeans) * (whitening_ * mean);
+  out.segment(kAll, kFeatures) = std::sqrt(kToldByMeans) * (whitening_ * mean);
   double importance = 0;
   for (const double w : importance_) importance += w;
+  if (sizes_) {
+    out.tail(kFeatures) = means_by_area(points, s) - observed_by_area_;
+    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+      out[kAll + kFeatures + static_cast<Eigen::Index>(k)] *=
+          std::sqrt(kByArea * importance_[k] / importance);
+  }
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {
     const double weight = a < kAxes ? importance_[a] / importance : 1.0 / kDirections;
     if (weight == 0) continue;

@@ -42,7 +42,11 @@ class FeatureTarget {
   std::vector<std::pair<double, double>> along(const std::vector<Point>&, const std::vector<double>& weight,
                                                std::size_t axis) const;
 
+  Eigen::VectorXd means_by_area(const std::vector<Point>&, const FeatureSample&) const;
+
   Point center_{}, scale_{}, importance_{};
+  bool sizes_ = false;
+  Eigen::VectorXd observed_by_area_;
   double mean_root_area_ = 1;
   std::vector<Point> directions_;
   std::vector<std::array<double, kQuantiles>> quantiles_;  // axes, then directions
