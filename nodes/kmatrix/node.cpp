@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
@@ -71,6 +73,10 @@ void compute(Context& c) {
   c.metric("residual", k.residual);
   if (options.method != "analytic") c.metric("orientations", static_cast<double>(used));
   const Shapes& shapes = c.input<Shapes>("shapes");
+  double sum = 0;
+  for (const Shape& s : shapes.shapes) sum += s.probability;
+  if (std::abs(sum - 1) > 1e-6)
+    c.warn(fmt::format("the shapes' probabilities sum to {:.4g}, not 1: each was divided by that", sum));
   c.output("table", table_of(k, shapes));
   c.output("figure", figure_of(k, shapes));
   c.output("kmatrix", std::move(k));

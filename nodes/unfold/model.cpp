@@ -67,6 +67,14 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);
+  for (int j = 0; j < m.visible(); ++j)
+    if (!(m.matrix.col(j).sum() > 0))
+      throw Error(
+          "bad-kmatrix",
+          fmt::format("by the K matrix, particles of {:.4g} to {:.4g} mm show no profile of {:.4g} mm or "
+                      "more, so nothing can be said of them",
+                      sizes[j], sizes[j + 1], smallest_visible),
+          "check the shapes, or lower smallest_visible");
   double total = 0, unit = 0;
   for (const auto& e : k.shapes)
     total += e.probability, unit += e.probability * e.volume / std::pow(size_of(e), 3);

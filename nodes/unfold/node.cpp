@@ -4,31 +4,35 @@
 #include "nodes/common/plot.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
+#include "nodes/unfold/summary.h"
 #include "nodes/unfold/unfold.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
 
-Table table_of(const UnfoldResult& r) {
+Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
   Table t;
-  t.columns = {"class",    "from mm",      "to mm",        "N_A observed mm⁻²", "N_A refitted mm⁻²",
-               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³"};
+  t.columns = {"class",    "from mm",      "to mm",         "N_A observed mm⁻²",   "N_A refitted mm⁻²",
+               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³", "share of the volume", "volume passing"};
   for (std::size_t c = 0; c < r.fits.size(); ++c)
     for (int j = 0; j < r.model.visible(); ++j) {
       const auto k = static_cast<std::size_t>(r.model.first + j);
       double low = 0, high = 0;
       for (const auto& e : r.distribution.shapes)
         if (e.cls == static_cast<int>(c)) low += e.low[k], high += e.high[k];
-      t.rows.push_back({static_cast<double>(c), r.distribution.class_edges[k],
-                        r.distribution.class_edges[k + 1], r.fits[c].observed[j], r.fits[c].refitted[j],
-                        r.fits[c].density[j], low, high});
+      auto& row = t.rows.emplace_back();
+      for (const double v :
+           {static_cast<double>(c), r.distribution.class_edges[k], r.distribution.class_edges[k + 1],
+            r.fits[c].observed[j], r.fits[c].refitted[j], r.fits[c].density[j], low, high,
+            summary.volume_share[k], summary.volume_passing[k]})
+        row.emplace_back(v);
     }
   return t;
 }
 
-Image figure_of(const UnfoldResult& r) {
-  Plot areas, volumes;
+Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
+  Plot areas, volumes, sieve;
   areas.title = "Profiles per area", areas.x_label = "size of the profile, mm", areas.y_label = "N_A, mm⁻²";
   volumes.title = "Particles per volume", volumes.x_label = "size of the particle, mm",
   volumes.y_label = "N_V, mm⁻³";
@@ -48,7 +52,13 @@ Image figure_of(const UnfoldResult& r) {
   }
   areas.series = {observed, refitted};
   volumes.series = {density};
-  return draw({areas, volumes}, 2);
+  sieve.title = "Sieve curve", sieve.x_label = "size of the particle, mm",
+  sieve.y_label = "share of the volume that passes";
+  PlotSeries passing{PlotSeries::Kind::Line, "", {}, {}, {}, {}, 2};
+  for (std::size_t k = static_cast<std::size_t>(r.model.first); k <= summary.volume_passing.size(); ++k)
+    passing.x.push_back(r.model.edges[k]), passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
+  sieve.series = {passing};
+  return draw({areas, volumes, sieve}, 3);
 }
 
 void compute(Context& c) {
@@ -100,15 +110,23 @@ void compute(Context& c) {
   c.metric("goodness_of_fit", r.distribution.goodness_of_fit);
   c.metric("condition", r.condition);
   c.metric("negative", negative);
-  c.output("table", table_of(r));
-  c.output("figure", figure_of(r));
+  const SizeSummary summary = summarise(r.distribution);
+  if (!r.observations.relative) c.metric("N_V", summary.N_V);
+  c.metric("mean_size", summary.mean);
+  c.metric("median_size", summary.median);
+  c.metric("geometric_mean", summary.geometric_mean);
+  c.metric("geometric_sd", summary.geometric_sd);
+  c.metric("volume_d10", summary.d10), c.metric("volume_d50", summary.d50),
+      c.metric("volume_d90", summary.d90);
+  c.output("table", table_of(r, summary));
+  c.output("figure", figure_of(r, summary));
   c.output("distribution", std::move(r.distribution));
 }
 
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 3)
+  return NodeType("Unfold", 4)
       .doc_(
           "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
           "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")
@@ -117,8 +135,11 @@ NodeType unfold_node() {
       .input("kmatrix", "KMatrix", "Section statistics of the particles' shapes")
       .output("distribution", "SizeDistribution",
               "Particles per mm³ by size class, for each colour class and shape")
-      .output("table", "Table", "N_A observed and refitted, N_V with its interval, by class")
-      .output("figure", "Image", "The same as bars")
+      .output(
+          "table", "Table",
+          "N_A observed and refitted, N_V with its interval, by class; all colours together the share of the "
+          "volume and how much of it is smaller (the sieve curve)")
+      .output("figure", "Image", "Profiles and particles as bars, and the sieve curve")
       .parameter(
           Parameter::choice("method", "em", {"em", "nnls", "inverse"})
               .doc_(

@@ -159,6 +159,13 @@ TEST(KMatrix, ProbabilitiesAreNormalised) {
   const KMatrix k = make_kmatrix(shapes, {.orientations = 16});
   EXPECT_DOUBLE_EQ(k.shapes[0].probability, 0.75);
   EXPECT_DOUBLE_EQ(k.shapes[1].probability, 0.25);
+  // And that is said.
+  const auto warnings = [](const Shapes& s) {
+    return test::run_node("KMatrix", {{"shapes", Value::of(s)}}, {{"orientations", "16"}}).warnings.size();
+  };
+  EXPECT_EQ(warnings(shapes), 1u);
+  shapes.shapes[0].probability = 0.75, shapes.shapes[1].probability = 0.25;
+  EXPECT_EQ(warnings(shapes), 0u);
 }
 
 TEST(KMatrix, RefusesWhatItCannotCut) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "nodes/kmatrix/make_kmatrix.h"
+#include "nodes/unfold/summary.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"
 
@@ -139,6 +140,19 @@ TEST(Unfold, BadInputIsNamed) {
   KMatrix empty = spheres();
   empty.shapes.clear();
   EXPECT_EQ(code(good, {}, &empty), "bad-kmatrix");
+  // A body of which planes show next to nothing: its K says nothing, or cannot be inverted.
+  KMatrix blind = spheres();
+  std::fill(blind.shapes[0].cdf.begin(), blind.shapes[0].cdf.end(), 1.0);
+  for (const auto* method : {"em", "nnls", "inverse"})
+    EXPECT_EQ(code(good, {.method = method, .smallest_visible = 2}, &blind), "bad-kmatrix") << method;
+  EXPECT_EQ(code(good, {.method = "inverse", .smallest_visible = 0, .d_max = 12}, &blind), "singular");
+  // Of other classes than asked for: the same as the one of those.
+  const auto solved = [&](int classes) {
+    const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
+    const KMatrix k = make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
+    return unfold(good, k, {.method = "nnls", .classes = 8, .d_max = 12}, {}).distribution.shapes[0].N_V;
+  };
+  EXPECT_EQ(solved(5), solved(8));
   Profiles equal = good;
   for (auto& q : equal.profiles) q.area = 10;
   EXPECT_EQ(code(equal), "none");
@@ -296,6 +310,35 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   EXPECT_NEAR(n_a(Border::Weights), 1, 0.02);
   EXPECT_GT(n_a(Border::All), 1.15);
   EXPECT_LT(n_a(Border::Inside), 0.85);
+}
+
+TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
+  SizeDistribution d;
+  d.class_edges = {1, 2, 4};
+  d.shapes.resize(2);
+  d.shapes[0].N_V = {2, 0}, d.shapes[1].N_V = {1, 1};
+  const SizeSummary s = summarise(d);
+  EXPECT_NEAR(s.N_V, 4, 1e-12);
+  EXPECT_NEAR(s.mean, (3 * 1.5 + 3) / 4, 1e-12);
+  EXPECT_NEAR(s.median, 1 + 2.0 / 3, 1e-12);
+  // Volumes: 3 · (2⁴ − 1)/4 and 1 · (4⁴ − 2⁴)/8.
+  EXPECT_NEAR(s.volume_share[0], 11.25 / (11.25 + 30), 1e-12);
+  EXPECT_EQ(s.volume_passing[1], 1);
+  EXPECT_NEAR(std::pow(s.d50, 4), 16 + 240 * (0.5 * 41.25 - 11.25) / 30, 1e-9);
+  EXPECT_LT(s.d10, s.d50);
+  EXPECT_LT(s.d50, s.d90);
+  // A fine histogram of a lognormal gives its parameters back.
+  d.class_edges.clear(), d.shapes.resize(1), d.shapes[0].N_V.clear();
+  for (int i = 0; i <= 2000; ++i) d.class_edges.push_back(i * 0.01);
+  for (int i = 0; i < 2000; ++i) {
+    const double x = (i + 0.5) * 0.01;
+    d.shapes[0].N_V.push_back(std::exp(-0.5 * std::pow(std::log(x / 3) / 0.4, 2)) / x);
+  }
+  const SizeSummary l = summarise(d);
+  EXPECT_NEAR(l.geometric_mean, 3, 0.005);
+  EXPECT_NEAR(std::log(l.geometric_sd), 0.4, 0.002);
+  EXPECT_NEAR(l.d50, 3 * std::exp(3 * 0.16), 0.03);  // Hatch and Choate 1929
+  EXPECT_EQ(summarise({}).N_V, 0);
 }
 
 TEST(Unfold, SameBitsOnAnyNumberOfThreads) {
