@@ -12,27 +12,6 @@ constexpr int kLanes = sizeof(LaneComplex) / sizeof(float);
 
 float* lanes(LaneComplex& c) { return reinterpret_cast<float*>(&c); }
 
-// Of the band's values in the group: what they hold about all slices' standard deviation.
-struct Moments {
-  double n = 0, first = 0, second = 0;
-  double deviation() const {
-    const double mean = n > 0 ? first / n : 0;
-    return n > 0 ? std::sqrt(std::max(0.0, second / n - mean * mean)) : 0;
-  }
-  void add(const Moments& m) { n += m.n, first += m.first, second += m.second; }
-};
-
-Moments moments_of(LaneComplex* group, std::size_t each, int used) {
-  Moments m;
-  for (std::size_t i = 0; i < each; ++i)
-    for (int l = 0; l < used; ++l) {
-      const double v = lanes(group[i])[l];
-      m.first += v, m.second += v * v;
-    }
-  m.n = static_cast<double>(each) * used;
-  return m;
-}
-
 // The band's values in the group, but for those of slices that only fill it up. Large bands are told by a
 // quarter of their values.
 void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int used, Remap::Counts& counts) {
@@ -55,11 +34,11 @@ SliceFamily::SliceFamily(const Vec3i& size, int axis, int scales)
 }
 
 void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, const Work& work) const {
-  space.input.resize(fft_.count() * groups_);
+  space.spectra.resize(fft_.count() * groups_);
   work.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<LaneComplex> scratch;
+    auto& scratch = space.group.local().scratch;
     for (std::size_t g = begin; g < end; ++g) {
-      LaneComplex* group = &space.input[g * fft_.count()];
+      LaneComplex* group = &space.spectra[g * fft_.count()];
       const float* from[kAtOnce];
       for (int i = 0; i < kAtOnce; ++i)
         from[i] = volume.data() + (g * kAtOnce + i) % static_cast<std::size_t>(slices_) * step_slice_;
@@ -72,116 +51,203 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
   });
 }
 
-double SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-                          std::vector<float>& sum, Workspace& space, const Work& work, int last_scale,
-                          std::vector<float>* drive) const {
-  const bool first = drive && drive->empty();  // nothing is known yet of what gets lost
-  if (first) drive->assign(bands_.size(), 1.0f);
-  double furthest = drive && !first ? 0 : 1;
-  const Work quiet = work.part(0, 0);
+void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+                        std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
+  const Work quiet = work.quiet();
   transform(volume, space, quiet);
-  space.output.resize(space.input.size());
   // What the bands left alone hold of each coefficient: the frame is tight.
   std::vector<float> rest(fft_.count(), 0.0f);
-  for (const Band& b : bands_)
-    if (b.scale > last_scale)
-      for (std::size_t i = 0; i < b.gain.size(); ++i)
-        if (b.gain[i] != 0) rest[b.source[i]] += b.gain[i] * b.gain[i];
-  quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t g = begin; g < end; ++g)
-      for (std::size_t i = 0; i < fft_.count(); ++i) {
-        const LaneComplex& in = space.input[g * fft_.count() + i];
-        space.output[g * fft_.count() + i] = {in.re * rest[i], in.im * rest[i]};
-      }
-  });
+  std::vector<Remap> remap;
   for (std::size_t b = 0; b < bands_.size(); ++b) {
-    if (bands_[b].scale > last_scale) continue;
-    const std::size_t each = crops_[b].count();
-    space.band.resize(std::max(space.band.size(), each * groups_));
-    Remap remap(bands[b]);
-    std::vector<Remap::Counts> counts(groups_);
-    std::vector<Moments> moments(groups_);
-    quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-      std::vector<LaneComplex> scratch;
-      for (std::size_t g = begin; g < end; ++g) {
-        LaneComplex* group = &space.band[g * each];
-        extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), group, scratch);
-        counts[g].assign(Remap::kBins, 0);
-        count_group(remap, group, each, slices_in(g), counts[g]);
-        if (drive && !first) moments[g] = moments_of(group, each, std::min(slices_in(g), kLanes));
-      }
-    });
-    for (int g = 1; g < groups_; ++g)
-      for (int i = 0; i < Remap::kBins; ++i) counts[0][i] += counts[g][i];
-    remap.finish(counts[0]);
-    float gain = 1;
-    if (drive && !first) {
-      for (int g = 1; g < groups_; ++g) moments[0].add(moments[g]);
-      const double now = moments[0].deviation();
-      if (bands[b].deviation > 0) furthest = std::max(furthest, std::abs(now / bands[b].deviation - 1));
-      float& d = (*drive)[b];
-      if (now > 0 && bands[b].deviation > 0)
-        d = std::clamp(d * static_cast<float>(bands[b].deviation / now), 0.25f, 4.0f);
-      gain = d;
-    }
-    quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-      std::vector<LaneComplex> scratch;
-      for (std::size_t g = begin; g < end; ++g) {
-        LaneComplex* group = &space.band[g * each];
-        LaneComplex* output = &space.output[g * fft_.count()];
-        remap.apply(lanes(group[0]), each * kAtOnce);
-        if (gain != 1)
-          for (std::size_t i = 0; i < each * kAtOnce; ++i) lanes(group[0])[i] *= gain;
-        add_band(bands_[b], crops_[b], group, fft_.count(), output, scratch);
-      }
-    });
-    work.progress(static_cast<double>(b + 1) / static_cast<double>(bands_.size()));
+    remap.emplace_back(bands[b]);
+    if (bands_[b].scale > last_scale)
+      for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
+        if (bands_[b].gain[i] != 0) rest[bands_[b].source[i]] += bands_[b].gain[i] * bands_[b].gain[i];
   }
-  const float norm = share / static_cast<float>(fft_.count());
-  quiet.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<LaneComplex> scratch;
+  // How values lie now is counted beforehand, on a part of the slices where a band has as many values as the
+  // slices have: all bands of a group can then be put together while it is in the cache.
+  const auto counted = [&](std::size_t group, std::size_t band) {
+    return bands_[band].scale <= last_scale &&
+           (crops_[band].count() < fft_.count() || groups_ < 8 || group % 4 == 1);
+  };
+  std::vector<std::vector<Remap::Counts>> counts(groups_);
+  work.part(0, 0.2).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    auto& local = space.group.local();
+    local.band.resize(fft_.count());
     for (std::size_t g = begin; g < end; ++g) {
-      LaneComplex* group = &space.output[g * fft_.count()];
-      fft_.run(group, true, scratch);
+      counts[g].resize(bands_.size());
+      for (std::size_t b = 0; b < bands_.size(); ++b) {
+        if (!counted(g, b)) continue;
+        extract_band(bands_[b], crops_[b], &space.spectra[g * fft_.count()], fft_.count(), local.band.data(),
+                     local.scratch);
+        counts[g][b].assign(Remap::kBins, 0);
+        count_group(remap[b], local.band.data(), crops_[b].count(), slices_in(g), counts[g][b]);
+      }
+    }
+  });
+  quiet.parallel(bands_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      if (bands_[b].scale > last_scale) continue;
+      Remap::Counts all(Remap::kBins, 0);
+      for (const auto& c : counts)
+        for (std::size_t i = 0; i < c[b].size(); ++i) all[i] += c[b][i];
+      remap[b].finish(all);
+    }
+  });
+  const float norm = share / static_cast<float>(fft_.count());
+  work.part(0.2, 1).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    auto& local = space.group.local();
+    local.band.resize(fft_.count()), local.output.resize(fft_.count());
+    for (std::size_t g = begin; g < end; ++g) {
+      const LaneComplex* in = &space.spectra[g * fft_.count()];
+      LaneComplex* output = local.output.data();
+      for (std::size_t i = 0; i < fft_.count(); ++i)
+        output[i].re = in[i].re * rest[i], output[i].im = in[i].im * rest[i];
+      for (std::size_t b = 0; b < bands_.size(); ++b) {
+        if (bands_[b].scale > last_scale) continue;
+        extract_band(bands_[b], crops_[b], in, fft_.count(), local.band.data(), local.scratch);
+        remap[b].apply(lanes(local.band[0]), crops_[b].count() * kAtOnce);
+        add_band(bands_[b], crops_[b], local.band.data(), fft_.count(), output, local.scratch);
+      }
+      fft_.run(output, true, local.scratch);
       const int used = slices_in(g);
       float* to = sum.data() + g * kAtOnce * step_slice_;
       each_pixel([&](int u, int v) {
-        const float* from = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        const float* from = lanes(output[static_cast<std::size_t>(v) * fft_.width() + u]);
         float* voxel = to + u * step_u_ + v * step_v_;
         for (int i = 0; i < used; ++i) voxel[i * step_slice_] += norm * from[i];
       });
     }
   });
-  return furthest;
+}
+
+// The power of all slices together at each frequency.
+std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& work) const {
+  std::vector<double> power(fft_.count());
+  work.parallel(fft_.count(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (int g = 0; g < groups_; ++g) {
+      const LaneComplex* in = &space.spectra[g * fft_.count()];
+      const int used = slices_in(static_cast<std::size_t>(g));
+      for (std::size_t i = begin; i < end; ++i) {
+        if (used == kAtOnce) {
+          const Lane square = in[i].re * in[i].re + in[i].im * in[i].im;
+          power[i] += square[0] + square[1] + square[2] + square[3];
+          continue;
+        }
+        // The two slices of a lane are told apart by the mirror image's coefficient.
+        const std::size_t w = static_cast<std::size_t>(fft_.width()), h = fft_.height();
+        const LaneComplex& mirror = in[(h - i / w) % h * w + (w - i % w) % w];
+        for (int l = 0; l < used; ++l) {
+          const int k = l % 4;
+          const float re = l < 4 ? in[i].re[k] + mirror.re[k] : in[i].im[k] + mirror.im[k],
+                      im = l < 4 ? in[i].im[k] - mirror.im[k] : mirror.re[k] - in[i].re[k];
+          power[i] += (re * re + im * im) / 4;
+        }
+      }
+    }
+  });
+  // Less the volume's mean, which is no deviation.
+  double mean = 0;
+  for (int g = 0; g < groups_; ++g)
+    for (int l = 0; l < slices_in(static_cast<std::size_t>(g)); ++l) {
+      const LaneComplex& c = space.spectra[g * fft_.count()];
+      mean += l < 4 ? c.re[l % 4] : c.im[l % 4];
+    }
+  power[0] = std::max(0.0, power[0] - mean * mean / slices_);
+  const double n = static_cast<double>(fft_.count());
+  for (double& p : power) p /= n * n * slices_;
+  return power;
+}
+
+// By Parseval's identity: bands need not be made for it.
+std::vector<double> SliceFamily::variances(const std::vector<double>& power) const {
+  std::vector<double> out(bands_.size(), 0.0);
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
+      out[b] += static_cast<double>(bands_[b].gain[i]) * bands_[b].gain[i] * power[bands_[b].source[i]];
+  return out;
 }
 
 std::vector<double> SliceFamily::deviations(const std::vector<float>& volume,
                                             const std::vector<Quantiles>& bands, Workspace& space,
                                             const Work& work) const {
-  const Work quiet = work.part(0, 0);
-  transform(volume, space, quiet);
+  transform(volume, space, work.quiet());
   std::vector<double> out;
-  for (std::size_t b = 0; b < bands_.size(); ++b) {
-    const std::size_t each = crops_[b].count();
-    const Moments all = quiet.reduce<Moments>(
-        groups_, 1, {},
-        [&](std::size_t begin, std::size_t end) {
-          Moments m;
-          std::vector<LaneComplex> scratch, band(each);
-          for (std::size_t g = begin; g < end; ++g) {
-            extract_band(bands_[b], crops_[b], &space.input[g * fft_.count()], fft_.count(), band.data(),
-                         scratch);
-            m.add(moments_of(band.data(), each, slices_in(g)));
-          }
-          return m;
-        },
-        [](Moments a, const Moments& b) {
-          a.add(b);
-          return a;
-        });
-    out.push_back(bands[b].deviation > 0 ? all.deviation() / bands[b].deviation : 1);
-  }
+  for (const double v : variances(power_of(space, work.quiet())))
+    out.push_back(bands[out.size()].deviation > 0 ? std::sqrt(v) / bands[out.size()].deviation : 1);
   return out;
+}
+
+std::vector<float> SliceFamily::gain_of(const std::vector<double>& factor) const {
+  std::vector<float> gain(fft_.count(), 0.0f);
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
+      if (bands_[b].gain[i] != 0)
+        gain[bands_[b].source[i]] += static_cast<float>(factor[b]) * bands_[b].gain[i] * bands_[b].gain[i];
+  for (float& g : gain) g = std::sqrt(g);
+  return gain;
+}
+
+void SliceFamily::filter_spectra(std::vector<float>& volume, const std::vector<float>& gain, Workspace& space,
+                                 const Work& work) const {
+  work.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+    auto& scratch = space.group.local().scratch;
+    for (std::size_t g = begin; g < end; ++g) {
+      LaneComplex* group = &space.spectra[g * fft_.count()];
+      for (std::size_t i = 0; i < fft_.count(); ++i) {
+        const float f = gain[i] / static_cast<float>(fft_.count());
+        group[i].re *= f, group[i].im *= f;
+      }
+      fft_.run(group, true, scratch);
+      const int used = slices_in(g);
+      float* to = volume.data() + g * kAtOnce * step_slice_;
+      each_pixel([&](int u, int v) {
+        const float* from = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        float* voxel = to + u * step_u_ + v * step_v_;
+        for (int i = 0; i < used; ++i) voxel[i * step_slice_] = from[i];
+      });
+    }
+  });
+}
+
+void SliceFamily::balance(std::vector<float>& volume, const std::vector<Quantiles>& bands,
+                          const std::vector<double>& aim, Workspace& space, const Work& work) const {
+  const Work quiet = work.quiet();
+  transform(volume, space, quiet);
+  const auto power = power_of(space, quiet);
+  const std::size_t n = bands_.size();
+  // Bands overlap: a factor on one is felt by its neighbours. overlap[b·n + d] is what band b has of a unit
+  // of d's factor.
+  std::vector<double> overlap(n * n);
+  quiet.parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<double> seen(power.size());
+    for (std::size_t d = begin; d < end; ++d) {
+      std::fill(seen.begin(), seen.end(), 0.0);
+      for (std::size_t i = 0; i < bands_[d].gain.size(); ++i)
+        if (bands_[d].gain[i] != 0)
+          seen[bands_[d].source[i]] =
+              static_cast<double>(bands_[d].gain[i]) * bands_[d].gain[i] * power[bands_[d].source[i]];
+      const auto of = variances(seen);
+      for (std::size_t b = 0; b < n; ++b) overlap[b * n + d] = of[b];
+    }
+  });
+  std::vector<double> factor(n, 1.0), move(n);
+  for (int round = 0; round < 40; ++round) {
+    for (std::size_t b = 0; b < n; ++b) {
+      double now = 0;
+      for (std::size_t d = 0; d < n; ++d) now += overlap[b * n + d] * factor[d];
+      const double wanted = bands[b].deviation * aim[b];
+      move[b] = wanted > 0 && now > 0 ? wanted * wanted / now : 1;
+    }
+    for (std::size_t b = 0; b < n; ++b) factor[b] = std::clamp(factor[b] * move[b], 1.0 / 16, 16.0);
+  }
+  filter_spectra(volume, gain_of(factor), space, quiet);
+}
+
+void SliceFamily::filter(std::vector<float>& volume, const std::vector<double>& factor, Workspace& space,
+                         const Work& work) const {
+  transform(volume, space, work.quiet());
+  filter_spectra(volume, gain_of(factor), space, work.quiet());
 }
 
 }  // namespace terrazzo

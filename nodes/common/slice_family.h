@@ -1,6 +1,8 @@
 // A volume seen as the stack of slices across one axis, each transformed in its plane: eight at a time.
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -13,23 +15,28 @@ namespace terrazzo {
 
 class SliceFamily {
  public:
-  // Large arrays, kept between calls: fresh memory costs as much as the transforms.
+  // Arrays kept between calls: fresh memory costs as much as the transforms.
   struct Workspace {
-    std::vector<LaneComplex> input, output, band;  // of all groups of eight slices, one after the other
+    std::vector<LaneComplex> spectra;  // of all groups of eight slices, one after the other
+    struct Group {
+      std::vector<LaneComplex> output, band, scratch;
+    };
+    tbb::enumerable_thread_specific<Group> group;  // what one thread needs for one group
   };
 
-  // Slices across `axis`, with columns and rows as in slice_axes.h.
+  // Slices across `axis`, with columns and rows as in slice_axes.h. Volumes are x fastest.
   SliceFamily(const Vec3i& size, int axis, int scales);
 
   // Gives every band of all slices together its target distribution, and adds share · (the slices put
-  // together again) to `sum`. Volumes are x fastest. Of scales beyond `last_scale` nothing is changed.
-  // `drive`, a factor per band or empty, is first moved by how much too weak the band came out of the round
-  // before, then multiplies its target: over rounds, what averaging and matching voxels take away is made
-  // good. Returns how far from 1 a band's standard deviation in `volume` over its target's lies at most, from
-  // the second round with drive on; 1 before.
-  double match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-               std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20,
-               std::vector<float>* drive = nullptr) const;
+  // together again) to `sum`. Of scales beyond `last_scale` nothing is changed.
+  void match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+             std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20) const;
+  // Filters all slices, without a shift of phase, so that every band's standard deviation becomes its
+  // target's times its entry of `aim`.
+  void balance(std::vector<float>& volume, const std::vector<Quantiles>& bands,
+               const std::vector<double>& aim, Workspace&, const Work&) const;
+  // Filters all slices by Σ_band factor · |transfer|² of each frequency, to the power of a half.
+  void filter(std::vector<float>& volume, const std::vector<double>& factor, Workspace&, const Work&) const;
   // Standard deviation of each band over all slices / its target's; 1 where that is 0.
   std::vector<double> deviations(const std::vector<float>& volume, const std::vector<Quantiles>& bands,
                                  Workspace&, const Work&) const;
@@ -43,6 +50,12 @@ class SliceFamily {
     return std::min(kAtOnce, slices_ - static_cast<int>(group) * kAtOnce);
   }
   void transform(const std::vector<float>& volume, Workspace&, const Work&) const;
+  std::vector<double> power_of(const Workspace&, const Work&) const;
+  std::vector<double> variances(const std::vector<double>& power) const;  // of each band
+  // The square root of Σ factor · |transfer|², at each frequency.
+  std::vector<float> gain_of(const std::vector<double>& factor) const;
+  void filter_spectra(std::vector<float>& volume, const std::vector<float>& gain, Workspace&,
+                      const Work&) const;
   // In the order in which the volume lies in memory.
   template <class Use>
   void each_pixel(Use&& use) const {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 
 #include "nodes/common/band_statistics.h"
 #include "nodes/common/principal_axes.h"
@@ -24,6 +25,17 @@ Mat3 covariance(const Image& image, const Work& work) {
       },
       [](const Mat3& a, const Mat3& b) -> Mat3 { return a + b; });
   return sum / static_cast<double>(image.pixels.size());
+}
+
+// Standard deviation of the values that a table gives back: of heavy tails a table keeps only nearly all.
+double table_deviation(const Quantiles& q) {
+  double first = 0, second = 0;
+  for (std::size_t i = 0; i + 1 < q.at.size(); ++i) {
+    const double a = q.at[i], b = q.at[i + 1];
+    first += (a + b) / 2, second += (a * a + a * b + b * b) / 3;
+  }
+  const double n = static_cast<double>(q.at.size() - 1);
+  return std::sqrt(std::max(0.0, second / n - first / n * (first / n)));
 }
 
 }  // namespace
@@ -66,7 +78,11 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
     // Values as wide as the bands together, or matching the one undoes matching the others.
     for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
       Quantiles& values = measured.back().values[c];
-      if (values.deviation > 0) values.widen(measured.back().deviation[c] / values.deviation);
+      const double given = table_deviation(values);
+      if (given > 0) {
+        values.widen(measured.back().deviation[c] / given);
+        values.deviation = measured.back().deviation[c];
+      }
     }
   }
   for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {

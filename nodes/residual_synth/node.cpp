@@ -142,7 +142,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType residual_synth_node() {
-  return NodeType("ResidualSynth", 4)
+  return NodeType("ResidualSynth", 5)
       .doc_(
           "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
           "binder, at the "
@@ -178,10 +178,11 @@ NodeType residual_synth_node() {
               .doc_(
                   "slices: a steerable pyramid on all slices across each axis, matched to the photograph's. "
                   "radial: bands of the volume itself, as in 2004, for comparison: slices come out wrong"))
-      .parameter(Parameter::integer("rounds", 8)
+      .parameter(Parameter::integer("rounds", 2)
                      .range(0, 100)
-                     .doc_("Of matching at most: slices ends a colour axis once no band is further than 4 % "
-                           "off. 0 leaves Gaussian noise of the photograph's spectrum and values"))
+                     .doc_("Of giving all bands the photograph's distributions; each is followed by filters "
+                           "for their deviations. 0 leaves Gaussian noise of the photograph's spectrum and "
+                           "values"))
       .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
           "Pixels to each side of outlines that are filled from beyond instead of used"))
       .parameter(Parameter::number("specks", 6)

@@ -1,10 +1,7 @@
 #include "nodes/residual_synth/start_field.h"
 
-#include <kissfft/kiss_fftnd.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "nodes/common/slice_axes.h"
@@ -91,48 +88,20 @@ PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands
   return factor;
 }
 
-std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size, int scales, std::uint64_t seed,
-                               std::uint64_t stream, const Work& work) {
-  const auto names = band_names(scales);
-  // Square roots of the factors of the spectrum, on each axis' plane of frequencies.
-  std::array<std::vector<float>, 3> plane;
-  for (int a = 0; a < 3; ++a) {
-    const int nu = size[kSliceColumns[a]], nv = size[kSliceRows[a]];
-    for (int v = 0; v < nv; ++v)
-      for (int u = 0; u < nu; ++u) {
-        const double ku = 2 * kPi * (2 * u < nu ? u : u - nu) / nu,
-                     kv = 2 * kPi * (2 * v < nv ? v : v - nv) / nv;
-        double g = 0;
-        for (std::size_t b = 0; b < names.size(); ++b) {
-          const double h = band_gain(names[b].scale, names[b].orientation, scales, ku, kv);
-          g += factor[a][b] * h * h;
-        }
-        plane[a].push_back(static_cast<float>(std::sqrt(g)));
-      }
-  }
-  const std::size_t n = static_cast<std::size_t>(size.x()) * size.y() * size.z();
-  std::vector<kiss_fft_cpx> spectrum(n), field(n);
-  work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t z = begin; z < end; ++z)
-      for (int y = 0; y < size.y(); ++y)
-        for (int x = 0; x < size.x(); ++x) {
-          const std::size_t i = (z * size.y() + y) * size.x() + x;
-          const float amplitude = plane[0][z * size.y() + y] * plane[1][z * size.x() + x] *
-                                  plane[2][static_cast<std::size_t>(y) * size.x() + x];
-          Random random(seed, stream, i);
-          // Uniform noise of unit variance: sums of thousands of terms are Gaussian whatever the terms are.
-          spectrum[i].r = amplitude * static_cast<float>(random.uniform(-1, 1) * std::numbers::sqrt3);
-          spectrum[i].i = amplitude * static_cast<float>(random.uniform(-1, 1) * std::numbers::sqrt3);
-        }
+std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size,
+                               const std::vector<SliceFamily>& families, SliceFamily::Workspace& space,
+                               std::uint64_t seed, std::uint64_t stream, const Work& work) {
+  std::vector<float> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
+  work.parallel(out.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      // The sum of four uniform numbers is as good as Gaussian; variance 1.
+      const std::uint64_t bits = Random(seed, stream, i).bits();
+      const auto sum =
+          static_cast<float>((bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48));
+      out[i] = (sum - 131070.0f) * (std::numbers::sqrt3_v<float> / 65536);
+    }
   });
-  spectrum[0] = {0, 0};
-  const int dims[3] = {size.z(), size.y(), size.x()};
-  const std::unique_ptr<kiss_fftnd_state, void (*)(void*)> plan(
-      kiss_fftnd_alloc(dims, 3, 1, nullptr, nullptr), std::free);
-  kiss_fftnd(plan.get(), spectrum.data(), field.data());
-  const float norm = 1 / std::sqrt(static_cast<float>(n));
-  std::vector<float> out(n);
-  for (std::size_t i = 0; i < n; ++i) out[i] = field[i].r * norm;
+  for (int a = 0; a < 3; ++a) families[static_cast<std::size_t>(a)].filter(out, factor[a], space, work);
   return out;
 }
 

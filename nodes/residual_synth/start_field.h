@@ -7,6 +7,7 @@
 
 #include "nodes/common/linear.h"
 #include "nodes/common/quantiles.h"
+#include "nodes/common/slice_family.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
@@ -20,8 +21,9 @@ using PowerFactors = std::array<std::vector<double>, 3>;
 // alone would not do.
 PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands, int scales);
 
-// A periodic field of that spectrum, mean 0, x fastest.
-std::vector<float> start_field(const PowerFactors&, const Vec3i& size, int scales, std::uint64_t seed,
-                               std::uint64_t stream, const Work&);
+// A periodic field of that spectrum, x fastest, its mean near 0. `families` of the slices across x, y and z.
+std::vector<float> start_field(const PowerFactors&, const Vec3i& size,
+                               const std::vector<SliceFamily>& families, SliceFamily::Workspace&,
+                               std::uint64_t seed, std::uint64_t stream, const Work&);
 
 }  // namespace terrazzo

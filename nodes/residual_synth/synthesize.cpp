@@ -10,8 +10,63 @@
 namespace terrazzo {
 namespace {
 
-// Bands this near to the picture's are left as they are.
-constexpr double kNear = 0.04;
+constexpr double kNear = 0.035;  // bands this near to the picture's are near enough
+constexpr int kSweeps = 12;      // two or three do, but for sizes of few coefficients
+
+// One colour axis.
+class Channel {
+ public:
+  Channel(const Exemplar& exemplar, int channel, const std::vector<SliceFamily>& families,
+          SliceFamily::Workspace& space)
+      : exemplar_(exemplar), channel_(channel), families_(families), space_(space) {}
+
+  std::vector<float> start(const Vec3i& size, std::uint64_t seed, const Work& work) const {
+    return start_field(fit_power({&wanted(0), &wanted(1), &wanted(2)}, exemplar_.scales), size, families_,
+                       space_, seed, 0x5e + static_cast<std::uint64_t>(channel_), work);
+  }
+
+  // The bands of all slices get the picture's distributions. What the three axes want changed is added up: a
+  // mean of the three would take more than twice the rounds.
+  void match(std::vector<float>& volume, std::vector<float>& sum, const Work& work) const {
+    work.parallel(volume.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) sum[i] = -2 * volume[i];
+    });
+    for (int axis = 0; axis < 3; ++axis)
+      families_[static_cast<std::size_t>(axis)].match(volume, wanted(axis), 1, sum, space_,
+                                                      work.part(axis / 3.0, (axis + 1) / 3.0));
+    volume.swap(sum);
+  }
+
+  // Brings the bands' deviations near the picture's, in at most `sweeps` filters of the slices across each
+  // axis, and gives the voxels the picture's values. What that takes from a band is added to what the next
+  // sweep aims at.
+  void balance(std::vector<float>& volume, int sweeps, const Work& work) const {
+    std::array<std::vector<double>, 3> aim;
+    for (int axis = 0; axis < 3; ++axis) aim[axis].assign(wanted(axis).size(), 1.0);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      double furthest = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto now = families_[axis].deviations(volume, wanted(axis), space_, work);
+        for (std::size_t b = 0; b < now.size(); ++b) {
+          furthest = std::max(furthest, std::abs(now[b] - 1));
+          if (sweep > 0) aim[axis][b] = std::clamp(aim[axis][b] / std::max(now[b], 0.1), 0.25, 4.0);
+        }
+      }
+      if (furthest < kNear) return;
+      for (int axis = 0; axis < 3; ++axis)
+        families_[axis].balance(volume, wanted(axis), aim[axis], space_, work);
+      match_values(volume, exemplar_.values[static_cast<std::size_t>(channel_)], work);
+    }
+  }
+
+ private:
+  const std::vector<Quantiles>& wanted(int axis) const { return exemplar_.wanted(axis, channel_); }
+
+  const Exemplar& exemplar_;
+  int channel_;
+  const std::vector<SliceFamily>& families_;
+  SliceFamily::Workspace& space_;
+};
 
 }  // namespace
 
@@ -25,31 +80,22 @@ std::vector<Vec3f> synthesize_residual(const Exemplar& exemplar, const Vec3i& si
   SliceFamily::Workspace space;
   std::vector<float> sum(n);
   for (int c = 0; c < exemplar.channels; ++c) {
-    const Work channel = work.part(double(c) / exemplar.channels, double(c + 1) / exemplar.channels);
-    const Work quiet = channel.part(0, 0);
-    std::vector<float> volume = start_field(
-        fit_power({&exemplar.wanted(0, c), &exemplar.wanted(1, c), &exemplar.wanted(2, c)}, exemplar.scales),
-        size, exemplar.scales, seed, 0x5e + c, quiet);
-    match_values(volume, exemplar.values[c], quiet);
-    std::array<std::vector<float>, 3> drive;
+    const Work part = work.part(double(c) / exemplar.channels, double(c + 1) / exemplar.channels);
+    const Work quiet = part.quiet();
+    const Channel channel(exemplar, c, families, space);
+    std::vector<float> volume = channel.start(size, seed, quiet);
     for (int round = 0; round < rounds; ++round) {
-      std::fill(sum.begin(), sum.end(), 0.0f);
-      double furthest = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double at = (round * 3 + axis) / (3.0 * rounds);
-        furthest = std::max(
-            furthest, families[axis].match(volume, exemplar.wanted(axis, c), 1.0f / 3, sum, space,
-                                           channel.part(at, at + 1 / (3.0 * rounds)), 1 << 20, &drive[axis]));
-      }
-      if (furthest < kNear) break;  // of the volume as it was before this round
-      volume.swap(sum);
-      match_values(volume, exemplar.values[c], quiet);
+      channel.match(volume, sum, part.part(double(round) / rounds, (round + 1.0) / rounds));
+      channel.balance(volume, round + 1 < rounds ? 1 : kSweeps, quiet);
     }
+    if (rounds == 0) match_values(volume, exemplar.values[c], quiet);
     double mean = 0;
     for (const float v : volume) mean += v;
     mean /= static_cast<double>(n);
     const Vec3f axis = exemplar.axes.col(c).cast<float>();
-    for (std::size_t i = 0; i < n; ++i) out[i] += (volume[i] - static_cast<float>(mean)) * axis;
+    quiet.parallel(n, 1 << 15, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) out[i] += (volume[i] - static_cast<float>(mean)) * axis;
+    });
   }
   return out;
 }
@@ -61,10 +107,12 @@ std::vector<double> slice_deviations(const Exemplar& exemplar, const Vec3i& size
   std::vector<float> channel(voxels.size());
   for (int c = 0; c < exemplar.channels; ++c) {
     const Vec3f colour_axis = exemplar.axes.col(c).cast<float>();
-    for (std::size_t i = 0; i < voxels.size(); ++i) channel[i] = colour_axis.dot(voxels[i]);
+    work.quiet().parallel(voxels.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) channel[i] = colour_axis.dot(voxels[i]);
+    });
     for (int axis = 0; axis < 3; ++axis) {
       const SliceFamily family(size, axis, exemplar.scales);
-      const auto deviations = family.deviations(channel, exemplar.wanted(axis, c), space, work.part(0, 0));
+      const auto deviations = family.deviations(channel, exemplar.wanted(axis, c), space, work.quiet());
       for (std::size_t b = 0; b < deviations.size(); ++b) {
         double& w = worst[static_cast<std::size_t>(family.bands()[b].scale)];
         if (std::abs(deviations[b] - 1) > std::abs(w - 1)) w = deviations[b];

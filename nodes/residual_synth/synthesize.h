@@ -8,10 +8,11 @@
 
 namespace terrazzo {
 
-// A tileable volume of colour offsets with mean 0, x fastest: from noise of the exemplar's values, at most
-// `rounds` times: on all slices of each axis every pyramid band gets the exemplar's distribution; the three
-// results are averaged; voxels get the exemplar's values. Matching 3D bands to 2D ones instead would leave
-// slices with wrong bands, since a slice projects frequencies across it into its plane. Heeger, Bergen 1995.
+// A tileable volume of colour offsets with mean 0, x fastest: from noise of the exemplar's spectrum, `rounds`
+// times: on all slices of each axis every pyramid band gets the exemplar's distribution, the changes of the
+// three axes are added up, filters bring the bands' deviations back to the exemplar's, and voxels get its
+// values. Matching 3D bands to 2D ones instead would leave slices with wrong bands, since a slice projects
+// frequencies across it into its plane. Heeger, Bergen 1995.
 std::vector<Vec3f> synthesize_residual(const Exemplar&, const Vec3i& size, int rounds, std::uint64_t seed,
                                        const Work& = {});
 

@@ -150,6 +150,14 @@ TEST(ResidualSynth, SlicesLookLikeThePhotographToEveryBand) {
   EXPECT_DOUBLE_EQ(r.output<Volume>("volume").grids[0]->voxelSize()[0], 0.05);
 }
 
+TEST(ResidualSynth, SmallSolidsHaveThePhotographsBandsToo) {
+  for (const char* size : {"32", "[40, 32, 48]"}) {
+    const auto r = run(discs(256, 224, 0.05), {{"size", size}});
+    for (const char* band : {"band_high", "band_1", "band_2", "band_3", "band_low"})
+      EXPECT_NEAR(r.metrics.at(band), 1, 0.05) << size << ' ' << band;
+  }
+}
+
 TEST(ResidualSynth, BandsOfTheVolumeGiveSlicesTheWrongOnes) {
   const Picture p = discs(256, 224, 0.05);
   const auto r = run(p, {{"size", "48"}, {"method", "radial"}});
@@ -173,7 +181,7 @@ Image leaning(int n, bool stripes) {
 TEST(ResidualSynth, EachAxisGetsItsOwnPicture) {
   const auto with = [&](const char* port) {
     const std::multimap<std::string, Value> inputs = {{"image", Value::of(leaning(96, false))},
-                                           {port, Value::of(leaning(96, true))}};
+                                                      {port, Value::of(leaning(96, true))}};
     return voxels_of(test::run_node("ResidualSynth", inputs, {{"size", "32"}}));
   };
   // Slices across y have columns along x, across z along x, too; rows along z and y, upwards: in the picture
