@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/slice_axes.h"
 
@@ -51,6 +52,40 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
   });
 }
 
+// Values become what the map makes of them, but for the change's detail across the slices, of which no more
+// is kept than the band itself may have within them.
+void SliceFamily::change_coarse(const Band& band, const Remap& remap, std::vector<LaneComplex>& values,
+                                const Work& work) const {
+  // A Gaussian of half its height at the band's upper edge.
+  const double sigma = std::sqrt(2 * std::numbers::ln2) / upper_edge(band.scale);
+  const int reach = static_cast<int>(std::ceil(2.5 * sigma));
+  std::vector<float> kernel;
+  float all = 0;
+  for (int k = -reach; k <= reach; ++k)
+    all += kernel.emplace_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma * sigma))));
+  for (float& k : kernel) k /= all;
+  const std::size_t each = values.size() / groups_;
+  const int n = slices_;
+  work.parallel(each, 64, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> line(n), wide(n + 2 * reach);
+    for (std::size_t i = begin; i < end; ++i) {
+      for (int s = 0; s < n; ++s) line[s] = lanes(values[s / kAtOnce * each + i])[s % kAtOnce];
+      for (int s = 0; s < n; ++s) wide[reach + s] = line[s];
+      remap.apply(&wide[reach], n);
+      for (int s = 0; s < n; ++s) wide[reach + s] -= line[s];
+      for (int s = 0; s < reach; ++s) {
+        wide[reach - 1 - s] = wide[reach + n - 1 - s % n];
+        wide[reach + n + s] = wide[reach + s % n];
+      }
+      for (int s = 0; s < n; ++s) {
+        float sum = line[s];
+        for (int k = 0; k <= 2 * reach; ++k) sum += kernel[k] * wide[s + k];
+        lanes(values[s / kAtOnce * each + i])[s % kAtOnce] = sum;
+      }
+    }
+  });
+}
+
 void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
                         std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
   const Work quiet = work.quiet();
@@ -64,12 +99,12 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
         if (bands_[b].gain[i] != 0) rest[bands_[b].source[i]] += bands_[b].gain[i] * bands_[b].gain[i];
   }
-  // How values lie now is counted beforehand, on a part of the slices where a band has as many values as the
-  // slices have: all bands of a group can then be put together while it is in the cache.
-  const auto counted = [&](std::size_t group, std::size_t band) {
-    return bands_[band].scale <= last_scale &&
-           (crops_[band].count() < fft_.count() || groups_ < 8 || group % 4 == 1);
-  };
+  // How values lie now is counted beforehand, of bands as large as the slices on a part of the slices: all
+  // bands of a group can then be put together while it is in the cache.
+  const auto is_coarse = [&](std::size_t band) { return crops_[band].count() < fft_.count(); };
+  space.coarse.resize(bands_.size());
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    if (is_coarse(b) && bands_[b].scale <= last_scale) space.coarse[b].resize(crops_[b].count() * groups_);
   std::vector<std::vector<Remap::Counts>> counts(groups_);
   work.part(0, 0.2).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
     auto& local = space.group.local();
@@ -77,11 +112,12 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
     for (std::size_t g = begin; g < end; ++g) {
       counts[g].resize(bands_.size());
       for (std::size_t b = 0; b < bands_.size(); ++b) {
-        if (!counted(g, b)) continue;
-        extract_band(bands_[b], crops_[b], &space.spectra[g * fft_.count()], fft_.count(), local.band.data(),
+        if (bands_[b].scale > last_scale || !(is_coarse(b) || groups_ < 8 || g % 4 == 1)) continue;
+        LaneComplex* band = is_coarse(b) ? &space.coarse[b][g * crops_[b].count()] : local.band.data();
+        extract_band(bands_[b], crops_[b], &space.spectra[g * fft_.count()], fft_.count(), band,
                      local.scratch);
         counts[g][b].assign(Remap::kBins, 0);
-        count_group(remap[b], local.band.data(), crops_[b].count(), slices_in(g), counts[g][b]);
+        count_group(remap[b], band, crops_[b].count(), slices_in(g), counts[g][b]);
       }
     }
   });
@@ -94,6 +130,9 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       remap[b].finish(all);
     }
   });
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    if (is_coarse(b) && bands_[b].scale <= last_scale)
+      change_coarse(bands_[b], remap[b], space.coarse[b], quiet);
   const float norm = share / static_cast<float>(fft_.count());
   work.part(0.2, 1).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
     auto& local = space.group.local();
@@ -105,9 +144,14 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
         output[i].re = in[i].re * rest[i], output[i].im = in[i].im * rest[i];
       for (std::size_t b = 0; b < bands_.size(); ++b) {
         if (bands_[b].scale > last_scale) continue;
-        extract_band(bands_[b], crops_[b], in, fft_.count(), local.band.data(), local.scratch);
-        remap[b].apply(lanes(local.band[0]), crops_[b].count() * kAtOnce);
-        add_band(bands_[b], crops_[b], local.band.data(), fft_.count(), output, local.scratch);
+        LaneComplex* band = local.band.data();
+        if (is_coarse(b)) {
+          band = &space.coarse[b][g * crops_[b].count()];
+        } else {
+          extract_band(bands_[b], crops_[b], in, fft_.count(), band, local.scratch);
+          remap[b].apply(lanes(*band), crops_[b].count() * kAtOnce);
+        }
+        add_band(bands_[b], crops_[b], band, fft_.count(), output, local.scratch);
       }
       fft_.run(output, true, local.scratch);
       const int used = slices_in(g);

@@ -17,7 +17,8 @@ class SliceFamily {
  public:
   // Arrays kept between calls: fresh memory costs as much as the transforms.
   struct Workspace {
-    std::vector<LaneComplex> spectra;  // of all groups of eight slices, one after the other
+    std::vector<LaneComplex> spectra;              // of all groups of eight slices, one after the other
+    std::vector<std::vector<LaneComplex>> coarse;  // likewise of each band on a smaller grid than the slices'
     struct Group {
       std::vector<LaneComplex> output, band, scratch;
     };
@@ -28,7 +29,9 @@ class SliceFamily {
   SliceFamily(const Vec3i& size, int axis, int scales);
 
   // Gives every band of all slices together its target distribution, and adds share · (the slices put
-  // together again) to `sum`. Of scales beyond `last_scale` nothing is changed.
+  // together again) to `sum`. Of scales beyond `last_scale` nothing is changed. Changes of coarse bands are
+  // smoothed across the slices as far as the band is coarse: slices that change one by one would show as
+  // streaks across all others.
   void match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
              std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20) const;
   // Filters all slices, without a shift of phase, so that every band's standard deviation becomes its
@@ -50,6 +53,7 @@ class SliceFamily {
     return std::min(kAtOnce, slices_ - static_cast<int>(group) * kAtOnce);
   }
   void transform(const std::vector<float>& volume, Workspace&, const Work&) const;
+  void change_coarse(const Band&, const Remap&, std::vector<LaneComplex>& values, const Work&) const;
   std::vector<double> power_of(const Workspace&, const Work&) const;
   std::vector<double> variances(const std::vector<double>& power) const;  // of each band
   // The square root of Σ factor · |transfer|², at each frequency.

@@ -26,9 +26,6 @@ int cropped(int n, double edge) {
   return std::min(n, fast_even_size_above(static_cast<int>(std::ceil(n * edge / kPi))));
 }
 
-// Of a scale: π at scale 1, an octave lower at each further one.
-double upper_edge(int scale) { return scale == 0 ? 4 * kPi : kPi / (1 << (scale - 1)); }
-
 int signed_frequency(int i, int n) { return 2 * i < n ? i : i - n; }
 
 }  // namespace
@@ -38,6 +35,8 @@ int pyramid_scales(int smallest_side, int most) {
   while (scales < most && smallest_side >> (scales + 1) >= 4) ++scales;
   return scales;
 }
+
+double upper_edge(int scale) { return scale == 0 ? 4 * kPi : kPi / (1 << (scale - 1)); }
 
 double radial_gain(int scale, int scales, double r) {
   const double top = upper_edge(scale);

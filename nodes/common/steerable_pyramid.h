@@ -22,6 +22,8 @@ struct Band {
 // frequency, an octave wide; four orientations by cos³. Frequencies are cycles per pixel, so bands mean the
 // same for pictures of any size. With orientations = 1 bands are even and take in all directions.
 std::vector<Band> pyramid_bands(int width, int height, int scales, int orientations = 4);
+// Radians per pixel from which on a scale's transfer is 0: π at scale 1, an octave lower at each further one.
+double upper_edge(int scale);
 // The radial window of a scale, at r radians per pixel.
 double radial_gain(int scale, int scales, double r);
 // Transfer of a band at a frequency in radians per pixel, less the factor i of odd bands.
