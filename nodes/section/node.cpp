@@ -81,7 +81,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType section_node() {
-  return NodeType("Section", 1)
+  return NodeType("Section", 2)
       .doc_(
           "Cuts a packing, or a volume, with planes: picture, labels and exact profiles. Planes across an "
           "axis show one "
@@ -104,9 +104,9 @@ NodeType section_node() {
       .parameter(Parameter::integer("planes", 1)
                      .range(1, 100000)
                      .doc_("Number of planes; where offsets are given, theirs."))
-      .parameter(
-          Parameter::choice("axis", "z", {"x", "y", "z", "random"})
-              .doc_("The axis that the planes cross at a right angle, or random: any orientation and place."))
+      .parameter(Parameter::choice("axis", "z", {"x", "y", "z", "random"})
+                     .doc_("The axis that the planes cross at a right angle: x shows y to the right and z "
+                           "up, y shows x and z, z shows x and y. random: any orientation and place."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
                      .unit_("mm")
                      .range(0, 1e9)

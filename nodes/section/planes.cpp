@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/slice_axes.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -59,7 +60,8 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
       layout.planes.push_back(plane);
     }
   } else {
-    const int u = choice.axis[0] - 'x', a = (u + 1) % 3, b = (u + 2) % 3;
+    const int u = choice.axis[0] - 'x';
+    const int a = kSliceColumns[static_cast<std::size_t>(u)], b = kSliceRows[static_cast<std::size_t>(u)];
     layout.width = box[a], layout.height = box[b], layout.tile = periodic;
     const auto given = choice.offsets.size();
     if (given > 1 && choice.planes > 1 && given != static_cast<std::size_t>(choice.planes))
@@ -70,7 +72,7 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
     for (std::size_t i = 0; i < n; ++i) {
       SectionPlane plane;
       plane.frame.col(0) = Vec3::Unit(a), plane.frame.col(1) = Vec3::Unit(b),
-      plane.frame.col(2) = Vec3::Unit(u);
+      plane.frame.col(2) = plane.frame.col(0).cross(plane.frame.col(1));
       const double offset =
           given ? choice.offsets[i] : (static_cast<double>(i) + 0.5) * box[u] / static_cast<double>(n);
       if (!(offset >= 0 && offset <= box[u]))

@@ -37,10 +37,11 @@ struct SectionChoice {
 };
 
 // Windows through a box with one corner at the origin (edges in mm). Axis windows are faces of the box, seen
-// along the axis with x, y, z in cyclic order: z shows x to the right and y up. Random ones are isotropic
-// uniform random: any orientation alike, centred anywhere in the box alike. A given pixel size is rounded so
-// that whole pixels fill the width; the default, `default_pixel_size`, grows where the stack would exceed 64
-// megapixels. Throws Error "bad-offset", "offsets-at-random", "planes-and-offsets", "too-many-pixels".
+// as in slice_axes.h: x shows y to the right and z up, y shows x and z, z shows x and y, so that a section of
+// a solid texture looks like the exemplar for its axis. Random ones are isotropic uniform random: any
+// orientation alike, centred anywhere in the box alike. A given pixel size is rounded so that whole pixels
+// fill the width; the default, `default_pixel_size`, grows where the stack would exceed 64 megapixels. Throws
+// Error "bad-offset", "offsets-at-random", "planes-and-offsets", "too-many-pixels".
 SectionLayout choose_planes(const SectionChoice&, const Vec3& box, bool periodic, double default_pixel_size);
 
 }  // namespace terrazzo

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "nodes/common/slice_axes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -56,6 +57,19 @@ TEST(SectionOfVolume, ReadsVoxelsAtTheirCentres) {
   EXPECT_NEAR(s.profiles.profiles[0].centroid.x(), 4 * voxel, 1e-12);
   EXPECT_NEAR(s.profiles.profiles[0].centroid.y(), 5 * voxel, 1e-12);
   EXPECT_NEAR(s.profiles.area_fraction, 24.0 / (n * n), 1e-12);
+}
+
+TEST(SectionOfVolume, AxesAreSeenAsExemplarsOfSolidTexturesAre) {
+  const Volume v = block_volume({2, 2, 2});
+  for (int a = 0; a < 3; ++a) {
+    const VolumeSection s = cut(v, std::string(1, "xyz"[a]), 3.5 * voxel, voxel);
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        Vec3f at;
+        at[a] = 3, at[kSliceColumns[a]] = static_cast<float>(x), at[kSliceRows[a]] = static_cast<float>(y);
+        ASSERT_LT((s.image.at(x, n - 1 - y) - at).norm(), 1e-5) << a;
+      }
+  }
 }
 
 TEST(SectionOfVolume, InterpolatesBetweenVoxelsAndAcrossThePeriod) {
