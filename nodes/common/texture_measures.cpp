@@ -13,20 +13,12 @@ namespace {
 constexpr int kSide = 7, kScales = 3, kDirections = 48;
 constexpr std::size_t kPatches = 2048;  // of each scale
 
-// Oklab colours and which of them belong to the part.
-struct PatchPicture {
-  int width = 0, height = 0;
-  std::vector<Vec3f> pixels;
-  std::vector<std::uint8_t> inside;
-};
-
 PatchPicture picture_of(const TexturePart& part) {
   PatchPicture p;
   p.width = part.image->width, p.height = part.image->height;
   const auto n = static_cast<std::size_t>(p.width) * p.height;
   for (std::size_t i = 0; i < n; ++i) p.pixels.push_back(linear_to_oklab(part.image->pixels[i]));
   p.inside = part.mask;
-  if (p.inside.empty()) p.inside.assign(n, 1);
   return p;
 }
 
@@ -37,7 +29,8 @@ PatchPicture halved(const PatchPicture& in) {
     for (int x = 0; x < out.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(2 * y) * in.width + 2 * x, below = i + in.width;
       out.pixels.push_back((in.pixels[i] + in.pixels[i + 1] + in.pixels[below] + in.pixels[below + 1]) / 4);
-      out.inside.push_back(in.inside[i] && in.inside[i + 1] && in.inside[below] && in.inside[below + 1]);
+      if (!in.inside.empty())
+        out.inside.push_back(in.inside[i] && in.inside[i + 1] && in.inside[below] && in.inside[below + 1]);
     }
   return out;
 }
@@ -49,8 +42,9 @@ std::vector<std::size_t> corners_of(const PatchPicture& p) {
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x)
       sum[static_cast<std::size_t>(y + 1) * w + x + 1] =
-          p.inside[static_cast<std::size_t>(y) * p.width + x] + sum[static_cast<std::size_t>(y) * w + x + 1] +
-          sum[static_cast<std::size_t>(y + 1) * w + x] - sum[static_cast<std::size_t>(y) * w + x];
+          (p.inside.empty() || p.inside[static_cast<std::size_t>(y) * p.width + x]) +
+          sum[static_cast<std::size_t>(y) * w + x + 1] + sum[static_cast<std::size_t>(y + 1) * w + x] -
+          sum[static_cast<std::size_t>(y) * w + x];
   std::vector<std::size_t> out;
   for (int y = 0; y + kSide <= p.height; ++y)
     for (int x = 0; x + kSide <= p.width; ++x)
@@ -63,8 +57,15 @@ std::vector<std::size_t> corners_of(const PatchPicture& p) {
 }
 
 // Sorted projections of patches on random directions, those of one direction together. Empty where none fits.
-std::vector<std::vector<float>> project(const PatchPicture& p, std::uint64_t draw, const Work& work) {
-  const auto corners = corners_of(p);
+std::vector<std::vector<float>> project(const std::vector<PatchPicture>& pictures, std::uint64_t draw,
+                                        const Work& work) {
+  struct Corner {
+    const PatchPicture* picture;
+    std::size_t at;
+  };
+  std::vector<Corner> corners;
+  for (const PatchPicture& p : pictures)
+    for (const std::size_t at : corners_of(p)) corners.push_back({&p, at});
   if (corners.empty()) return {};
   constexpr int n = kSide * kSide;
   std::vector<std::vector<float>> out(kDirections);
@@ -82,11 +83,13 @@ std::vector<std::vector<float>> project(const PatchPicture& p, std::uint64_t dra
       for (std::size_t i = 0; i < kPatches; ++i) {
         // Stratified: patches are spread evenly however few there are.
         const std::size_t lo = i * corners.size() / kPatches, hi = (i + 1) * corners.size() / kPatches;
-        const std::size_t corner = corners[hi > lo ? lo + Random(7, 2 + draw, i).below(hi - lo) : lo];
+        const Corner& corner = corners[hi > lo ? lo + Random(7, 2 + draw, i).below(hi - lo) : lo];
+        const PatchPicture& p = *corner.picture;
         float sum = 0;
         for (int v = 0; v < kSide; ++v)
           for (int u = 0; u < kSide; ++u)
-            sum += p.pixels[corner + static_cast<std::size_t>(v) * p.width + u].dot(direction[v * kSide + u]);
+            sum +=
+                p.pixels[corner.at + static_cast<std::size_t>(v) * p.width + u].dot(direction[v * kSide + u]);
         out[d].push_back(sum * unit);
       }
       std::sort(out[d].begin(), out[d].end());
@@ -104,7 +107,7 @@ double histogram_distance(const TexturePart& a, const TexturePart& b) {
     const auto values = [&](const PatchPicture& p) {
       std::vector<float> v;
       for (std::size_t i = 0; i < p.pixels.size(); ++i)
-        if (p.inside[i]) v.push_back(p.pixels[i][k]);
+        if (p.inside.empty() || p.inside[i]) v.push_back(p.pixels[i][k]);
       return v;
     };
     const auto va = values(pa), vb = values(pb);
@@ -117,12 +120,12 @@ double histogram_distance(const TexturePart& a, const TexturePart& b) {
   return sum;
 }
 
-double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t draw, const Work& work) {
-  PatchPicture pa = picture_of(a), pb = picture_of(b);
+double patch_distance(std::vector<PatchPicture> a, std::vector<PatchPicture> b, std::uint64_t draw,
+                      const Work& work) {
   double sum = 0;
   int scales = 0;
   for (int s = 0; s < kScales; ++s) {
-    const auto qa = project(pa, 2 * draw, work.quiet()), qb = project(pb, 2 * draw + 1, work.quiet());
+    const auto qa = project(a, 2 * draw, work.quiet()), qb = project(b, 2 * draw + 1, work.quiet());
     if (qa.empty() || qb.empty()) break;
     double square = 0;
     for (int d = 0; d < kDirections; ++d)
@@ -131,9 +134,14 @@ double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t 
         square += e * e;
       }
     sum += square / (kDirections * static_cast<double>(kPatches)), ++scales;
-    pa = halved(pa), pb = halved(pb);
+    for (auto& p : a) p = halved(p);
+    for (auto& p : b) p = halved(p);
   }
   return scales > 0 ? std::sqrt(sum / scales) : -1;
+}
+
+double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t draw, const Work& work) {
+  return patch_distance({picture_of(a)}, {picture_of(b)}, draw, work);
 }
 
 double patch_distance_floor(const Image& image, const Work& work) {

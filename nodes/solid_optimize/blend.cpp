@@ -51,6 +51,37 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
                                  static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)])) *
                                 static_cast<std::size_t>(f.columns);
         const auto down = static_cast<std::uint32_t>(cv.offset[static_cast<std::size_t>(b)] * e.width);
+        const float inner = kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
+        if (cu.even) {  // four patches in a row, at once
+          const std::size_t patch = row + static_cast<std::size_t>(cu.patch[0]);
+          const auto* at4 = reinterpret_cast<const FourInts*>(&f.at[patch]);
+          const FourInts source = *at4 + *reinterpret_cast<const FourInts*>(cu.offset.data()) + down;
+          const Four inner_u = {
+              kInner[static_cast<std::size_t>(cu.offset[0])], kInner[static_cast<std::size_t>(cu.offset[1])],
+              kInner[static_cast<std::size_t>(cu.offset[2])], kInner[static_cast<std::size_t>(cu.offset[3])]};
+          const Four w = *reinterpret_cast<const Four*>(&f.weight[patch]) * inner_u * inner;
+          *reinterpret_cast<Four*>(weight + n) = w;
+          total += (w[0] + w[1]) + (w[2] + w[3]);
+          const auto load = [&](int k) __attribute__((always_inline)) {
+            return *reinterpret_cast<const Four*>(&e.texels[4 * static_cast<std::size_t>(source[k])]);
+          };
+          const Four t0 = load(0), t1 = load(1), t2 = load(2), t3 = load(3);
+          const Four lo01 = __builtin_shufflevector(t0, t1, 0, 4, 1, 5),
+                     lo23 = __builtin_shufflevector(t2, t3, 0, 4, 1, 5);
+          *reinterpret_cast<Four*>(value[0] + n) = __builtin_shufflevector(lo01, lo23, 0, 1, 4, 5);
+          if constexpr (C > 1)
+            *reinterpret_cast<Four*>(value[1] + n) = __builtin_shufflevector(lo01, lo23, 2, 3, 6, 7);
+          if constexpr (C > 2) {
+            const Four hi01 = __builtin_shufflevector(t0, t1, 2, 6, 3, 7),
+                       hi23 = __builtin_shufflevector(t2, t3, 2, 6, 3, 7);
+            *reinterpret_cast<Four*>(value[2] + n) = __builtin_shufflevector(hi01, hi23, 0, 1, 4, 5);
+          }
+          if (t.sources)
+            for (int k = 0; k < 4; ++k)
+              texel[n + k] = source[k], from[n + k] = static_cast<std::uint8_t>(f.exemplar);
+          n += 4;
+          continue;
+        }
         for (int a = 0; a < cu.count; ++a, ++n) {
           const std::size_t patch = row + static_cast<std::size_t>(cu.patch[static_cast<std::size_t>(a)]);
           const std::uint32_t source =
@@ -58,9 +89,7 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
           for (int c = 0; c < C; ++c)
             value[c][n] = e.texels[4 * static_cast<std::size_t>(source) + static_cast<std::size_t>(c)];
           weight[n] = f.weight[patch] *
-                      kInner[static_cast<std::size_t>(cu.offset[static_cast<std::size_t>(a)])] *
-                      kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
-
+                      kInner[static_cast<std::size_t>(cu.offset[static_cast<std::size_t>(a)])] * inner;
           total += weight[n];
           texel[n] = source, from[n] = static_cast<std::uint8_t>(f.exemplar);
         }

@@ -11,6 +11,7 @@ namespace terrazzo::solid_optimize {
 // The patches over a coordinate, along one axis: their number there, and how far in the coordinate lies.
 struct PatchCover {
   int count = 0;
+  bool even = false;                     // four patches, one after the other
   std::array<int, 5> patch{}, offset{};  // 4 where the size is even; the wrap of an odd one may have 5
 };
 constexpr int kMostCovering = 80;  // 3 planes of 5 × 5, rounded up to whole vectors
@@ -23,6 +24,7 @@ inline std::vector<PatchCover> patch_covers(int size) {
       if (c.count == 5) continue;
       c.patch[static_cast<std::size_t>(c.count)] = p, c.offset[static_cast<std::size_t>(c.count++)] = o;
     }
+  for (PatchCover& c : out) c.even = c.count == 4 && c.patch[3] - c.patch[0] == 3;
   return out;
 }
 

@@ -6,18 +6,12 @@
 #include "nodes/common/band_statistics.h"
 #include "nodes/common/slice_family.h"
 #include "nodes/common/steerable_pyramid.h"
-#include "runtime/random.h"
+#include "nodes/common/texture_measures.h"
 
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr int kSide = 7, kScales = 3, kDirections = 48;
-constexpr std::size_t kPatches = 2048;  // of each scale
-
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<Vec3f> pixels;
-};
+using Picture = PatchPicture;
 
 Picture slice_picture(const SolidField& field, int axis, int slice) {
   Picture p;
@@ -35,76 +29,6 @@ Picture slice_picture(const SolidField& field, int axis, int slice) {
       p.pixels.push_back(c);
     }
   return p;
-}
-
-Picture halved(const Picture& in) {
-  Picture out;
-  out.width = in.width / 2, out.height = in.height / 2;
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      const Vec3f* p = &in.pixels[static_cast<std::size_t>(2 * y) * in.width + 2 * x];
-      out.pixels.push_back((p[0] + p[1] + p[in.width] + p[in.width + 1]) / 4);
-    }
-  return out;
-}
-
-// Sorted projections of patches drawn from the pictures, per direction. Empty where no patch fits.
-using Projections = std::vector<std::vector<float>>;
-Projections project_patches(const std::vector<Picture>& pictures, std::uint64_t stream) {
-  Projections out(kDirections);
-  if (pictures[0].width < kSide || pictures[0].height < kSide) return out;
-  constexpr int n = kSide * kSide;
-  std::vector<Vec3f> directions(static_cast<std::size_t>(kDirections) * n);
-  for (int d = 0; d < kDirections; ++d) {
-    Random random(7, 1, static_cast<std::uint64_t>(d));
-    double square = 0;
-    for (int k = 0; k < n; ++k) {
-      const Vec3 v(random.normal(), random.normal(), random.normal());
-      directions[static_cast<std::size_t>(d) * n + k] = v.cast<float>(), square += v.squaredNorm();
-    }
-    for (int k = 0; k < n; ++k)
-      directions[static_cast<std::size_t>(d) * n + k] /= static_cast<float>(std::sqrt(square / n));
-  }
-  for (std::size_t i = 0; i < kPatches; ++i) {
-    Random random(7, stream, i);
-    const Picture& p = pictures[i % pictures.size()];
-    const int x = static_cast<int>(random.below(static_cast<std::uint64_t>(p.width - kSide + 1))),
-              y = static_cast<int>(random.below(static_cast<std::uint64_t>(p.height - kSide + 1)));
-    Vec3f patch[n];
-    for (int v = 0; v < kSide; ++v)
-      for (int u = 0; u < kSide; ++u)
-        patch[v * kSide + u] = p.pixels[static_cast<std::size_t>(y + v) * p.width + x + u];
-    for (int d = 0; d < kDirections; ++d) {
-      float sum = 0;
-      for (int k = 0; k < n; ++k) sum += patch[k].dot(directions[static_cast<std::size_t>(d) * n + k]);
-      out[static_cast<std::size_t>(d)].push_back(sum / kSide);
-    }
-  }
-  for (auto& d : out) std::sort(d.begin(), d.end());
-  return out;
-}
-
-// Mean square over directions and quantiles of the difference; negative where there are none.
-double distance2(const Projections& a, const Projections& b) {
-  double sum = 0;
-  std::size_t n = 0;
-  for (std::size_t d = 0; d < a.size(); ++d)
-    for (std::size_t i = 0; i < std::min(a[d].size(), b[d].size()); ++i, ++n)
-      sum += (a[d][i] - b[d][i]) * (a[d][i] - b[d][i]);
-  return n > 0 ? sum / static_cast<double>(n) : -1;
-}
-
-double patch_distance(std::vector<Picture> a, std::vector<Picture> b) {
-  double sum = 0;
-  int scales = 0;
-  for (int s = 0; s < kScales; ++s) {
-    const double d = distance2(project_patches(a, 2), project_patches(b, 3));
-    if (d < 0) break;
-    sum += d, ++scales;
-    for (auto& p : a) p = halved(p);
-    for (auto& p : b) p = halved(p);
-  }
-  return scales > 0 ? std::sqrt(sum / scales) : 0;
 }
 
 Picture part_of(const SolidExemplar& e, int x0, int y0, int x1, int y1) {
@@ -182,11 +106,13 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
       m.stripes_worst = std::max({m.stripes_worst, ratio, 1 / std::max(ratio, 1e-12)});
       if (k * most / n != (k + 1) * most / n) slices.push_back(std::move(p));
     }
-    m.patches = patch_distance({whole}, std::move(slices));
-    m.patches_floor = std::max(patch_distance({part_of(e, 0, 0, e.width / 2, e.height)},
-                                              {part_of(e, e.width / 2, 0, e.width, e.height)}),
-                               patch_distance({part_of(e, 0, 0, e.width, e.height / 2)},
-                                              {part_of(e, 0, e.height / 2, e.width, e.height)}));
+    m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work.quiet()));
+    const auto half = [&](int x0, int y0, int x1, int y1) { return std::vector{part_of(e, x0, y0, x1, y1)}; };
+    m.patches_floor = std::max({0.0,
+                                patch_distance(half(0, 0, e.width / 2, e.height),
+                                               half(e.width / 2, 0, e.width, e.height), 0, work.quiet()),
+                                patch_distance(half(0, 0, e.width, e.height / 2),
+                                               half(0, e.height / 2, e.width, e.height), 0, work.quiet())});
     double inside = 0;
     for (int k = 0; k + 1 < n; ++k) inside += step_across(field, axis, k) / (n - 1);
     m.seam = inside > 0 ? step_across(field, axis, n - 1) / inside : 1;

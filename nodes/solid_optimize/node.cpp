@@ -258,7 +258,7 @@ void compute(Context& c) {
 
 NodeType solid_optimize_node() {
   NodeType type =
-      NodeType("SolidOptimize", 3)
+      NodeType("SolidOptimize", 4)
           .doc_(
               "Synthesises a tileable solid texture whose slices look like the exemplars: wood, marble, meat "
               "and other "
@@ -336,7 +336,7 @@ NodeType solid_optimize_node() {
                          .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
                                "standard deviation; "
                                "it starts ten times as wide. 0: plain means, which blur"))
-          .parameter(Parameter::integer("finish", 3)
+          .parameter(Parameter::integer("finish", 2)
                          .range(0, 20)
                          .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
                                "at the end"))

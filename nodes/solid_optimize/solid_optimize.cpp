@@ -16,6 +16,8 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
+constexpr int kExhaustiveEvery = 5;
+
 Vec3i box_at(const Vec3i& full, int level, int levels) {
   Vec3i s;
   for (int a = 0; a < 3; ++a) s[a] = level_size(full[a], level, levels);
@@ -134,7 +136,8 @@ void by_coherence(const std::vector<SolidExemplar>& exemplars, std::vector<Pyram
       const Work step = schedule.part(work, level, i, i + 1);
       SearchSettings search;
       search.overuse = static_cast<float>(s.overuse), search.seed = s.seed, search.iteration = iteration;
-      search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000;
+      // All patches are tried now and then: between, coherence finds what is as near.
+      search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000 && i % kExhaustiveEvery == 0;
       search_matches(field, at_level, families, search, step.part(0, 0.6));
       for (auto& f : families) weigh(f, s.exponent, work.quiet());
       const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
@@ -234,7 +237,7 @@ double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidS
   // Patches' features, similar ones, texels; of all levels together a third more.
   const double exemplar = pixels * (32 * 4 + ExemplarLevel::kSimilar * 4 + 16 + 40) * 4 / 3;
   const double optimizing = voxels * (4 * channels + planes * 2) + exemplar;
-  const double finishing = voxels * (4 * channels + 4 + 12);
+  const double finishing = voxels * (4 * channels + 4 + 4);  // the sum of changes and the slices' spectra
   const double handing_over = voxels * (4 * channels + 14);
   return std::max({optimizing, finishing, handing_over}) + voxels * (s.sources ? 5 : 0);
 }

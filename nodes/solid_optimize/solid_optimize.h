@@ -20,7 +20,7 @@ struct SolidSettings {
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
   double window = 0.05;  // of the mean shift at the end of each level; it starts ten times as wide
-  int finish = 3;        // rounds of matching the finest bands
+  int finish = 2;        // rounds of matching the finest bands
   bool sources = false;  // say where each voxel comes from
   bool papers = false;   // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
   std::uint64_t seed = 1;

@@ -2,10 +2,15 @@
 // others. Both do the same operations in the same order, so their results are the same bits.
 #pragma once
 
+#include <cstdint>
+
 namespace terrazzo::solid_optimize {
 
 // Unaligned on purpose: rows of patches start anywhere.
 using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
+
+using Four = float __attribute__((vector_size(16), aligned(4), may_alias));
+using FourInts = std::uint32_t __attribute__((vector_size(16), aligned(4), may_alias));
 
 #if defined(__x86_64__)
 #define TERRAZZO_AVX2 __attribute__((target("avx2")))

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <numbers>
 
@@ -234,6 +236,31 @@ TEST(SolidOptimize, SameContentOnAnyNumberOfThreads) {
   const auto c = colors(other).getConstAccessor();
   for (auto i = colors(one).cbeginValueOn(); i; ++i) different += *i != c.getValue(i.getCoord());
   EXPECT_GT(different, 10000u);
+}
+
+// Of this process, in bytes; 0 where the system does not tell.
+double memory_of(const char* which) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind(which, 0) == 0) return 1024 * std::stod(line.substr(line.find(':') + 1));
+  return 0;
+}
+
+TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
+  namespace so = solid_optimize;
+  const Image e = blobs(64, 64, 8, 1);
+  so::SolidExemplar exemplar;
+  exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
+  so::SolidSettings s;
+  s.size = Vec3i::Constant(96), s.iterations = {1};
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << 5 << std::flush;  // the peak starts anew
+  const double before = memory_of("VmRSS");
+  if (before == 0 || memory_of("VmHWM") > before + 4e6) GTEST_SKIP() << "peaks are not told here";
+  const so::SolidResult r = so::optimize_solid({exemplar}, s, Work());
+  const double used = memory_of("VmHWM") - before, forecast = so::memory_forecast({exemplar}, s);
+  EXPECT_LT(used, 1.1 * forecast + 4e6);  // threads and tables that do not grow with the solid
+  EXPECT_GT(used, 0.5 * forecast);
 }
 
 TEST(SolidOptimize, GreyAndLinearAreTakenToo) {

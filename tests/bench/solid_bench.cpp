@@ -1,0 +1,113 @@
+// Solid textures: our search by coherence beside the recipe of Laursen, Ersbøll and Bærentzen 2011 (nearest
+// neighbours from a tree, their weights and schedule), both on one core, on the same exemplar. `times` is the
+// papers' CPU time over ours; the other counters are measures of the slices, worst axis, in the same units
+// for both: 1 is right for `finest`, 0 for `patches` and `histogram`.
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "nodes/residual_synth/synthesize.h"
+#include "nodes/solid_optimize/solid_optimize.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+namespace so = solid_optimize;
+
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+// Blobs of value noise with a rim, and grain.
+so::SolidExemplar blobs(int side) {
+  so::SolidExemplar e;
+  e.width = e.height = side;
+  const auto lattice = [](int i, int j) {
+    return Random(3, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j)).uniform();
+  };
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const double u = x / 7.0, v = y / 7.0, fu = u - std::floor(u), fv = v - std::floor(v);
+      const int i = static_cast<int>(u), j = static_cast<int>(v);
+      const double n = (1 - fv) * ((1 - fu) * lattice(i, j) + fu * lattice(i + 1, j)) +
+                       fv * ((1 - fu) * lattice(i, j + 1) + fu * lattice(i + 1, j + 1));
+      const double t = 1 / (1 + std::exp(-25 * (n - 0.5))), rim = std::exp(-400 * (n - 0.5) * (n - 0.5));
+      const double grain = 0.03 * Random(4, 0, static_cast<std::uint64_t>(y) * side + x).normal();
+      e.pixels.push_back(Vec3f(static_cast<float>(0.15 + 0.6 * t + grain),
+                               static_cast<float>(0.2 + 0.3 * t + 0.3 * rim + grain),
+                               static_cast<float>(0.4 - 0.2 * t + grain))
+                             .cwiseMax(0.0f));
+    }
+  return e;
+}
+
+struct Made {
+  double seconds, patches = 0, histogram = 0, finest = 1;
+};
+
+Made make(int side, bool papers) {
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  so::SolidSettings s;
+  s.size = Vec3i::Constant(side);
+  s.papers = papers;
+  if (papers) s.iterations = {100, 20, 10};
+  const double start = cpu_seconds();
+  const auto r = so::optimize_solid({blobs(side)}, s, Work());
+  Made m{cpu_seconds() - start};
+  for (const auto& p : r.measures) {
+    m.patches = std::max(m.patches, p.patches), m.histogram = std::max(m.histogram, p.histogram);
+    if (std::abs(p.bands[0] - 1) > std::abs(m.finest - 1)) m.finest = p.bands[0];
+  }
+  return m;
+}
+
+void tell(benchmark::State& state, const Made& m) {
+  state.counters["cpu_s"] = m.seconds, state.counters["patches"] = m.patches;
+  state.counters["histogram"] = m.histogram, state.counters["finest"] = m.finest;
+}
+
+void solid_papers_beside_coherence(benchmark::State& state) {
+  Made ours{0}, theirs{0};
+  for (auto _ : state) {
+    theirs = make(static_cast<int>(state.range(0)), true);
+    ours = make(static_cast<int>(state.range(0)), false);
+  }
+  tell(state, ours);
+  state.counters["papers_cpu_s"] = theirs.seconds, state.counters["papers_patches"] = theirs.patches;
+  state.counters["papers_histogram"] = theirs.histogram, state.counters["papers_finest"] = theirs.finest;
+  state.counters["times"] = theirs.seconds / ours.seconds;
+}
+BENCHMARK(solid_papers_beside_coherence)->Arg(32)->Arg(48)->Iterations(1)->Unit(benchmark::kSecond);
+
+void solid_coherence(benchmark::State& state) {
+  Made m{0};
+  for (auto _ : state) m = make(static_cast<int>(state.range(0)), false);
+  tell(state, m);
+}
+BENCHMARK(solid_coherence)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
+
+// The residual of grain of several sizes, one colour axis, on all cores.
+void solid_residual(benchmark::State& state) {
+  const auto e = blobs(256);
+  Image image(256, 256, 1, 1);
+  image.pixels = e.pixels;
+  Vec3f mean = Vec3f::Zero();
+  for (const auto& p : image.pixels) mean += p / static_cast<float>(image.pixels.size());
+  for (auto& p : image.pixels) p -= mean;
+  const Exemplar exemplar = measure_exemplar({image}, {0, 0, 0}, 4, 4);
+  const int side = static_cast<int>(state.range(0));
+  double worst = 1;
+  for (auto _ : state) {
+    const auto v = synthesize_residual(exemplar, Vec3i::Constant(side), 2, 1);
+    state.PauseTiming();
+    for (const double d : slice_deviations(exemplar, Vec3i::Constant(side), v))
+      if (std::abs(d - 1) > std::abs(worst - 1)) worst = d;
+    state.ResumeTiming();
+  }
+  state.counters["worst_band"] = worst, state.counters["colour_axes"] = exemplar.channels;
+}
+BENCHMARK(solid_residual)->Arg(64)->Arg(128)->Iterations(1)->UseRealTime()->Unit(benchmark::kSecond);
+
+}  // namespace
+}  // namespace terrazzo
