@@ -16,7 +16,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr int kExhaustiveEvery = 5;
+constexpr int kExhaustiveEvery = 3;
 
 Vec3i box_at(const Vec3i& full, int level, int levels) {
   Vec3i s;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "nodes/common/mesh_section.h"
+#include "nodes/common/slice_axes.h"
 #include "tests/nodes/section/packing.h"
 #include "tests/support/run_node.h"
 
@@ -60,8 +61,8 @@ TEST(Section, AxesShowTheirFacesTheRightWayUp) {
     choice.offsets = {p.position[0][u]};
     const Section s = cut(p, shapes, choice);
     ASSERT_EQ(s.profiles.profiles.size(), 1u);
-    EXPECT_NEAR(s.profiles.profiles[0].centroid.x(), p.position[0][(u + 1) % 3], 1e-12);
-    EXPECT_NEAR(s.profiles.profiles[0].centroid.y(), p.position[0][(u + 2) % 3], 1e-12);
+    EXPECT_NEAR(s.profiles.profiles[0].centroid.x(), p.position[0][kSliceColumns[u]], 1e-12);
+    EXPECT_NEAR(s.profiles.profiles[0].centroid.y(), p.position[0][kSliceRows[u]], 1e-12);
   }
 }
 
