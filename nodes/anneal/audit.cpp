@@ -15,8 +15,17 @@ struct Auditor::Solid {
   AabbTree tree;
   MeshDistance distance;
   double radius = 0;
-  explicit Solid(const Mesh& m) : mesh(&m), tree(m, 2), distance(m) {
-    for (const auto& v : m.vertices) radius = std::max(radius, v.norm());
+  Eigen::Array<double, Eigen::Dynamic, 3> points;  // the vertices
+  explicit Solid(const Mesh& m)
+      : mesh(&m), tree(m, 2), distance(m), points(static_cast<Eigen::Index>(m.vertices.size()), 3) {
+    for (std::size_t v = 0; v < m.vertices.size(); ++v) {
+      radius = std::max(radius, m.vertices[v].norm());
+      points.row(static_cast<Eigen::Index>(v)) = m.vertices[v].transpose();
+    }
+  }
+  // How far the mesh reaches along n.
+  double reach(const Vec3& n) const {
+    return (points.col(0) * n[0] + points.col(1) * n[1] + points.col(2) * n[2]).maxCoeff();
   }
 };
 
@@ -145,6 +154,14 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
 
 double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
                      const Mat3& rotation_b, const Vec3& offset, double gap) {
+  // Most neighbours are parted by a plane across the line of their centres.
+  if (const double distance = offset.norm(); distance > 0) {
+    const Vec3 n = offset / distance;
+    if (distance - a.reach(rotation_a.transpose() * n) * scale_a -
+            b.reach(rotation_b.transpose() * -n) * scale_b >=
+        gap)
+      return 0;
+  }
   const Map b_to_a{rotation_a.transpose() * rotation_b * (scale_b / scale_a),
                    rotation_a.transpose() * offset / scale_a};
   const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),

@@ -256,8 +256,8 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
   const bool ball_b = b.shape->field.kind() == DistanceField::Kind::Sphere;
   if (ball_a && ball_b) {
     const float distance = offset.norm();
-    const float gap =
-        distance - a.shape->field.radius() * a.scale - b.shape->field.radius() * b.scale - margin;
+    const float gap = distance - static_cast<float>(a.shape->ball) * a.scale -
+                      static_cast<float>(b.shape->ball) * b.scale - margin;
     if (gap >= 0) {
       contact.gap = gap;
       return contact;

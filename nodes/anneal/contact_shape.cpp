@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "nodes/anneal/aabb_tree.h"
+#include "nodes/common/mesh.h"
 
 namespace terrazzo::anneal {
 namespace {
@@ -15,6 +17,8 @@ constexpr int kCoarse = 96, kFine = 1000;
 // margin.
 constexpr double kAllowance = 0.15;
 constexpr int kLeaf = 4;
+// Of the way from the sphere of a mesh's volume to its corners: less takes many tries to turn them away.
+constexpr double kCorners = 0.15;
 constexpr std::size_t kFaces = 40;  // of a polyhedron that is tested by separating axes
 
 Element point_element(const Vec3& p) {
@@ -214,6 +218,10 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   const double r = s.bounding_radius;
   s.gyration = 0.6 * r;
   s.field = DistanceField::of(mesh, kCells, work);
+  if (s.field.kind() == DistanceField::Kind::Sphere) {
+    const double even = std::cbrt(0.75 / std::numbers::pi * mesh_volume(mesh));
+    s.ball = even + kCorners * (r - even);
+  }
   if (s.field.kind() == DistanceField::Kind::Planes) s.polytope = make_polytope(mesh, kFaces);
   s.core = inner_balls(mesh, s.field);
   std::vector<Element> segments;

@@ -46,6 +46,9 @@ struct ContactShape {
   // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface:
   // only what lies inside tells how deep they are.
   std::vector<Ball> core;
+  // Of a sphere, the radius where another sphere touches it, the corners of its facets being turned away
+  // (turn.h): little more than that of the sphere of the same volume. 0 of all else.
+  double ball = 0;
   double bounding_radius = 0;  // about the origin
   double gyration = 0;         // lever arm that weighs rotations against translations
   double error = 0;            // typical distance by which field and elements may miss a contact

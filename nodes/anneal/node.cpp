@@ -48,7 +48,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  return NodeType("Anneal", 4)
+  return NodeType("Anneal", 5)
       .doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap: they grow from "
           "random places "

@@ -13,6 +13,7 @@
 #include "nodes/anneal/placement.h"
 #include "nodes/anneal/schedule.h"
 #include "nodes/anneal/statistics.h"
+#include "nodes/anneal/turn.h"
 
 namespace terrazzo::anneal {
 namespace {
@@ -122,6 +123,7 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
     state_ = pack(contact_shapes_, packing_, anneal_, work);
     result_.iterations += state_.iterations;
     left -= state_.iterations;
+    turn_spheres(shapes_, contact_shapes_, packing_, anneal_.binder_gap, anneal_.seed, work_.quiet());
     audit_ = auditor_(placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
     if (audit_.worst == 0 || !state_.free) break;
     const bool many = audit_.found.size() > 8 + audit_.pairs / 40;

@@ -37,8 +37,7 @@ void Relaxation::list_spheres() {
   pairs_ = {};
   radius_.resize(n);
   wish_.resize(n);
-  for (std::size_t i = 0; i < n; ++i)
-    radius_[i] = static_cast<double>(shapes_[packing_.shape[i]].field.radius()) * packing_.scale[i];
+  for (std::size_t i = 0; i < n; ++i) radius_[i] = shapes_[packing_.shape[i]].ball * packing_.scale[i];
 }
 
 Overlap Relaxation::find_sphere_contacts(const Work& work) {
