@@ -245,7 +245,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   largest(d, shapes, size, diameter);
   const Vec3 box = choose_box(o, density, size, diameter, out);
   const double volume = box.prod(), expected = density * volume;
-  if (expected > static_cast<double>(o.most))
+  if (expected > static_cast<double>(o.most) + 0.5)  // `most` itself is allowed, and its box rounded
     throw Error(
         "too-many-particles",
         fmt::format("the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles", box[0], box[1],

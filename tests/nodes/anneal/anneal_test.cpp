@@ -340,6 +340,7 @@ TEST(Anneal, BadInput) {
   EXPECT_EQ(code({{"size", "1.5"}}), "box-too-small");
   EXPECT_EQ(code({{"size", "1000"}}), "too-many-particles");
   EXPECT_EQ(code({{"binder_gap", "2"}, {"count", "200"}}), "impossible-density");
+  EXPECT_EQ(code({{"size", "[10, 1.2, 10]"}}), "box-too-small");
   auto open = shapes;
   open.shapes[0].mesh.triangles.pop_back();
   EXPECT_EQ(code_of([&] { pack(open, d, {}); }).substr(0, 9), "open-mesh");
@@ -358,6 +359,19 @@ TEST(Anneal, BadInput) {
   for (auto& n : d.shapes[0].N_V) n *= 1e-6;
   d.volume_fraction = 0;
   EXPECT_EQ(code({{"size", "3"}}), "no-particles");
+}
+
+TEST(Anneal, AsManyAsAreAllowed) {
+  const auto shapes = test::shapes_of({test::cube()});
+  const auto d = test::distribution(shapes, 1, 2, 0.3);
+  anneal::PopulationOptions o;
+  for (std::int64_t most = 100; most < 140; ++most) {
+    o.count = o.most = most;
+    EXPECT_NEAR(static_cast<double>(anneal::populate(d, shapes, nullptr, o).particles.count()),
+                static_cast<double>(most), 2);
+    o.most = most - 1;
+    EXPECT_THROW(anneal::populate(d, shapes, nullptr, o), Error);
+  }
 }
 
 }  // namespace
