@@ -26,6 +26,10 @@ Nib::Nib(Image picture, NibTexture texture, NibManner manner)
   const auto n = static_cast<std::size_t>(picture_.width) * picture_.height;
   occupied_.assign(n, 0), base_.assign(n, kNoLevel), source_.assign(n, -1);
   position_ = texture_.positions;
+  std::vector<std::uint8_t> inside(n);
+  for (std::size_t i = 0; i < n; ++i) inside[i] = texture_.level[i] != kNoLevel;
+  source_pyramid_ = std::make_shared<const SourcePyramid>(
+      source_pyramid(picture_.width, picture_.height, texture_.positions, inside));
   const double most = texture_.threshold * texture_.threshold;
   for (std::size_t i = 0; i < n; ++i) {
     float d = 0;
@@ -113,26 +117,6 @@ int Nib::best_level(std::uint32_t pixel) const {
   for (int t = 1; t < levels; ++t)
     if (c[t] + both[t] < c[best] + both[best]) best = t;
   return best;
-}
-
-void Nib::overuse(std::uint32_t pixel, std::vector<float>& use) const {
-  const int levels = texture_.levels.count(), width = texture_.width;
-  const auto rows = static_cast<std::size_t>(levels + 1) * width;
-  const std::uint8_t* at = &level_[(pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_];
-  std::vector<float> wanted(static_cast<std::size_t>(levels), 0);
-  use.assign(static_cast<std::size_t>(levels), 0);
-  for (std::size_t d = 0; d < step_.size(); ++d) {
-    const float k = 1.0f / static_cast<float>(std::max<std::int64_t>(pairs_[d], 1));
-    const std::size_t a = d * rows + static_cast<std::size_t>(at[step_[d]]) * width,
-                      b = d * rows + static_cast<std::size_t>(at[-step_[d]]) * width;
-    for (int t = 0; t < levels; ++t) {
-      use[t] += static_cast<float>(by_remote_[a + t] + by_home_[b + t]) * k;
-      wanted[t] += texture_.by_remote[a + t] + texture_.by_home[b + t];
-    }
-  }
-  // Pairs of which the region has next to none are not forbidden: it is a sample.
-  const float little = 1e-3f * static_cast<float>(step_.size());
-  for (int t = 0; t < levels; ++t) use[t] = (use[t] + little) / (wanted[t] + little);
 }
 
 void Nib::visit(std::uint32_t pixel, std::uint64_t item) {

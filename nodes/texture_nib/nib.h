@@ -3,19 +3,22 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "nodes/data/image.h"
 #include "nodes/data/strokes.h"
+#include "nodes/texture_nib/completion.h"
 #include "nodes/texture_nib/nib_texture.h"
 #include "runtime/work.h"
 
 namespace terrazzo::texture_nib {
 
 // What becomes of the levels painted. Levels: their colours (the paper's). Colors: those of the region's
-// pixels of the same level whose surroundings look alike. Patches: those of the region's pixels whose
-// surroundings look alike, whatever their level, from the edge inwards.
+// pixels of the same level whose surroundings look alike. Patches: the region's pixels, laid so that every
+// patch looks like one of the region (complete()), whatever their level; Colors where the region is smaller
+// than a patch.
 enum class Finish { Levels, Colors, Patches };
 
 // How the pixels of a dab are visited.
@@ -67,11 +70,10 @@ class Nib {
   void set_level(std::uint32_t pixel, int level);  // of a painted pixel
   template <int Vectors>
   int best_level(std::uint32_t pixel) const;
-  // How often a level with the pixel's neighbours is there, over how often it is wanted; 1 for all where no
-  // neighbour says anything. `use` has one entry a level.
-  void overuse(std::uint32_t pixel, std::vector<float>& use) const;
   void add(std::uint32_t pixel, int level, int sign, bool painted_only);
   void restore_detail(const std::vector<std::uint32_t>& footprint, const Work&);
+  void complete_patches(const std::vector<std::uint32_t>& footprint, const Work&);
+  void find_colors(const std::vector<std::uint32_t>& footprint, const Work&);
   Rectangle bounds(const std::vector<std::uint32_t>& pixels) const;
 
   Image picture_;
@@ -86,6 +88,7 @@ class Nib {
   std::vector<std::int64_t> pairs_;
   std::vector<Vec3f> position_;       // colours now, in the levels' space
   std::vector<std::int32_t> source_;  // the region's pixel whose colour a painted pixel has, or −1
+  std::shared_ptr<const SourcePyramid> source_pyramid_;
   std::uint64_t dabs_ = 0;
   double radius_ = 0;
   bool first_point_ = true;

@@ -77,14 +77,15 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType texture_nib_node() {
-  return NodeType("TextureNib", 1)
+  return NodeType("TextureNib", 2)
       .doc_(
           "Paints a region's texture along strokes so that it grows out of what surrounds it; also erases "
           "things from "
           "textured pictures")
       .source_(
-          "Malzbender and Spach 1993, section 4; finish patches: search by coherence after Ashikhmin 2001 "
-          "and Barnes et al. 2009")
+          "Malzbender and Spach 1993, section 4; finish patches: completion after Wexler, Shechtman and "
+          "Irani "
+          "2007 and Barnes et al. 2009")
       .input("image", "Image", "one section")
       .optional_input("strokes", {"Strokes"}, "where the nib goes")
       .optional_input("fill", {"Labels", "Image"},
@@ -126,9 +127,9 @@ NodeType texture_nib_node() {
       .parameter(Parameter::choice("finish", "patches", {"levels", "colors", "patches"})
                      .doc_("levels: the texture's few colours, the paper's. colors: those of the region's "
                            "pixels of the same "
-                           "level in like surroundings. patches: those of the region's pixels in like "
-                           "surroundings, levels "
-                           "following, so that shapes survive"))
+                           "level in like surroundings. patches: the region's pixels, laid from coarse to "
+                           "fine so that every patch looks like one of the region, levels following: shapes "
+                           "survive"))
       .parameter(Parameter::integer("seed", 1)
                      .range(0, 9007199254740991)
                      .doc_("Of the order of visits and the search"))

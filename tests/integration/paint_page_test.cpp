@@ -61,6 +61,8 @@ TEST(PaintPage, PaintsUndoesSavesAndReplays) {
     EXPECT_TRUE(r[what]) << what << run.out;
   EXPECT_GT(r["occupied"], 200);
   EXPECT_EQ(r["state"]["strokes"], 2);
+  EXPECT_GE(r["corners"], 5);
+  EXPECT_NE(std::string(r["outlined"]).find("an outline of"), std::string::npos) << r["outlined"];
 
   // The saved graph gives the picture that the page shows, bit for bit.
   const fs::path report = folder / "report.json";

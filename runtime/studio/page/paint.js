@@ -46,8 +46,8 @@ function take(fresh) {
   $('name').textContent = state.name;
   $('undo').disabled = !state.nib;
   $('nib').textContent = state.nib
-    ? `Texture of ${state.nib.region.map((v) => Math.round(v)).join(', ')}; ${state.strokes} strokes; φ ${state.nib.threshold.toFixed(3)}; error ${state.nib.error.toExponential(1)}`
-    : 'No nib: drag a rectangle over the texture to paint with.';
+    ? `Texture of ${state.nib.region.length === 4 ? state.nib.region.map((v) => Math.round(v)).join(', ') : `an outline of ${state.nib.region.length / 2} corners`}; ${state.strokes} strokes; φ ${state.nib.threshold.toFixed(3)}; error ${state.nib.error.toExponential(1)}`
+    : 'No nib: drag a rectangle over the texture to paint with, or an outline around it.';
 }
 
 async function reload() {
@@ -101,13 +101,15 @@ const place = (event) => {
 };
 // Quarters of a pixel: what is saved stays short.
 const rounded = ([x, y]) => [Math.round(x * 4) / 4, Math.round(y * 4) / 4];
+// Within the picture.
+const held = ([x, y]) => rounded([Math.min(Math.max(x, 0), state.width), Math.min(Math.max(y, 0), state.height)]);
 const inside = ([x, y]) => [Math.min(Math.max(Math.round(x), 0), state.width), Math.min(Math.max(Math.round(y), 0), state.height)];
 
 canvas.addEventListener('pointerdown', (event) => {
   if (!state || event.button > 1) return;
   canvas.setPointerCapture(event.pointerId);
   const at = place(event);
-  drag = { kind: event.button === 1 ? 'move' : tool(), from: at, to: at };
+  drag = { kind: event.button === 1 ? 'move' : tool(), from: at, to: at, corners: [held(at)] };
   if (drag.kind === 'paint') {
     if (!state.nib) {
       drag = null;
@@ -126,6 +128,11 @@ canvas.addEventListener('pointermove', (event) => {
     view.y += event.movementY;
   } else if (drag?.kind === 'region') {
     drag.to = pointer;
+  } else if (drag?.kind === 'outline') {
+    const next = held(pointer), last = drag.corners.at(-1);
+    // As many as a nib takes: a longer outline gets coarser.
+    const step = drag.corners.length < 512 ? 2 : 16;
+    if (Math.hypot(next[0] - last[0], next[1] - last[1]) >= step && drag.corners.length < 2048) drag.corners.push(next);
   } else if (drag?.kind === 'paint') {
     const next = rounded(pointer);
     if (Math.hypot(next[0] - drag.last[0], next[1] - drag.last[1]) >= 1) {
@@ -144,6 +151,10 @@ canvas.addEventListener('pointerup', () => {
     const [x0, y0] = inside([Math.min(done.from[0], done.to[0]), Math.min(done.from[1], done.to[1])]);
     const [x1, y1] = inside([Math.max(done.from[0], done.to[0]), Math.max(done.from[1], done.to[1])]);
     if (x1 > x0 && y1 > y0) enqueue(() => chooseNib([x0, y0, x1 - x0, y1 - y0]));
+  }
+  if (done?.kind === 'outline') {
+    if (done.corners.length >= 3) enqueue(() => chooseNib(done.corners.flat()));
+    else tell('Drag all the way around the texture.', true);
   }
   draw();
 });
@@ -186,7 +197,7 @@ for (const id of ['size', 'levels', 'extent']) $(id).addEventListener('input', (
 addEventListener('keydown', (event) => {
   if ((event.ctrlKey || event.metaKey) && event.key === 'z') return event.preventDefault(), undo();
   if (event.target.matches('input, select') || event.ctrlKey) return;
-  const name = { r: 'region', p: 'paint', ' ': 'move' }[event.key];
+  const name = { r: 'region', o: 'outline', p: 'paint', ' ': 'move' }[event.key];
   if (name) event.preventDefault(), setTool(name);
 });
 
@@ -220,6 +231,14 @@ function draw() {
       ? [drag.from[0], drag.from[1], drag.to[0] - drag.from[0], drag.to[1] - drag.from[1]]
       : tool() === 'region' && state?.nib?.region.length === 4 ? state.nib.region : null;
     if (box) screen.strokeRect(...box);
+    const corners = drag?.kind === 'outline' ? drag.corners.flat()
+      : tool() === 'outline' && state?.nib?.region.length > 4 ? state.nib.region : null;
+    if (corners) {
+      screen.beginPath();
+      for (let i = 0; i < corners.length; i += 2) screen.lineTo(corners[i], corners[i + 1]);
+      if (drag?.kind !== 'outline') screen.closePath();
+      screen.stroke();
+    }
     $('size-text').textContent = `${$('size').value} px`;
     $('extent-text').textContent = `±${$('extent').value} px`;
     $('levels-text').textContent = $('levels').value;

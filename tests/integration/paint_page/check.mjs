@@ -62,7 +62,12 @@ try {
   await page.selectOption('#view', 'picture');
   await settled();
 
-  await page.fill('#extent', '2'); // another nib
+  await page.keyboard.press('o'); // another nib, whose texture is outlined
+  await drag([[3, 3], [40, 6], [44, 40], [30, 60], [4, 56]]);
+  result.corners = await page.evaluate(() => terrazzo.state().nib.region.length / 2);
+  result.outlined = await page.textContent('#nib');
+  await page.keyboard.press('p');
+  await page.fill('#extent', '2'); // and another kernel for it
   await page.dispatchEvent('#extent', 'change');
   await settled();
   await drag([[56, 44], [64, 48], [70, 40]]);
