@@ -30,6 +30,7 @@ class FileWriter : public Writer {
     if (file_) std::fclose(file_);
   }
   void bytes(const void* data, std::size_t size) override {
+    if (size == 0) return;  // an empty vector has no address
     hash_.bytes(data, size);
     if (std::fwrite(data, 1, size, file_) != size) fail();
   }

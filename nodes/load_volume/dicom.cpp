@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <mutex>
 
 #include "graph/diagnostic.h"
 #include "nodes/load_volume/scan.h"
@@ -27,6 +26,21 @@ struct Slice {
   double slope = 1, intercept = 0;
   std::string series;
   std::vector<float> values;
+};
+
+// DCMTK's decoders of compressed pixels, taken back at the program's end.
+struct Decoders {
+  Decoders() {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    DJDecoderRegistration::registerCodecs();
+    DJLSDecoderRegistration::registerCodecs();
+    DcmRLEDecoderRegistration::registerCodecs();
+  }
+  ~Decoders() {
+    DcmRLEDecoderRegistration::cleanup();
+    DJLSDecoderRegistration::cleanup();
+    DJDecoderRegistration::cleanup();
+  }
 };
 
 Error unreadable(const std::filesystem::path& path, const std::string& why) {
@@ -157,13 +171,7 @@ bool is_dicom(const std::filesystem::path& path) {
 }
 
 LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work) {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    DJDecoderRegistration::registerCodecs();
-    DJLSDecoderRegistration::registerCodecs();
-    DcmRLEDecoderRegistration::registerCodecs();
-  });
+  static const Decoders decoders;
   std::vector<Slice> slices;
   for (const auto& path : paths) {
     work.check();
