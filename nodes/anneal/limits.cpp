@@ -23,7 +23,8 @@ std::vector<double> inner_radii(const Shapes& shapes, const std::vector<std::int
   return radius;
 }
 
-// Bytes free for new work, or 0 where the system does not tell.
+}  // namespace
+
 double memory_available() {
   std::ifstream file("/proc/meminfo");
   std::string name, unit;
@@ -35,8 +36,6 @@ double memory_available() {
   return 0;
 }
 
-}  // namespace
-
 double memory_needed(const Population& population, const Shapes& shapes) {
   std::vector<bool> round;
   for (const auto& s : shapes.shapes) round.push_back(is_sphere(s.mesh));
@@ -45,7 +44,8 @@ double memory_needed(const Population& population, const Shapes& shapes) {
   return bytes;
 }
 
-void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap) {
+void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
+                           double available) {
   const Particles& p = population.particles;
   const auto inner = inner_radii(shapes, p.shape);
   std::vector<double> radius(p.count());
@@ -64,7 +64,7 @@ void refuse_what_cannot_be(const Population& population, const Shapes& shapes, d
                     p.count(), population.fraction,
                     binder_gap > 0 ? fmt::format(" at distances of {} mm", binder_gap) : "", worst, densest),
         "lower the volume fraction or binder_gap");
-  const double needed = memory_needed(population, shapes), available = memory_available();
+  const double needed = memory_needed(population, shapes);
   if (available > 0 && needed > 0.9 * available)
     throw Error("not-enough-memory",
                 fmt::format("{} particles take about {:.1f} GB to pack, and {:.1f} GB are free", p.count(),

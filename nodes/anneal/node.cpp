@@ -1,4 +1,5 @@
 #include "graph/node_type.h"
+#include "nodes/anneal/figure.h"
 #include "nodes/anneal/packing.h"
 #include "nodes/anneal/statistics.h"
 #include "runtime/context.h"
@@ -16,6 +17,8 @@ void compute(Context& c) {
   o.population.keep_volume_fraction = c.text("conserve") == "volume_fraction";
   o.population.binder_gap = c.number("binder_gap");
   o.population.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  o.population.all_void = c.keyword("voids") == "all";
+  if (c.keyword("voids").empty()) o.population.void_classes = c.ints("voids");
   o.iterations = static_cast<int>(c.integer("iterations"));
   const std::string on_jam = c.text("on_jam");
   o.on_jam = on_jam == "shrink" ? OnJam::Shrink : on_jam == "drop" ? OnJam::Drop : OnJam::Fail;
@@ -24,6 +27,7 @@ void compute(Context& c) {
   for (const auto& note : r.notes) c.warn(note);
   c.metric("particles", static_cast<double>(r.particles.count()));
   c.metric("packing_fraction", volume_fraction(shapes, r.particles));
+  c.metric("void_fraction", void_fraction(shapes, r.particles));
   c.metric("requested_fraction", r.requested_fraction);
   c.metric("max_penetration", r.max_penetration);
   c.metric("box_x", r.particles.box[0]);
@@ -40,15 +44,18 @@ void compute(Context& c) {
   c.metric("sections_per_area_y", cut[1]);
   c.metric("sections_per_area_z", cut[2]);
   c.metric("section_isotropy", cut.minCoeff() / cut.maxCoeff());
-  c.output("sizes", size_table(distribution, r.expected, r.size_class, r.particles.box));
-  c.output("correlation", pair_correlation(r.particles, 100, c.work().quiet()));
+  Table sizes = size_table(distribution, r.expected, r.size_class, r.particles.box);
+  Table correlation = pair_correlation(r.particles, 100, c.work().quiet());
+  c.output("figure", figure_of(sizes, correlation, cut));
+  c.output("sizes", std::move(sizes));
+  c.output("correlation", std::move(correlation));
   c.output("particles", std::move(r.particles));
 }
 
 }  // namespace
 
 NodeType anneal_node() {
-  return NodeType("Anneal", 5)
+  return NodeType("Anneal", 6)
       .doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap: they grow from "
           "random places "
@@ -63,6 +70,7 @@ NodeType anneal_node() {
       .output("particles", "Particles", "the packing, box [0, size)")
       .output("sizes", "Table", "particles of each size class, requested and achieved")
       .output("correlation", "Table", "pair correlation of the centres")
+      .output("figure", "Image", "sizes, pair correlation, and sections per area along x, y and z")
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto")
                      .unit_("mm")
                      .above(0)
@@ -85,6 +93,11 @@ NodeType anneal_node() {
                      .unit_("mm")
                      .range(0, 1e6)
                      .doc_("Smallest distance between particles"))
+      .parameter(Parameter::with_keyword(ParameterKind::Ints, "voids", "none")
+                     .keyword("all")
+                     .range(0, 1e6)
+                     .doc_("Classes of the distribution whose particles are holes: packed like the others, but "
+                           "without matter, as in foams, sponges and aerated concrete"))
       .parameter(
           Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
               .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "

@@ -41,6 +41,7 @@ Particles placed(const Particles& requested, const Packing& packing) {
 template <class T>
 void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
   std::size_t to = 0;
+  if (v.empty()) return;
   for (std::size_t i = 0; i < v.size(); ++i)
     if (keep[i]) v[to++] = v[i];
   v.resize(to);
@@ -172,7 +173,7 @@ void Packer::drop(const Work& work) {
     }
     Particles& p = population_.particles;
     keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
-    keep_only(p.color, keep), keep_only(population_.size_class, keep);
+    keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep);
     keep_only(packing_.position, keep), keep_only(packing_.orientation, keep);
     p.position = packing_.position, p.orientation = packing_.orientation;
     population_.fraction = volume_fraction(shapes_, p);

@@ -216,6 +216,11 @@ void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const
 Population populate(const SizeDistribution& d, const Shapes& shapes, const Particles* start,
                     const PopulationOptions& o, const Work& work) {
   check(d, shapes);
+  for (const std::int64_t cls : o.void_classes)
+    if (std::none_of(d.shapes.begin(), d.shapes.end(), [&](const auto& e) { return e.cls == cls; }))
+      throw Error("no-such-class", fmt::format("the distribution has no class {}", cls),
+                  "give a class that it has, or all")
+          .parameter("voids");
   Population out;
   auto cells = cells_of(d, shapes);
   double density = 0, computed = 0;
@@ -298,6 +303,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   });
   Particles& p = out.particles;
   p.resize(members.size());
+  if (o.all_void || !o.void_classes.empty()) p.voids.resize(members.size());
   // What rounding left over goes into the size of the box where that is ours to choose.
   const double filled = total_volume(members, shapes);
   p.box = box;
@@ -313,6 +319,10 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     p.size[i] = m.size;
     p.scale[i] = m.size / shapes.shapes[m.shape].size();
     out.size_class.push_back(m.size_class);
+    if (!p.voids.empty())
+      p.voids[i] = o.all_void || std::find(o.void_classes.begin(), o.void_classes.end(), p.cls[i]) !=
+                                     o.void_classes.end();
+    if (p.is_void(i)) p.color[i].setZero();  // a hole looks dark in a section
     if (m.start < 0) continue;
     ++out.kept;
     p.position[i] = start->position[m.start];
@@ -323,7 +333,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     }
     p.orientation[i] = start->orientation[m.start];
     if (std::abs(p.orientation[i].norm() - 1) > 1e-9) p.orientation[i].normalize();
-    p.color[i] = start->color[m.start];
+    if (!p.is_void(i)) p.color[i] = start->color[m.start];
   }
   return out;
 }

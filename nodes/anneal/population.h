@@ -18,6 +18,8 @@ struct PopulationOptions {
   std::int64_t most = 1'000'000;     // refuses more
   bool keep_volume_fraction = true;  // where densities and volume fraction disagree, the fraction holds
   double binder_gap = 0;             // mm
+  bool all_void = false;
+  std::vector<std::int64_t> void_classes;  // whose particles are without matter
   std::uint64_t seed = 1;
 };
 
@@ -36,7 +38,7 @@ struct Population {
 // best; sizes stratified within their class and bent within it until the fraction is met. Shapes of entries
 // with shape −1 are drawn evenly by probability. Particles of `start` (may be null) whose class has room are
 // kept. Throws Error "bad-distribution", "no-particles", "box-too-small", "too-many-particles",
-// "impossible-density", "open-mesh".
+// "impossible-density", "open-mesh", "no-such-class".
 Population populate(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                     const PopulationOptions& options, const Work& work = {});
 

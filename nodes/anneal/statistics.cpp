@@ -15,6 +15,13 @@ double volume_fraction(const Shapes& shapes, const Particles& particles) {
   return v / particles.box.prod();
 }
 
+double void_fraction(const Shapes& shapes, const Particles& particles) {
+  double v = 0;
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    if (particles.is_void(i)) v += shapes.shapes[particles.shape[i]].volume * std::pow(particles.scale[i], 3);
+  return v / particles.box.prod();
+}
+
 namespace {
 
 // Direction in which the vertices spread most, weighted by the area around them.

@@ -9,7 +9,9 @@
 
 namespace terrazzo::anneal {
 
+// Of all particles, voids included; and of the voids alone.
 double volume_fraction(const Shapes& shapes, const Particles& particles);
+double void_fraction(const Shapes& shapes, const Particles& particles);
 
 // Largest eigenvalue of ⟨(3 u uᵀ − 1)/2⟩ over the particles' longest axes u (of the tensor of inertia): 1
 // where all are parallel, about 1/√n where none are related. 0 without particles.

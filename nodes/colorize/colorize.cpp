@@ -107,7 +107,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
   const auto pick_all = [&](auto&& pick) {
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        particles.color[i] = source.color[pick(i, Random(choice.seed, kProfile, i).uniform())];
+        if (!particles.is_void(i))
+          particles.color[i] = source.color[pick(i, Random(choice.seed, kProfile, i).uniform())];
     });
   };
   if (choice.mode == ColorMode::Random) {
@@ -122,7 +123,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     return report;
   }
 
-  const bool classed = std::any_of(particles.cls.begin(), particles.cls.end(), [](int c) { return c != 0; });
+  bool classed = false;
+  for (std::size_t i = 0; i < n; ++i) classed = classed || (particles.cls[i] != 0 && !particles.is_void(i));
   if (!classed) {
     if (profiles.classes <= 1) {
       std::vector<Vec3> lab;
@@ -135,7 +137,7 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     }
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
+        if (!particles.is_void(i)) particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
                                           .pick(Random(choice.seed, kClass, i).uniform())];
     });
   }
@@ -146,8 +148,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     if (draws.size() <= static_cast<std::size_t>(source.cls[i])) draws.resize(source.cls[i] + 1);
     draws[source.cls[i]].add(i, source.weight[i]);
   }
-  for (const int c : particles.cls)
-    if (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty())
+  for (std::size_t i = 0; i < n; ++i)
+    if (const int c = particles.cls[i]; !particles.is_void(i) && (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty()))
       throw Error("no-class", "no whole profile has the class " + std::to_string(c) + " of a particle",
                   "colour by mode random or by_size, or take particles and profiles of one segmentation");
   pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });

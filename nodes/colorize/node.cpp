@@ -11,10 +11,12 @@ double mean_difference(const Particles& particles, const Profiles& profiles) {
   Vec3 seen = Vec3::Zero(), given = Vec3::Zero();
   double weights = 0;
   for (const auto& p : profiles.profiles) seen += p.weight * p.color.cast<double>(), weights += p.weight;
-  for (const auto& c : particles.color) given += c.cast<double>();
-  if (weights <= 0 || particles.count() == 0) return 0;
+  const std::size_t shown = particles.count() - particles.void_count();
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    if (!particles.is_void(i)) given += particles.color[i].cast<double>();
+  if (weights <= 0 || shown == 0) return 0;
   const auto lab = [](const Vec3& v) { return linear_to_oklab(v.cast<float>()); };
-  return (lab(seen / weights) - lab(given / static_cast<double>(particles.count()))).norm();
+  return (lab(seen / weights) - lab(given / static_cast<double>(shown))).norm();
 }
 
 void compute(Context& c) {
@@ -39,8 +41,9 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType colorize_node() {
-  return NodeType("Colorize", 1)
-      .doc_("Gives every particle the mean colour of a profile of the photograph, and the binder its own.")
+  return NodeType("Colorize", 2)
+      .doc_("Gives every particle the mean colour of a profile of the photograph, and the binder its own; voids stay "
+            "black.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
       .input("particles", "Particles", "whose colours are set")
       .input("profiles", "Profiles", "with mean colours, weights and the binder's colour")

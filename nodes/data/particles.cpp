@@ -12,6 +12,7 @@ void encode(const Particles& v, Writer& w) {
   w.array(v.scale), w.array(v.size);
   w.raw_array(v.color);
   w.bytes(v.binder_color.data(), sizeof(float) * 3);
+  w.array(v.voids);
 }
 
 Particles decode(Reader& r) {
@@ -22,9 +23,10 @@ Particles decode(Reader& r) {
   v.scale = r.array<double>(), v.size = r.array<double>();
   v.color = r.raw_array<Vec3f>();
   r.bytes(v.binder_color.data(), sizeof(float) * 3);
+  v.voids = r.array<std::uint8_t>();
   const std::size_t n = v.count();
   if (v.shape.size() != n || v.cls.size() != n || v.orientation.size() != n || v.scale.size() != n ||
-      v.size.size() != n || v.color.size() != n)
+      v.size.size() != n || v.color.size() != n || (!v.voids.empty() && v.voids.size() != n))
     throw Error("damaged", "the stored particles' lists differ in length");
   return v;
 }
@@ -37,9 +39,13 @@ nlohmann::json describe(const Particles& v) {
     orientation.push_back({q.w(), q.x(), q.y(), q.z()});
     color.push_back(json_of(v.color[i]));
   }
+  std::vector<std::size_t> voids;
+  for (std::size_t i = 0; i < v.count(); ++i)
+    if (v.is_void(i)) voids.push_back(i);
   return {{"box", json_of(v.box)}, {"count", v.count()}, {"shape", v.shape}, {"class", v.cls},
           {"position", std::move(position)}, {"orientation", std::move(orientation)}, {"scale", v.scale},
-          {"size", v.size}, {"color", std::move(color)}, {"binder_color", json_of(v.binder_color)}};
+          {"size", v.size}, {"color", std::move(color)}, {"binder_color", json_of(v.binder_color)},
+          {"voids", std::move(voids)}};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Particles: instances of shapes in a periodic box [0, L)³.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -19,10 +20,16 @@ struct Particles {
   std::vector<double> size;            // √(4·A_max/π), mm
   std::vector<Vec3f> color;            // scene-linear
   Vec3f binder_color = Vec3f::Zero();  // scene-linear
+  std::vector<std::uint8_t> voids;     // of each particle: 1 where it is without matter; empty: none is
 
   std::size_t count() const { return position.size(); }
+  bool is_void(std::size_t i) const { return !voids.empty() && voids[i] != 0; }
+  std::size_t void_count() const {
+    return voids.size() - static_cast<std::size_t>(std::count(voids.begin(), voids.end(), 0));
+  }
   void resize(std::size_t n) {
     shape.resize(n), cls.resize(n), position.resize(n, Vec3::Zero()), orientation.resize(n, Quat::Identity());
+    if (!voids.empty()) voids.resize(n);
     scale.resize(n, 1), size.resize(n), color.resize(n, Vec3f::Constant(0.5f));
   }
 };

@@ -69,12 +69,13 @@ std::string csv_of(const Profiles& profiles) {
 
 std::string csv_of(const Particles& particles) {
   Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
-             "color_g", "color_b"});
+             "color_g", "color_b", "void"});
   for (std::size_t i = 0; i < particles.count(); ++i) {
     out.integer(static_cast<std::int64_t>(i)), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
     out.vector(particles.position[i]);
     out.number(particles.orientation[i].w()), out.vector(particles.orientation[i].vec());
     out.number(particles.scale[i]), out.number(particles.size[i]), out.vector(particles.color[i]);
+    out.integer(particles.is_void(i));
     out.end();
   }
   return out.take();

@@ -162,6 +162,9 @@ class Packer {
 
 void check(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0) throw Error("no-particles", "there are no particles to write");
+  if (particles.void_count() == particles.count())
+    throw Error("no-particles", "all particles are voids: there is nothing to write",
+                "export a volume: Voxelize has the holes in its grid void");
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const std::string who = "particle " + std::to_string(i);
     const auto s = particles.shape[i];
@@ -187,7 +190,8 @@ void write_glb(const std::filesystem::path& path, const Particles& particles, co
   // Without it a reader would show one particle at the origin: better that it says so.
   pack.model.extensionsRequired = {"EXT_mesh_gpu_instancing"};
   std::vector<std::vector<std::size_t>> members(shapes.shapes.size());
-  for (std::size_t i = 0; i < particles.count(); ++i) members[particles.shape[i]].push_back(i);
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    if (!particles.is_void(i)) members[particles.shape[i]].push_back(i);
 
   for (std::size_t s = 0; s < members.size(); ++s) {
     work.check();

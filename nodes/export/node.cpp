@@ -192,7 +192,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType export_node() {
-  NodeType type("Export", 1);
+  NodeType type("Export", 2);
   type.doc_("Writes what is connected to a file below the output folder, its format by the extension")
       .source_("glTF 2.0 with EXT_mesh_gpu_instancing; OpenVDB; OpenImageIO; RFC 4180");
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);

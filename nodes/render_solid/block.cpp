@@ -2,17 +2,16 @@
 #include <array>
 #include <cmath>
 
-#include "nodes/render_solid/paint.h"
+#include "nodes/render_solid/body.h"
 #include "nodes/render_solid/ray_scene.h"
-#include "nodes/render_solid/solid.h"
 
 namespace terrazzo {
 namespace {
 
-class Block : public Solid {
+class Block : public Body {
  public:
-  Block(const Paint& paint, double cut, double bevel)
-      : paint_(paint), bevel_(static_cast<float>(bevel)), has_cut_(cut > 0), size_(paint.period()) {
+  Block(const Vec3f& size, double cut, double bevel)
+      : bevel_(static_cast<float>(bevel)), has_cut_(cut > 0), size_(size) {
     const auto c = static_cast<float>(cut);
     low_ = Vec3f(size_.x() * (1 - c), 0, size_.z() * (1 - c));
     high_ = Vec3f(size_.x(), size_.y() * c, size_.z());
@@ -20,9 +19,10 @@ class Block : public Solid {
                                         std::vector<RayScene::Instance>{{}});
   }
 
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
+  bool meet(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, float& at) const override {
     RayHit hit;
     if (!scene_->nearest(origin, direction, hit)) return false;
+    at = hit.distance;
     const Face& face = faces_[owner_[hit.triangle]];
     s.position = origin + hit.distance * direction;
     s.position[face.axis] = face.at;
@@ -30,7 +30,6 @@ class Block : public Solid {
     s.face[face.axis] = face.sign;
     s.normal = rounded(s.position, face);
     s.open = owner_[hit.triangle] < 6;
-    s.albedo = paint_.at(s.position, s.face, sharp);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {
@@ -113,7 +112,6 @@ class Block : public Solid {
     return t;
   }
 
-  const Paint& paint_;
   float bevel_;
   bool has_cut_;
   Vec3f size_, low_, high_;  // of the block; corners of the part cut out
@@ -124,8 +122,8 @@ class Block : public Solid {
 
 }  // namespace
 
-std::unique_ptr<Solid> block_solid(const Paint& paint, double cut, double bevel) {
-  return std::make_unique<Block>(paint, cut, bevel);
+std::unique_ptr<Body> block_body(const Vec3f& size, double cut, double bevel) {
+  return std::make_unique<Block>(size, cut, bevel);
 }
 
 }  // namespace terrazzo

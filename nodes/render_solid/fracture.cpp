@@ -42,7 +42,7 @@ class Fracture : public Solid {
             const Vec3f at =
                 (particles.position[i] / longest).cast<float>() + Vec3f(x, y, z).cwiseProduct(size_);
             if ((at.array() + r < 0).any() || (at.array() - r > size_.array()).any()) continue;
-            const bool stays = at.z() < height(at.x(), at.y());
+            const bool stays = !particles.is_void(i) && at.z() < height(at.x(), at.y());
             if (!stays && at.z() - r > highest) continue;  // gone, and no socket
             RayScene::Instance instance;
             instance.mesh = mesh;

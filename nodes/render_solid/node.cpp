@@ -16,6 +16,7 @@ namespace terrazzo {
 namespace {
 
 constexpr float degree = 0.0174532925f;
+constexpr double bevel = 0.008;  // of a block's edges
 
 std::string resolved_mode(const Context& c) {
   const std::string mode = c.text("mode");
@@ -89,12 +90,24 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
   m.paint = field_paint(*m.field, repeat, lie_of(c), mode == "block" || mode == "cube");
 }
 
+// The holes that a packing with voids leaves in what is carved.
+Voids voids_of(Context& c) {
+  const auto* particles = c.optional<Particles>("particles");
+  const auto* volume = c.optional<Volume>("volume");
+  if (!particles && volume && volume->find<openvdb::FloatGrid>("void"))
+    c.warn("the volume has voids, which are filled: connect the particles and their shapes to see the holes");
+  if (!particles || particles->void_count() == 0) return {};
+  need(c, "a packing with voids", "shapes");
+  return {particles, &c.input<Shapes>("shapes"), c.number("repeat"), lie_of(c)};
+}
+
 std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m, std::uint64_t seed) {
   const Paint* paint = m.paint.get();
-  if (mode == "block") return block_solid(*paint, c.number("cut"));
-  if (mode == "cube") return block_solid(*paint, 0);
-  if (mode == "vase") return object_solid(*paint, vase_form());
-  if (mode == "knot") return object_solid(*paint, knot_form());
+  const Voids voids = mode == "fracture" || mode == "particles" ? Voids{} : voids_of(c);
+  if (mode == "block") return block_solid(*paint, c.number("cut"), bevel, voids);
+  if (mode == "cube") return block_solid(*paint, 0, bevel, voids);
+  if (mode == "vase") return object_solid(*paint, vase_form(), voids);
+  if (mode == "knot") return object_solid(*paint, knot_form(), voids);
   if (mode == "object") {
     need(c, "mode 'object'", "object");
     const Shapes& shapes = c.input<Shapes>("object");
@@ -102,7 +115,7 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m
     if (shapes.shapes.size() > 1)
       c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" +
              shapes.shapes[0].name + "', is shown");
-    return object_solid(*paint, shapes.shapes[0]);
+    return object_solid(*paint, shapes.shapes[0], voids);
   }
   need(c, "mode '" + mode + "'", "particles"), need(c, "mode '" + mode + "'", "shapes");
   const auto& particles = c.input<Particles>("particles");
@@ -157,7 +170,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType render_solid_node() {
-  return NodeType("RenderSolid", 3)
+  return NodeType("RenderSolid", 4)
       .doc_(
           "A picture of the solid: a block with a corner cut out, a body carved from it, or its particles "
           "alone, "
@@ -165,7 +178,8 @@ NodeType render_solid_node() {
       .source_("Path tracing with a control variate: what an unoccluded surface gets is added in closed form")
       .optional_input("volume", {"Volume"}, "The solid: a colour grid `Cd`, repeated periodically")
       .optional_input("particles", {"Particles"},
-                      "A packing: shown without its binder, broken, or carved at full resolution")
+                      "A packing: shown without its binder, broken, or carved at full resolution; its voids "
+                      "are holes in what is carved, also where the colours are the volume's")
       .optional_input("shapes", {"Shapes"}, "The particles' forms")
       .optional_input("residual", {"Volume"},
                       "Grid residual of ResidualSynth: the photograph's fine detail on particles and binder, "

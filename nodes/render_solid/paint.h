@@ -1,5 +1,4 @@
-// What colour a solid has inside: of voxels, or of the particles themselves; and how the material lies in the
-// object.
+// What colour a solid has inside: of voxels, or of the particles themselves.
 #pragma once
 
 #include <memory>
@@ -7,21 +6,12 @@
 #include "nodes/common/linear.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "nodes/render_solid/lie.h"
 
 namespace terrazzo {
 
 class ColorField;
 class ResidualField;
-
-// Where an object's points lie in the material: turned, then shifted. An oblique cut through a periodic
-// material does not repeat.
-struct Lie {
-  Eigen::Matrix3f turn = Eigen::Matrix3f::Identity();  // of an object's directions into the material's
-  Vec3f shift = Vec3f::Zero();                         // in periods of each axis
-
-  // `degrees` about x, then y, then z.
-  static Lie of(const Vec3& degrees, const Vec3& shift);
-};
 
 class Paint {
  public:

@@ -18,7 +18,9 @@ class ParticleColors {
       flat_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
       encoded_.push_back(linear_to_srgb(flat_.back()));
     };
-    for (const Vec3f& c : particles.color) add(c);
+    // A point in a void lies on its wall, but for rounding.
+    for (std::size_t i = 0; i < particles.count(); ++i)
+      add(particles.is_void(i) ? particles.binder_color : particles.color[i]);
     add(particles.binder_color);
   }
 

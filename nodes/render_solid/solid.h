@@ -8,11 +8,21 @@
 #include "nodes/common/linear.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "nodes/render_solid/lie.h"
 
 namespace terrazzo {
 
 class Paint;
 class ResidualField;
+
+// Where what is carved has holes: the voids of a packing, lying as its paint does. `particles` may be null or
+// without voids; both must outlive the solid.
+struct Voids {
+  const Particles* particles = nullptr;
+  const Shapes* shapes = nullptr;
+  double repeat = 1;  // periods of the longest edge in one world unit
+  Lie lie;
+};
 
 struct SurfacePoint {
   Vec3f position;
@@ -35,12 +45,14 @@ class Solid {
 // A block of one unit along its longest edge, in the proportions of the material's period. With cut > 0 that
 // share of each edge is taken from the corner at (+x, −y, +z), which shows three inner faces. Edges are
 // shaded as if rounded by `bevel`. The paint must outlive the solid.
-std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = 0.008);
+std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = 0.008,
+                                   const Voids& voids = {});
 
-// A body carved from the material, its longest side one unit. Throws what render_mesh throws.
-std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object);
+// A body carved from the material, its longest side one unit. Throws what render_mesh throws, and with voids what
+// Hollows throws.
+std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object, const Voids& voids = {});
 
-// Particles in their own colours, with the fine detail of `residual` where it is not null; that must outlive
+// Particles in their own colours and without voids, with the fine detail of `residual` where it is not null; that must outlive
 // the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
 std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
                                       const ResidualField* residual = nullptr);

@@ -17,6 +17,10 @@ void compute(Context& c) {
                            report, c.work());
   c.metric("volume_fraction", report.volume_fraction);
   c.metric("exact_volume_fraction", report.exact_volume_fraction);
+  if (c.input<Particles>("particles").void_count() > 0) {
+    c.metric("void_fraction", report.void_fraction);
+    c.metric("exact_void_fraction", report.exact_void_fraction);
+  }
   c.metric("overlap_fraction", report.overlap_fraction);
   c.metric("voxel_size", lattice.voxel);
   if (report.without_voxel > 0)
@@ -41,7 +45,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType voxelize_node() {
-  return NodeType("Voxelize", 3)
+  return NodeType("Voxelize", 4)
       .doc_("Particles, binder and fine detail as OpenVDB grids that tile: density, surface, Cd and id.")
       .input("particles", "Particles", "in their periodic box")
       .input("shapes", "Shapes", "the particles' meshes")
@@ -50,7 +54,7 @@ NodeType voxelize_node() {
       .output("volume", "Volume",
               "density (1 inside, antialiased), surface (level set, mm), Cd (scene-linear colour), id (index "
               "of the "
-              "particle, −1 in the binder)")
+              "particle, −1 in the binder), and where there are voids void (1 inside them, antialiased)")
       .parameter(Parameter::ints("resolution", {128})
                      .count(1, 3)
                      .range(4, 4096)

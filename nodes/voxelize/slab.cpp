@@ -5,10 +5,11 @@
 
 namespace terrazzo {
 
-Slab::Slab(const Vec3i& lattice, int z0, int z1) : z0(z0), z1(z1), lattice(lattice) {
+Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
   const std::size_t n = static_cast<std::size_t>(lattice.x()) * lattice.y() * (z1 - z0);
   coverage.assign(n, 0), color.assign(n, Vec3f::Zero());
   distance.assign(n, static_cast<float>(kBand)), id.assign(n, -1);
+  if (has_voids) holes.assign(n, 0);
 }
 
 void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, const MeshSdf& sdf,
@@ -51,6 +52,7 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
     for (std::size_t plane = begin; plane < end; ++plane)
       for (const Stamp& s : stamps) {
         const Vec3f color = particles.color[s.particle];
+        const bool hole = particles.is_void(s.particle);
         const Vec3i lo = s.box.lo, hi = s.box.lo + s.box.size;
         // Planes of the stamp that fall on this one: every nz-th.
         const int z = slab.z0 + static_cast<int>(plane);
@@ -61,11 +63,15 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
             int x = wrap(lo.x(), nx);
             for (int i = lo.x(); i < hi.x(); ++i, ++from, x = x + 1 == nx ? 0 : x + 1) {
               const std::size_t to = row + x;
-              slab.distance[to] = std::min(slab.distance[to], s.distance[from]);
+              if (!hole) slab.distance[to] = std::min(slab.distance[to], s.distance[from]);
               const float c = s.scan.coverage[from];
               if (c == 0) continue;
-              slab.coverage[to] += c;
-              slab.color[to] += c * color;
+              if (hole) {
+                slab.holes[to] += c;
+              } else {
+                slab.coverage[to] += c;
+                slab.color[to] += c * color;
+              }
               if (s.scan.inside[from] && slab.id[to] < 0) slab.id[to] = s.particle;
             }
           }

@@ -18,11 +18,12 @@ constexpr double kBand = 3;
 struct Slab {
   int z0 = 0, z1 = 0;  // planes [z0, z1)
   Vec3i lattice = Vec3i::Zero();
-  std::vector<float> coverage;   // sum over particles, may exceed 1
+  std::vector<float> coverage;   // sum over particles with matter, may exceed 1
   std::vector<Vec3f> color;      // sum of coverage · colour
   std::vector<float> distance;   // voxels, within ±kBand
   std::vector<std::int32_t> id;  // −1 outside
-  Slab(const Vec3i& lattice, int z0, int z1);
+  std::vector<float> holes;      // sum over voids; empty where there are none
+  Slab(const Vec3i& lattice, int z0, int z1, bool has_voids);
   std::size_t index(int i, int j, int k) const {  // k counts from z0
     return (static_cast<std::size_t>(k) * lattice.y() + j) * lattice.x() + i;
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "nodes/common/color.h"
 #include "nodes/common/mesh.h"
@@ -26,7 +25,7 @@ void check(const Particles& particles, const Shapes& shapes) {
   };
   const std::size_t n = particles.count();
   if (particles.shape.size() != n || particles.orientation.size() != n || particles.scale.size() != n ||
-      particles.color.size() != n)
+      particles.color.size() != n || (!particles.voids.empty() && particles.voids.size() != n))
     throw Error("bad-particles", "the particles' columns have unequal lengths");
   for (std::size_t i = 0; i < n; ++i) {
     if (particles.shape[i] < 0 || particles.shape[i] >= static_cast<std::int32_t>(shapes.shapes.size()))
@@ -160,8 +159,11 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   density->setName("density"), density->setGridClass(openvdb::GRID_FOG_VOLUME);
   surface->setName("surface"), surface->setGridClass(openvdb::GRID_LEVEL_SET);
   color->setName("Cd"), id->setName("id");
+  auto holes = openvdb::FloatGrid::create(0.0f);
+  holes->setName("void"), holes->setGridClass(openvdb::GRID_FOG_VOLUME);
+  const bool has_voids = particles.void_count() > 0;
   for (openvdb::GridBase* g :
-       {static_cast<openvdb::GridBase*>(density.get()), static_cast<openvdb::GridBase*>(surface.get()),
+       {static_cast<openvdb::GridBase*>(holes.get()), static_cast<openvdb::GridBase*>(density.get()), static_cast<openvdb::GridBase*>(surface.get()),
         static_cast<openvdb::GridBase*>(color.get()), static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
 
@@ -186,22 +188,23 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
   const int thickness = std::max<int>(8, static_cast<int>(kSlabVoxels / plane) / 8 * 8);
   std::vector<std::uint8_t> seen(particles.count(), 0);
-  double covered = 0, overlap = 0;
+  double covered = 0, hollow = 0, overlap = 0;
   const openvdb::Coord size(n.x(), n.y(), n.z());
   for (int z0 = 0; z0 < n.z(); z0 += thickness) {
     const int z1 = std::min(n.z(), z0 + thickness);
     const Work slab_work = work.part(0.3 + 0.7 * z0 / n.z(), 0.3 + 0.7 * z1 / n.z());
-    Slab slab(n, z0, z1);
+    Slab slab(n, z0, z1, has_voids);
     fill_slab(slab, stamps_of(boxes, z0, z1, n.z()), particles, shapes, sdfs, voxel, slab_work.part(0, 0.8));
 
-    const auto sums = slab_work.part(0.8, 0.85).reduce<std::pair<double, double>>(
-        z1 - z0, 1, {0, 0},
+    const auto sums = slab_work.part(0.8, 0.85).reduce<Vec3>(
+        z1 - z0, 1, Vec3::Zero(),
         [&](std::size_t begin, std::size_t end) {
-          std::pair<double, double> sum{0, 0};
+          Vec3 sum = Vec3::Zero();  // matter, voids, overlap
           for (std::size_t k = begin; k < end; ++k) {
             for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
               const float c = slab.coverage[i];
-              sum.first += std::min(c, 1.0f), sum.second += std::max(c - 1.0f, 0.0f);
+              const float h = has_voids ? slab.holes[i] : 0;
+              sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f), sum[2] += std::max(c + h - 1.0f, 0.0f);
               slab.color[i] =
                   c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
             }
@@ -226,8 +229,8 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
           }
           return sum;
         },
-        [](auto a, auto b) { return std::pair(a.first + b.first, a.second + b.second); });
-    covered += sums.first, overlap += sums.second;
+        [](const Vec3& a, const Vec3& b) { return Vec3(a + b); });
+    covered += sums[0], hollow += sums[1], overlap += sums[2];
     for (const std::int32_t p : slab.id)
       if (p >= 0) seen[p] = 1;
 
@@ -249,15 +252,24 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
     add_voxels(
         *id, size, z0, z1, [&](int i, int j, int k) { return slab.id[at(i, j, k)]; },
         [](std::int32_t v) { return v >= 0; }, grids);
+    if (has_voids)
+      add_voxels(
+          *holes, size, z0, z1,
+          [&](int i, int j, int k) { return std::min(slab.holes[at(i, j, k)], 1.0f); },
+          [](float v) { return v > 0; }, grids);
   }
   const double voxels = static_cast<double>(plane) * n.z();
   report.volume_fraction = covered / voxels, report.overlap_fraction = overlap / voxels;
-  report.exact_volume_fraction = std::accumulate(volumes.begin(), volumes.end(), 0.0) / particles.box.prod();
+  report.void_fraction = hollow / voxels;
+  for (std::size_t p = 0; p < volumes.size(); ++p)
+    (particles.is_void(p) ? report.exact_void_fraction : report.exact_volume_fraction) +=
+        volumes[p] / particles.box.prod();
   report.without_voxel = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 0));
 
   Volume out;
   out.resolution = n;
   out.grids = {density, surface, color, id};
+  if (has_voids) out.grids.push_back(holes);
   return out;
 }
 

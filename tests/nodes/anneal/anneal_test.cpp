@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
 #include "graph/diagnostic.h"
 #include "nodes/anneal/audit.h"
+#include "nodes/anneal/limits.h"
 #include "nodes/anneal/packing.h"
 #include "nodes/anneal/statistics.h"
 #include "runtime/codec.h"
@@ -147,6 +149,73 @@ TEST(Anneal, SameBitsForAnyNumberOfThreads) {
   EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 2).output<Particles>("particles")));
   EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 7).output<Particles>("particles")));
   EXPECT_NE(one, bytes(pack(shapes, d, {{"count", "120"}, {"seed", "8"}}, 1).output<Particles>("particles")));
+}
+
+TEST(Anneal, SameBitsOfDenseSpheresForAnyNumberOfThreads) {
+  const auto shapes = test::shapes_of({test::icosphere(2)});
+  const auto d = test::distribution(shapes, 1, 1.2, 0.61);
+  const auto one = bytes(pack(shapes, d, {{"count", "300"}}, 1).output<Particles>("particles"));
+  for (const int threads : {2, 7})
+    EXPECT_EQ(one, bytes(pack(shapes, d, {{"count", "300"}}, threads).output<Particles>("particles")));
+}
+
+// Planes in the seam and planes midway between two seams cut the same numbers, areas and touching pairs.
+TEST(Anneal, TheSeamIsAPlaneLikeAnyOther) {
+  const auto shapes = test::shapes_of({test::cube()});
+  constexpr int runs = 16;
+  // Per axis and packing: seam less middle of the particles cut, of their area, of pairs that touch across.
+  std::vector<std::array<double, 3>> difference;
+  double pairs_seen = 0;
+  for (int seed = 1; seed <= runs; ++seed) {
+    const auto run = pack(shapes, test::distribution(shapes, 1, 1.3, 0.5),
+                          {{"count", "150"}, {"seed", std::to_string(seed)}});
+    const auto& p = run.output<Particles>("particles");
+    const double near = 1.3;  // centres of touching cubes of size 1 are about this far apart
+    for (int axis = 0; axis < 3; ++axis) {
+      const double edge = p.box[axis];
+      std::array<double, 3> d{};
+      for (std::size_t i = 0; i < p.count(); ++i) {
+        const Mat3 turn = p.orientation[i].toRotationMatrix();
+        const double reach = 0.5 * p.scale[i] * turn.row(axis).cwiseAbs().sum();
+        const auto offset = [&](double plane) {
+          const double x = p.position[i][axis] - plane;
+          return x - edge * std::round(x / edge);
+        };
+        for (const double sign : {1.0, -1.0}) {
+          const double x = offset(sign > 0 ? 0 : edge / 2);
+          if (std::abs(x) < reach) d[0] += sign, d[1] += sign * std::sqrt(1 - std::pow(x / reach, 2));
+          for (std::size_t j = 0; j < p.count(); ++j) {
+            if (i == j) continue;
+            Vec3 v = p.position[j] - p.position[i];
+            for (int a = 0; a < 3; ++a) v[a] -= p.box[a] * std::round(v[a] / p.box[a]);
+            if (v.norm() < near && x < 0 && x + v[axis] >= 0) d[2] += sign, pairs_seen += 1;
+          }
+        }
+      }
+      difference.push_back(d);
+    }
+  }
+  EXPECT_GT(pairs_seen, 500);
+  for (int k = 0; k < 3; ++k) {
+    double mean = 0, square = 0;
+    for (const auto& d : difference) mean += d[k] / double(difference.size());
+    for (const auto& d : difference) square += (d[k] - mean) * (d[k] - mean);
+    const double error = std::sqrt(square / double(difference.size() * (difference.size() - 1)));
+    EXPECT_GT(error, 0);
+    EXPECT_LT(std::abs(mean), 3.5 * error) << k;
+  }
+}
+
+TEST(Anneal, MoreThanTheMemoryHoldsIsRefusedBeforeTheWork) {
+  const auto shapes = test::shapes_of({test::cube()});
+  anneal::PopulationOptions o;
+  o.count = 1000;
+  const auto population = anneal::populate(test::distribution(shapes, 1, 1.2, 0.3), shapes, nullptr, o);
+  const double needed = anneal::memory_needed(population, shapes);
+  EXPECT_EQ(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 2 * needed); }), "no error");
+  EXPECT_EQ(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 0); }), "no error");  // unknown
+  EXPECT_TRUE(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, needed); })
+                  .starts_with("not-enough-memory"));
 }
 
 TEST(Anneal, TilesSideBySide) {

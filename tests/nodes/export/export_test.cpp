@@ -75,23 +75,25 @@ Labels some_labels(std::int32_t largest) {
 }
 
 TEST(ExportCsv, NumbersReadBackAsTheSameNumbers) {
-  const Particles p = test::some_particles(50);
+  Particles p = test::some_particles(50);
+  p.voids.assign(50, 0), p.voids[3] = 1;
   std::istringstream lines(csv_of(p));
   std::string line;
   std::getline(lines, line);
-  EXPECT_EQ(line, "id,shape,class,x,y,z,qw,qx,qy,qz,scale,size,color_r,color_g,color_b");
+  EXPECT_EQ(line, "id,shape,class,x,y,z,qw,qx,qy,qz,scale,size,color_r,color_g,color_b,void");
   for (std::size_t i = 0; i < p.count(); ++i) {
     ASSERT_TRUE(std::getline(lines, line));
     std::vector<double> cell;
     std::istringstream cells(line);
     for (std::string c; std::getline(cells, c, ',');) cell.push_back(std::stod(c));
-    ASSERT_EQ(cell.size(), 15u);
+    ASSERT_EQ(cell.size(), 16u);
     EXPECT_EQ(cell[0], double(i));
     EXPECT_EQ(cell[1], p.shape[i]);
     EXPECT_EQ(Vec3(cell[3], cell[4], cell[5]), p.position[i]);
     EXPECT_EQ(cell[6], p.orientation[i].w());
     EXPECT_EQ(cell[10], p.scale[i]);
     EXPECT_EQ(static_cast<float>(cell[14]), p.color[i].z());
+    EXPECT_EQ(cell[15], i == 3);
   }
   EXPECT_FALSE(std::getline(lines, line));
 }

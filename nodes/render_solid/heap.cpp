@@ -1,7 +1,6 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/ray_mesh.h"
@@ -10,40 +9,6 @@
 namespace terrazzo {
 namespace {
 
-class Carved : public Solid {
- public:
-  Carved(const Paint& paint, const Shape& shape) : paint_(paint), body_(placed(shape)) {
-    scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{body_.triangles},
-                                        std::vector<RayScene::Instance>{{}});
-  }
-  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
-    RayHit hit;
-    if (!scene_->nearest(origin, direction, hit)) return false;
-    s.position = origin + hit.distance * direction;
-    body_.normals_at(hit, s.face, s.normal);
-    s.albedo = paint_.at(s.position, s.face, sharp);
-    s.open = false;
-    return true;
-  }
-  bool any(const Vec3f& origin, const Vec3f& direction) const override {
-    return scene_->any(origin, direction);
-  }
-  Eigen::AlignedBox3f bounds() const override { return scene_->bounds(); }
-
- private:
-  static RayMesh placed(const Shape& shape) {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& v : shape.mesh.vertices) box.extend(v);
-    const double longest = box.isEmpty() ? 0 : box.sizes().maxCoeff();
-    if (!(longest > 0) || !std::isfinite(longest))
-      throw Error("bad-mesh", "the object '" + shape.name + "' has no extent");
-    return RayMesh(shape, -box.min(), 1 / longest);
-  }
-  const Paint& paint_;
-  RayMesh body_;
-  std::unique_ptr<RayScene> scene_;
-};
-
 class Heap : public Solid {
  public:
   Heap(const Particles& particles, const Shapes& shapes, const ResidualField* residual)
@@ -51,17 +16,21 @@ class Heap : public Solid {
     const double longest = particles.box.maxCoeff();
     std::vector<RayScene::Triangles> meshes;
     for (const Shape& s : shapes.shapes) bodies_.emplace_back(s), meshes.push_back(bodies_.back().triangles);
-    std::vector<RayScene::Instance> instances(particles.count());
+    std::vector<RayScene::Instance> instances;
     double lowest = 0;
     for (std::size_t i = 0; i < particles.count(); ++i) {
+      if (particles.is_void(i)) continue;
       const Mat3 rotation = particles.orientation[i].normalized().toRotationMatrix();
       const double scale = particles.scale[i] / longest;
-      instances[i].mesh = static_cast<std::uint32_t>(particles.shape[i]);
-      instances[i].linear = (rotation * scale).cast<float>();
-      instances[i].offset = (particles.position[i] / longest).cast<float>();
+      RayScene::Instance instance;
+      instance.mesh = static_cast<std::uint32_t>(particles.shape[i]);
+      instance.linear = (rotation * scale).cast<float>();
+      instance.offset = (particles.position[i] / longest).cast<float>();
+      instances.push_back(instance);
+      particle_.push_back(static_cast<int>(i));
       rotations_.push_back(rotation.cast<float>());
-      mesh_of_.push_back(instances[i].mesh);
-      for (const Vec3& v : shapes.shapes[instances[i].mesh].mesh.vertices)
+      mesh_of_.push_back(instance.mesh);
+      for (const Vec3& v : shapes.shapes[instance.mesh].mesh.vertices)
         lowest = std::min(lowest, particles.position[i].z() / longest + scale * rotation.row(2).dot(v));
     }
     lowest_ = static_cast<float>(lowest);
@@ -77,7 +46,7 @@ class Heap : public Solid {
     s.face = rotations_[hit.instance] * s.face;
     s.normal = rotations_[hit.instance] * s.normal;
     s.albedo =
-        colors_.at((s.position + Vec3f(0, 0, lowest_)) * longest_, static_cast<int>(hit.instance), sharp);
+        colors_.at((s.position + Vec3f(0, 0, lowest_)) * longest_, particle_[hit.instance], sharp);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {
@@ -91,18 +60,18 @@ class Heap : public Solid {
   std::vector<RayMesh> bodies_;
   std::vector<Eigen::Matrix3f> rotations_;
   std::vector<std::uint32_t> mesh_of_;
+  std::vector<int> particle_;  // of each instance
   std::unique_ptr<RayScene> scene_;
 };
 
 }  // namespace
 
-std::unique_ptr<Solid> object_solid(const Paint& paint, const Shape& object) {
-  return std::make_unique<Carved>(paint, object);
-}
-
 std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& shapes,
                                       const ResidualField* residual) {
   check_shown(particles, shapes);
+  if (particles.void_count() == particles.count())
+    throw Error("no-particles", "all particles are voids: without the binder nothing is left",
+                "show a block or an object");
   return std::make_unique<Heap>(particles, shapes, residual);
 }
 

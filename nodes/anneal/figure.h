@@ -1,0 +1,13 @@
+// What a packing is like, drawn.
+#pragma once
+
+#include "nodes/common/linear.h"
+#include "nodes/data/image.h"
+#include "nodes/data/table.h"
+
+namespace terrazzo::anneal {
+
+// Of size_table, pair_correlation and sections_per_area (statistics.h), side by side.
+Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area);
+
+}  // namespace terrazzo::anneal

@@ -1,0 +1,106 @@
+#include "nodes/render_solid/body.h"
+#include "nodes/render_solid/hollows.h"
+#include "nodes/render_solid/paint.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr float beyond = 2e-6f;  // world units that a ray goes on past what it met
+
+class Carved : public Solid {
+ public:
+  Carved(const Paint& paint, std::unique_ptr<Body> body) : paint_(paint), body_(std::move(body)) {}
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
+    float at;
+    if (!body_->meet(origin, direction, s, at)) return false;
+    s.albedo = paint_.at(s.position, s.face, sharp);
+    return true;
+  }
+  bool any(const Vec3f& origin, const Vec3f& direction) const override {
+    return body_->any(origin, direction);
+  }
+  Eigen::AlignedBox3f bounds() const override { return body_->bounds(); }
+
+ private:
+  const Paint& paint_;
+  std::unique_ptr<Body> body_;
+};
+
+// A body with holes: rays start in the air, outside or in a hole, and go on until they enter matter.
+class Hollowed : public Solid {
+ public:
+  Hollowed(const Paint& paint, std::unique_ptr<Body> body, std::unique_ptr<Hollows> hollows)
+      : paint_(paint), body_(std::move(body)), hollows_(std::move(hollows)) {}
+  bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
+    if (!walk(origin, direction, s)) return false;
+    s.albedo = paint_.at(s.position, s.face, sharp);
+    return true;
+  }
+  bool any(const Vec3f& origin, const Vec3f& direction) const override {
+    SurfacePoint s;
+    return walk(origin, direction, s);
+  }
+  Eigen::AlignedBox3f bounds() const override { return body_->bounds(); }
+
+ private:
+  bool walk(const Vec3f& origin, const Vec3f& d, SurfacePoint& s) const {
+    float from = 0;
+    for (int step = 0; step < 256; ++step) {
+      const Vec3f p = origin + from * d;
+      SurfacePoint outer;
+      float to;
+      if (!body_->meet(p, d, outer, to)) return false;
+      const bool leaves = outer.face.dot(d) > 0;
+      // Coming from outside, matter begins at the body's surface unless a hole is open there; from within a
+      // hole, at the hole's wall unless the body ends before it.
+      HollowHit wall;
+      if (!leaves) {
+        if (!hollows_->nearest(p + to * d, d, wall) || !wall.leaves) {
+          s = outer;
+          return true;
+        }
+        from += to;
+        to = 0;
+      } else if (!hollows_->nearest(p, d, wall) || !wall.leaves) {
+        from += to + beyond;  // a ray that grazed an edge: it goes on in the air
+        continue;
+      }
+      // In a hole, and in the body: which of them ends first?
+      if (!leaves) {
+        from += beyond;
+        if (!body_->meet(origin + from * d, d, outer, to)) return false;
+      }
+      if (wall.at < to) {
+        s.position = origin + (from + wall.at) * d;
+        s.face = -wall.face, s.normal = -wall.normal;
+        s.open = false;
+        return true;
+      }
+      from += to + beyond;
+    }
+    return false;
+  }
+
+  const Paint& paint_;
+  std::unique_ptr<Body> body_;
+  std::unique_ptr<Hollows> hollows_;
+};
+
+std::unique_ptr<Solid> carved(const Paint& paint, std::unique_ptr<Body> body, const Voids& voids) {
+  if (!voids.particles || voids.particles->void_count() == 0)
+    return std::make_unique<Carved>(paint, std::move(body));
+  auto hollows = std::make_unique<Hollows>(voids, body->bounds());
+  return std::make_unique<Hollowed>(paint, std::move(body), std::move(hollows));
+}
+
+}  // namespace
+
+std::unique_ptr<Solid> block_solid(const Paint& paint, double cut, double bevel, const Voids& voids) {
+  return carved(paint, block_body(paint.period(), cut, bevel), voids);
+}
+
+std::unique_ptr<Solid> object_solid(const Paint& paint, const Shape& object, const Voids& voids) {
+  return carved(paint, object_body(object), voids);
+}
+
+}  // namespace terrazzo
