@@ -3,6 +3,9 @@
 #include "nodes/common/plot.h"
 
 namespace terrazzo::anneal {
+namespace {
+double number(const Table::Cell& cell) { return std::get<double>(cell); }
+}  // namespace
 
 Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area) {
   Plot by_size;
@@ -11,16 +14,16 @@ Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sectio
   requested.kind = achieved.kind = PlotSeries::Kind::Bars;
   requested.name = "requested", achieved.name = "achieved", achieved.color = 1;
   for (const auto& row : sizes.rows) {
-    const double middle = 0.5 * (row[0] + row[1]);
-    requested.x.push_back(middle), requested.y.push_back(row[2]);
-    achieved.x.push_back(middle), achieved.y.push_back(row[3]);
+    const double middle = 0.5 * (number(row[0]) + number(row[1]));
+    requested.x.push_back(middle), requested.y.push_back(number(row[2]));
+    achieved.x.push_back(middle), achieved.y.push_back(number(row[3]));
   }
   by_size.series = {requested, achieved};
 
   Plot pairs;
   pairs.title = "Pair correlation of the centres", pairs.x_label = "distance, mm", pairs.y_label = "g";
   PlotSeries g;
-  for (const auto& row : correlation.rows) g.x.push_back(row[0]), g.y.push_back(row[1]);
+  for (const auto& row : correlation.rows) g.x.push_back(number(row[0])), g.y.push_back(number(row[1]));
   pairs.series = {g};
 
   Plot cuts;

@@ -96,18 +96,26 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
           lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
           hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
         }
-        const auto wrapped = [&](int axis, int c, int& image) {
-          const int n = level.cells[axis];
-          image = c >= 0 ? c / n : -((n - 1 - c) / n);
-          return c - image * n;
+        struct Cell {
+          int at = 0, image = 0;
+          Cell(int c, int n) {  // most cells lie within the box: no division
+            image = c >= 0 && c < n ? 0 : c >= 0 ? c / n : -((n - 1 - c) / n);
+            at = c - image * n;
+          }
         };
         std::array<int, 3> image;
         for (int z = lo[2]; z <= hi[2]; ++z) {
-          const std::size_t plane = static_cast<std::size_t>(wrapped(2, z, image[2])) * level.cells[1];
+          const Cell cz(z, level.cells[2]);
+          image[2] = cz.image;
+          const std::size_t plane = static_cast<std::size_t>(cz.at) * level.cells[1];
           for (int y = lo[1]; y <= hi[1]; ++y) {
-            const std::size_t row = (plane + wrapped(1, y, image[1])) * level.cells[0];
+            const Cell cy(y, level.cells[1]);
+            image[1] = cy.image;
+            const std::size_t row = (plane + cy.at) * level.cells[0];
             for (int x = lo[0]; x <= hi[0]; ++x) {
-              const std::size_t f = row + wrapped(0, x, image[0]);
+              const Cell cx(x, level.cells[0]);
+              image[0] = cx.image;
+              const std::size_t f = row + cx.at;
               const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
               for (std::int32_t k = level.begin[f]; k < level.begin[f + 1]; ++k) {
                 const double square = (level.place[k] - from).squaredNorm();

@@ -93,11 +93,12 @@ NodeType anneal_node() {
                      .unit_("mm")
                      .range(0, 1e6)
                      .doc_("Smallest distance between particles"))
-      .parameter(Parameter::with_keyword(ParameterKind::Ints, "voids", "none")
-                     .keyword("all")
-                     .range(0, 1e6)
-                     .doc_("Classes of the distribution whose particles are holes: packed like the others, but "
-                           "without matter, as in foams, sponges and aerated concrete"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Ints, "voids", "none")
+              .keyword("all")
+              .range(0, 1e6)
+              .doc_("Classes of the distribution whose particles are holes: packed like the others, but "
+                    "without matter, as in foams, sponges and aerated concrete"))
       .parameter(
           Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
               .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "graph/diagnostic.h"
 #include "nodes/anneal/audit.h"
 #include "nodes/anneal/limits.h"
 #include "nodes/anneal/placement.h"
 #include "nodes/anneal/schedule.h"
+#include "nodes/anneal/spatial_order.h"
 #include "nodes/anneal/statistics.h"
 #include "nodes/anneal/turn.h"
 
@@ -48,6 +50,13 @@ void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
 }
 
 constexpr int kAuditRounds = 60;
+constexpr std::size_t kCached = 50000;  // fewer particles are in reach of each other wherever they are kept
+
+void reorder_all(Particles& p, const std::vector<std::int32_t>& order) {
+  reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
+  reorder(p.color, order), reorder(p.voids, order);
+  reorder(p.position, order), reorder(p.orientation, order);
+}
 
 class Packer {
  public:
@@ -73,9 +82,11 @@ class Packer {
   AnnealResult state_;
   AuditResult audit_;
   PackResult result_;
+  std::vector<std::int32_t> index_;  // of each particle in the population's order; empty: they are in it
 
   void prepare();
   void place();
+  void sort(const std::vector<std::int32_t>& order);
   void anneal_and_audit(double start_shrink, const Work& work);
   void drop(const Work& work);
   bool has_more_detail() const;
@@ -101,6 +112,18 @@ void Packer::place() {
     radius[i] =
         std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
   place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
+  if (packing_.count() < kCached) return;
+  index_.resize(packing_.count());
+  std::iota(index_.begin(), index_.end(), 0);
+  sort(spatial_order(packing_.box, packing_.position));
+}
+
+// Particles in another order, for as long as they are packed.
+void Packer::sort(const std::vector<std::int32_t>& order) {
+  reorder_all(population_.particles, order), reorder(population_.size_class, order);
+  reorder(index_, order);
+  reorder(packing_.position, order), reorder(packing_.orientation, order);
+  reorder(packing_.shape, order), reorder(packing_.scale, order), reorder(packing_.size, order);
 }
 
 bool Packer::has_more_detail() const {
@@ -173,7 +196,8 @@ void Packer::drop(const Work& work) {
     }
     Particles& p = population_.particles;
     keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
-    keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep);
+    keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep),
+        keep_only(index_, keep);
     keep_only(packing_.position, keep), keep_only(packing_.orientation, keep);
     p.position = packing_.position, p.orientation = packing_.orientation;
     population_.fraction = volume_fraction(shapes_, p);
@@ -214,6 +238,14 @@ PackResult Packer::run() {
                     audit_.worst),
         "raise `iterations` or lower the volume fraction");
 
+  result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
+  if (!index_.empty()) {
+    std::vector<std::int32_t> back(index_.size());
+    std::iota(back.begin(), back.end(), 0);
+    std::sort(back.begin(), back.end(),
+              [&](std::int32_t a, std::int32_t b) { return index_[a] < index_[b]; });
+    sort(back);
+  }
   result_.particles = placed(population_.particles, packing_);
   result_.size_class = population_.size_class;
   result_.expected = population_.expected;
@@ -222,7 +254,6 @@ PackResult Packer::run() {
   result_.shrink = packing_.shrink;
   result_.kept = population_.kept;
   result_.notes = population_.notes;
-  result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
   if (result_.shrink < 1)
     result_.notes.push_back(
         fmt::format("jammed: all particles were shrunk to {:.4f} of their size, the volume fraction is "

@@ -8,7 +8,13 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr std::uint64_t kPlace = 0x706c616365;
+constexpr std::uint64_t kPlace = 0x706c616365, kBlock = 0x626c6f636b;
+constexpr std::size_t kCached = 50000;  // more balls than these are placed block by block
+constexpr int kBlocks = 16;             // along an edge
+
+int octave_of(double radius, double largest) {
+  return static_cast<int>(std::clamp(std::log2(largest / radius), 0.0, 12.0));
+}
 
 // Balls so far, in one grid per octave of radius.
 class Occupied {
@@ -73,7 +79,7 @@ class Occupied {
   std::vector<Level> levels_;
 
   Level& at(double radius) {
-    const auto octave = static_cast<std::size_t>(std::clamp(std::log2(largest_ / radius), 0.0, 12.0));
+    const auto octave = static_cast<std::size_t>(octave_of(radius, largest_));
     if (levels_.size() <= octave) levels_.resize(octave + 1);
     Level& level = levels_[octave];
     if (level.balls.empty()) {
@@ -86,6 +92,26 @@ class Occupied {
   }
 };
 
+// Particles in the order in which they are placed, and the block of the box that each is drawn into: by
+// octave of size, then by block, so that what a ball is tested against is at hand.
+struct Draw {
+  std::uint32_t block;
+  std::int32_t particle;
+};
+std::vector<Draw> draws(std::size_t first, const std::vector<double>& radius, double largest,
+                        std::uint64_t seed) {
+  std::vector<std::pair<std::uint64_t, std::int32_t>> order;
+  for (std::size_t i = first; i < radius.size(); ++i) {
+    const auto block = Random(seed, kBlock, i).below(kBlocks * kBlocks * kBlocks);
+    order.emplace_back(static_cast<std::uint64_t>(octave_of(radius[i], largest)) << 32 | block,
+                       static_cast<std::int32_t>(i));
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<Draw> out;
+  for (const auto& [key, i] : order) out.push_back({static_cast<std::uint32_t>(key), i});
+  return out;
+}
+
 }  // namespace
 
 void place_at_random(Packing& packing, std::size_t first, const std::vector<double>& radius,
@@ -96,14 +122,24 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
   for (std::size_t i = 0; i < first; ++i) occupied.add(packing.position[i], radius[i]);
   int tries = 24;  // fewer as the box fills and free places become rare
   double crowded = 0;
-  for (std::size_t i = first; i < n; ++i) {
-    if (i % 256 == 0) work.check();
+  const bool by_block = n - first >= kCached;
+  const auto order = by_block ? draws(first, radius, *std::max_element(radius.begin(), radius.end()), seed)
+                              : std::vector<Draw>{};
+  for (std::size_t k = first; k < n; ++k) {
+    if (k % 256 == 0) work.check();
+    const std::size_t i = by_block ? static_cast<std::size_t>(order[k - first].particle) : k;
+    Vec3 low = Vec3::Zero(), edges = packing.box;
+    if (by_block) {
+      const std::uint32_t b = order[k - first].block;
+      edges /= kBlocks;
+      low = edges.cwiseProduct(Vec3(b % kBlocks, b / kBlocks % kBlocks, b / (kBlocks * kBlocks)));
+    }
     Random random(seed, kPlace, i);
     double least = 1e300;
     int t = 0;
     for (; t < tries && least > 0; ++t) {
-      const Vec3 p(random.uniform() * packing.box[0], random.uniform() * packing.box[1],
-                   random.uniform() * packing.box[2]);
+      const Vec3 p(low[0] + random.uniform() * edges[0], low[1] + random.uniform() * edges[1],
+                   low[2] + random.uniform() * edges[2]);
       const double o = occupied.overlap(p, radius[i], least);
       if (o < least) least = o, packing.position[i] = p;
     }

@@ -320,8 +320,8 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     p.scale[i] = m.size / shapes.shapes[m.shape].size();
     out.size_class.push_back(m.size_class);
     if (!p.voids.empty())
-      p.voids[i] = o.all_void || std::find(o.void_classes.begin(), o.void_classes.end(), p.cls[i]) !=
-                                     o.void_classes.end();
+      p.voids[i] = o.all_void ||
+                   std::find(o.void_classes.begin(), o.void_classes.end(), p.cls[i]) != o.void_classes.end();
     if (p.is_void(i)) p.color[i].setZero();  // a hole looks dark in a section
     if (m.start < 0) continue;
     ++out.kept;

@@ -87,12 +87,17 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   const auto cell_of = [&](const Vec3& p, int a) {
     return std::clamp(static_cast<int>(p[a] / particles.box[a] * cells[a]), 0, cells[a] - 1);
   };
-  std::vector<std::vector<std::int32_t>> members(static_cast<std::size_t>(cells[0]) * cells[1] * cells[2]);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3& p = particles.position[i];
-    members[(static_cast<std::size_t>(cell_of(p, 2)) * cells[1] + cell_of(p, 1)) * cells[0] + cell_of(p, 0)]
-        .push_back(static_cast<std::int32_t>(i));
-  }
+  const auto flat = [&](int x, int y, int z) {
+    return (static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x;
+  };
+  // The centres cell by cell: those looked from one after the other see the same others.
+  std::vector<std::int32_t> begin_of(flat(0, 0, cells[2]) + 1, 0);
+  const auto cell_at = [&](const Vec3& p) { return flat(cell_of(p, 0), cell_of(p, 1), cell_of(p, 2)); };
+  for (const Vec3& p : particles.position) ++begin_of[cell_at(p) + 1];
+  for (std::size_t c = 1; c < begin_of.size(); ++c) begin_of[c] += begin_of[c - 1];
+  std::vector<Vec3> center(n);
+  std::vector<std::int32_t> next(begin_of.begin(), begin_of.end() - 1);
+  for (const Vec3& p : particles.position) center[static_cast<std::size_t>(next[cell_at(p)]++)] = p;
   using Counts = std::vector<std::int64_t>;
   const Counts count = work.reduce<Counts>(
       looked, 64, Counts(bins, 0),
@@ -100,7 +105,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
         Counts part(bins, 0);
         for (std::size_t m = begin; m < end; ++m) {
           const std::size_t i = m * stride;
-          const Vec3& p = particles.position[i];
+          const Vec3& p = center[i];
           std::array<int, 3> lo, hi;
           for (int a = 0; a < 3; ++a) {
             lo[a] = static_cast<int>(std::floor((p[a] - farthest) / particles.box[a] * cells[a]));
@@ -110,16 +115,17 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
           const auto wrapped = [&](int c, int a) { return ((c % cells[a]) + cells[a]) % cells[a]; };
           for (int z = lo[2]; z <= hi[2]; ++z)
             for (int y = lo[1]; y <= hi[1]; ++y)
-              for (int x = lo[0]; x <= hi[0]; ++x)
-                for (std::int32_t j :
-                     members[(static_cast<std::size_t>(wrapped(z, 2)) * cells[1] + wrapped(y, 1)) * cells[0] +
-                             wrapped(x, 0)]) {
-                  if (static_cast<std::size_t>(j) == i) continue;
-                  Vec3 d = particles.position[j] - p;
+              for (int x = lo[0]; x <= hi[0]; ++x) {
+                const std::size_t cell = flat(wrapped(x, 0), wrapped(y, 1), wrapped(z, 2));
+                for (auto j = static_cast<std::size_t>(begin_of[cell]);
+                     j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
+                  if (j == i) continue;
+                  Vec3 d = center[j] - p;
                   for (int a = 0; a < 3; ++a) d[a] -= std::round(d[a] / particles.box[a]) * particles.box[a];
                   const int bin = static_cast<int>(d.norm() / farthest * bins);
                   if (bin < bins) ++part[bin];
                 }
+              }
         }
         return part;
       },

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/kmeans.h"
 #include "nodes/common/color.h"
+#include "nodes/common/kmeans.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -137,8 +137,9 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     }
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        if (!particles.is_void(i)) particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
-                                          .pick(Random(choice.seed, kClass, i).uniform())];
+        if (!particles.is_void(i))
+          particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
+                                            .pick(Random(choice.seed, kClass, i).uniform())];
     });
   }
   std::vector<Draw> draws;
@@ -149,7 +150,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     draws[source.cls[i]].add(i, source.weight[i]);
   }
   for (std::size_t i = 0; i < n; ++i)
-    if (const int c = particles.cls[i]; !particles.is_void(i) && (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty()))
+    if (const int c = particles.cls[i];
+        !particles.is_void(i) && (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty()))
       throw Error("no-class", "no whole profile has the class " + std::to_string(c) + " of a particle",
                   "colour by mode random or by_size, or take particles and profiles of one segmentation");
   pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });

@@ -42,8 +42,10 @@ void compute(Context& c) {
 
 NodeType colorize_node() {
   return NodeType("Colorize", 2)
-      .doc_("Gives every particle the mean colour of a profile of the photograph, and the binder its own; voids stay "
-            "black.")
+      .doc_(
+          "Gives every particle the mean colour of a profile of the photograph, and the binder its own; "
+          "voids stay "
+          "black.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
       .input("particles", "Particles", "whose colours are set")
       .input("profiles", "Profiles", "with mean colours, weights and the binder's colour")

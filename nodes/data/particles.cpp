@@ -42,9 +42,16 @@ nlohmann::json describe(const Particles& v) {
   std::vector<std::size_t> voids;
   for (std::size_t i = 0; i < v.count(); ++i)
     if (v.is_void(i)) voids.push_back(i);
-  return {{"box", json_of(v.box)}, {"count", v.count()}, {"shape", v.shape}, {"class", v.cls},
-          {"position", std::move(position)}, {"orientation", std::move(orientation)}, {"scale", v.scale},
-          {"size", v.size}, {"color", std::move(color)}, {"binder_color", json_of(v.binder_color)},
+  return {{"box", json_of(v.box)},
+          {"count", v.count()},
+          {"shape", v.shape},
+          {"class", v.cls},
+          {"position", std::move(position)},
+          {"orientation", std::move(orientation)},
+          {"scale", v.scale},
+          {"size", v.size},
+          {"color", std::move(color)},
+          {"binder_color", json_of(v.binder_color)},
           {"voids", std::move(voids)}};
 }
 

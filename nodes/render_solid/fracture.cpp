@@ -92,7 +92,7 @@ class Fracture : public Solid {
   // Everything under the rough face, wider than the block: its sides are those of the block, which walk()
   // cuts.
   RayMesh under_the_face() const {
-    constexpr int n = 160;
+    constexpr int n = 480;  // fine enough that its facets do not shade each other where light grazes
     Shape s;
     s.smooth = true;
     const auto place = [&](int i, float edge) { return double(edge) * (1.1 * i / n - 0.05); };

@@ -27,9 +27,9 @@ Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
   const Vec3 shift = voids.lie.shift.cast<double>().cwiseProduct(box);
   Eigen::AlignedBox3d reach;  // of the body, in the material
   for (int corner = 0; corner < 8; ++corner)
-    reach.extend(
-        turn * bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>() * unit +
-        shift);
+    reach.extend(turn * bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>() *
+                     unit +
+                 shift);
   std::vector<RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i) {
     if (!particles.is_void(i)) continue;

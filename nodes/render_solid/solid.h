@@ -48,12 +48,12 @@ class Solid {
 std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = 0.008,
                                    const Voids& voids = {});
 
-// A body carved from the material, its longest side one unit. Throws what render_mesh throws, and with voids what
-// Hollows throws.
+// A body carved from the material, its longest side one unit. Throws what render_mesh throws, and with voids
+// what Hollows throws.
 std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object, const Voids& voids = {});
 
-// Particles in their own colours and without voids, with the fine detail of `residual` where it is not null; that must outlive
-// the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
+// Particles in their own colours and without voids, with the fine detail of `residual` where it is not null;
+// that must outlive the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
 std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
                                       const ResidualField* residual = nullptr);
 

@@ -163,8 +163,9 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   holes->setName("void"), holes->setGridClass(openvdb::GRID_FOG_VOLUME);
   const bool has_voids = particles.void_count() > 0;
   for (openvdb::GridBase* g :
-       {static_cast<openvdb::GridBase*>(holes.get()), static_cast<openvdb::GridBase*>(density.get()), static_cast<openvdb::GridBase*>(surface.get()),
-        static_cast<openvdb::GridBase*>(color.get()), static_cast<openvdb::GridBase*>(id.get())})
+       {static_cast<openvdb::GridBase*>(holes.get()), static_cast<openvdb::GridBase*>(density.get()),
+        static_cast<openvdb::GridBase*>(surface.get()), static_cast<openvdb::GridBase*>(color.get()),
+        static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
 
   // Where the detail repeats within the box every particle sees another part of it: grains are not alike
@@ -204,7 +205,8 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
             for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
               const float c = slab.coverage[i];
               const float h = has_voids ? slab.holes[i] : 0;
-              sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f), sum[2] += std::max(c + h - 1.0f, 0.0f);
+              sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f),
+                  sum[2] += std::max(c + h - 1.0f, 0.0f);
               slab.color[i] =
                   c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
             }
@@ -254,8 +256,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
         [](std::int32_t v) { return v >= 0; }, grids);
     if (has_voids)
       add_voxels(
-          *holes, size, z0, z1,
-          [&](int i, int j, int k) { return std::min(slab.holes[at(i, j, k)], 1.0f); },
+          *holes, size, z0, z1, [&](int i, int j, int k) { return std::min(slab.holes[at(i, j, k)], 1.0f); },
           [](float v) { return v > 0; }, grids);
   }
   const double voxels = static_cast<double>(plane) * n.z();

@@ -9,8 +9,10 @@
 #include "nodes/anneal/audit.h"
 #include "nodes/anneal/limits.h"
 #include "nodes/anneal/packing.h"
+#include "nodes/anneal/spatial_order.h"
 #include "nodes/anneal/statistics.h"
 #include "runtime/codec.h"
+#include "runtime/random.h"
 #include "tests/nodes/anneal/brute_force.h"
 #include "tests/support/run_node.h"
 
@@ -159,6 +161,46 @@ TEST(Anneal, SameBitsOfDenseSpheresForAnyNumberOfThreads) {
     EXPECT_EQ(one, bytes(pack(shapes, d, {{"count", "300"}}, threads).output<Particles>("particles")));
 }
 
+TEST(Anneal, SpatialOrderKeepsNeighboursTogether) {
+  std::vector<Vec3> points;
+  for (std::uint64_t i = 0; i < 4096; ++i) {
+    Random r(1, 0, i);
+    points.push_back(Vec3(2 * r.uniform(), 3 * r.uniform(), r.uniform()));
+  }
+  const auto order = anneal::spatial_order(Vec3(2, 3, 1), points);
+  auto sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], static_cast<std::int32_t>(i));
+  auto moved = points;
+  anneal::reorder(moved, order);
+  EXPECT_EQ(moved[7], points[static_cast<std::size_t>(order[7])]);
+  double step = 0, before = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    step += (moved[i] - moved[i - 1]).cwiseQuotient(Vec3(2, 3, 1)).norm();
+    before += (points[i] - points[i - 1]).cwiseQuotient(Vec3(2, 3, 1)).norm();
+  }
+  EXPECT_LT(step, 0.2 * before);  // a random walk through the points goes .66 at each
+}
+
+// Many are placed and kept by where they are; they come out in their own order, the same at any number of
+// threads.
+TEST(Anneal, ManyComeOutInTheirOrder) {
+  const auto shapes = test::shapes_of({test::icosphere(2)});
+  const auto d = test::distribution(shapes, 1, 2, 0.2);
+  const std::map<std::string, std::string> parameters{{"count", "51000"}};
+  const auto run = pack(shapes, d, parameters, 2);
+  const auto& p = run.output<Particles>("particles");
+  ASSERT_GT(p.count(), 50000u);
+  EXPECT_EQ(run.metrics.at("max_penetration"), 0);
+  for (std::size_t i = 1; i < p.count(); ++i) ASSERT_GE(p.size[i - 1], p.size[i]);
+  // Anywhere: neither in lattice order nor missing from a part of the box.
+  std::array<int, 8> octant{};
+  for (const Vec3& x : p.position)
+    ++octant[(x[0] * 2 > p.box[0]) + 2 * (x[1] * 2 > p.box[1]) + 4 * (x[2] * 2 > p.box[2])];
+  for (const int n : octant) EXPECT_NEAR(n, p.count() / 8.0, 400);
+  EXPECT_EQ(bytes(p), bytes(pack(shapes, d, parameters, 1).output<Particles>("particles")));
+}
+
 // Planes in the seam and planes midway between two seams cut the same numbers, areas and touching pairs.
 TEST(Anneal, TheSeamIsAPlaneLikeAnyOther) {
   const auto shapes = test::shapes_of({test::cube()});
@@ -213,9 +255,11 @@ TEST(Anneal, MoreThanTheMemoryHoldsIsRefusedBeforeTheWork) {
   const auto population = anneal::populate(test::distribution(shapes, 1, 1.2, 0.3), shapes, nullptr, o);
   const double needed = anneal::memory_needed(population, shapes);
   EXPECT_EQ(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 2 * needed); }), "no error");
-  EXPECT_EQ(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 0); }), "no error");  // unknown
-  EXPECT_TRUE(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, needed); })
-                  .starts_with("not-enough-memory"));
+  EXPECT_EQ(code_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 0); }),
+            "no error");  // unknown
+  EXPECT_TRUE(code_of([&] {
+                anneal::refuse_what_cannot_be(population, shapes, 0, needed);
+              }).starts_with("not-enough-memory"));
 }
 
 TEST(Anneal, TilesSideBySide) {

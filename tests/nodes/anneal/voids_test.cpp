@@ -35,10 +35,10 @@ struct Mixture {
   }
   test::NodeRun pack(std::map<std::string, std::string> parameters) const {
     parameters.emplace("count", "150");
-    return run_node("Anneal",
-                    {{"shapes", Value::of<Shapes>(shapes)},
-                     {"distribution", Value::of<SizeDistribution>(distribution)}},
-                    parameters, {}, 2);
+    return run_node(
+        "Anneal",
+        {{"shapes", Value::of<Shapes>(shapes)}, {"distribution", Value::of<SizeDistribution>(distribution)}},
+        parameters, {}, 2);
   }
 };
 
@@ -54,7 +54,9 @@ TEST(Voids, AClassIsPackedLikeOthersAndHasNoMatter) {
     EXPECT_EQ(p.is_void(i), p.shape[i] == 1);
     EXPECT_EQ(p.position[i], q.position[i]);  // the packing does not care
     if (p.shape[i] == 1) cubes += std::pow(p.scale[i], 3);
-    if (p.is_void(i)) EXPECT_EQ(p.color[i], Vec3f(Vec3f::Zero()));
+    if (p.is_void(i)) {
+      EXPECT_EQ(p.color[i], Vec3f(Vec3f::Zero()));
+    }
   }
   EXPECT_GT(p.void_count(), 50u);
   EXPECT_LT(p.void_count(), p.count());
@@ -75,9 +77,9 @@ TEST(Voids, AllOfAFoamOrAClassThatThereIs) {
 TEST(Voids, WhatIsDroppedTakesItsMarkAlong) {
   Mixture m;
   for (auto& e : m.distribution.shapes)
-    for (double& n : e.N_V) n *= 1.9;
-  m.distribution.volume_fraction = 0.95;
-  const auto run = m.pack({{"voids", "[1]"}, {"on_jam", "drop"}, {"iterations", "300"}});
+    for (double& n : e.N_V) n *= 1.4;
+  m.distribution.volume_fraction = 0.7;
+  const auto run = m.pack({{"count", "60"}, {"voids", "[1]"}, {"on_jam", "drop"}, {"iterations", "60"}});
   const auto& p = run.output<Particles>("particles");
   EXPECT_GT(run.metrics.at("dropped"), 0);
   ASSERT_EQ(p.voids.size(), p.count());
@@ -111,7 +113,9 @@ TEST(Voids, VoxelsOfVoidsAreNotDense) {
              surface = v.find<openvdb::FloatGrid>("surface");
   const auto color = v.find<openvdb::Vec3SGrid>("Cd");
   ASSERT_TRUE(voids);
-  const auto at = [](double x, double y, double z) { return openvdb::Coord(int(12 * x), int(12 * y), int(12 * z)); };
+  const auto at = [](double x, double y, double z) {
+    return openvdb::Coord(int(12 * x), int(12 * y), int(12 * z));
+  };
   for (const auto& hole : {at(1, 2, 0.2), at(1, 2, 3.8)}) {
     EXPECT_EQ(voids->tree().getValue(hole), 1);
     EXPECT_EQ(density->tree().getValue(hole), 0);
@@ -123,7 +127,8 @@ TEST(Voids, VoxelsOfVoidsAreNotDense) {
   EXPECT_EQ(density->tree().getValue(at(3, 2, 2)), 1);
   Particles solid = p;
   solid.voids = {0, 0};
-  EXPECT_FALSE(voxelize(solid, shapes, nullptr, choose_lattice(p.box, {48}), report).find<openvdb::FloatGrid>("void"));
+  EXPECT_FALSE(
+      voxelize(solid, shapes, nullptr, choose_lattice(p.box, {48}), report).find<openvdb::FloatGrid>("void"));
 }
 
 TEST(Voids, GltfHoldsMatterOnly) {

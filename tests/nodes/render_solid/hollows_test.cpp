@@ -59,7 +59,7 @@ void expect_as_marched(const Cheese& c) {
   const Grey paint;
   const auto solid = block_solid(paint, 0, 0.008, c.voids());
   int seen = 0, grazed = 0, walls = 0;
-  for (std::uint64_t k = 0; k < 300; ++k) {
+  for (std::uint64_t k = 0; k < 500; ++k) {
     Random r(6, 2, k);
     const bool from_within = k % 3 == 0;
     Vec3 d(r.normal(), r.normal(), r.normal());
@@ -127,7 +127,9 @@ TEST(Hollows, WithoutVoidsNothingChanges) {
     SurfacePoint a, b;
     const bool hit = solid->nearest(o, d, a);
     ASSERT_EQ(hit, plain->nearest(o, d, b));
-    if (hit) EXPECT_EQ(a.position, b.position);
+    if (hit) {
+      EXPECT_EQ(a.position, b.position);
+    }
   }
 }
 

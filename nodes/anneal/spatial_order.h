@@ -1,0 +1,24 @@
+// Neighbours in space beside each other in memory.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/common/linear.h"
+
+namespace terrazzo::anneal {
+
+// The points' indices along a Morton curve through [0, box), 1024 cells an edge; equal cells by index.
+std::vector<std::int32_t> spatial_order(const Vec3& box, const std::vector<Vec3>& points);
+
+// v[k] becomes v[order[k]].
+template <class T>
+void reorder(std::vector<T>& v, const std::vector<std::int32_t>& order) {
+  if (v.empty()) return;
+  std::vector<T> out;
+  out.reserve(order.size());
+  for (const std::int32_t i : order) out.push_back(v[static_cast<std::size_t>(i)]);
+  v = std::move(out);
+}
+
+}  // namespace terrazzo::anneal
