@@ -4,6 +4,7 @@
 extern "C" const char* __tsan_default_suppressions() {
   return "race_top:task_ptr_or_nullptr\n"
          "race_top:tbb::detail\n"
+         "race:libembree\n"
          "race:libopenvdb\n"
          "race:libOpenImageIO\n"
          "race:libtbb\n";
