@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-class Block : public Body {
+class Block : public CarvedBody {
  public:
   Block(const Vec3f& size, double cut, double bevel)
       : bevel_(static_cast<float>(bevel)), has_cut_(cut > 0), size_(size) {
@@ -122,7 +122,7 @@ class Block : public Body {
 
 }  // namespace
 
-std::unique_ptr<Body> block_body(const Vec3f& size, double cut, double bevel) {
+std::unique_ptr<CarvedBody> block_body(const Vec3f& size, double cut, double bevel) {
   return std::make_unique<Block>(size, cut, bevel);
 }
 

@@ -8,9 +8,9 @@
 
 namespace terrazzo {
 
-class Body {
+class CarvedBody {
  public:
-  virtual ~Body() = default;
+  virtual ~CarvedBody() = default;
   // The first surface along the ray and its distance, whether the ray comes in or goes out there
   // (s.face · direction > 0). Sets all of `s` but the colour.
   virtual bool meet(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, float& at) const = 0;
@@ -19,7 +19,7 @@ class Body {
 };
 
 // As block_solid and object_solid say (solid.h).
-std::unique_ptr<Body> block_body(const Vec3f& size, double cut, double bevel);
-std::unique_ptr<Body> object_body(const Shape& object);
+std::unique_ptr<CarvedBody> block_body(const Vec3f& size, double cut, double bevel);
+std::unique_ptr<CarvedBody> object_body(const Shape& object);
 
 }  // namespace terrazzo

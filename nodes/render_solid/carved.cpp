@@ -9,7 +9,7 @@ constexpr float beyond = 2e-6f;  // world units that a ray goes on past what it 
 
 class Carved : public Solid {
  public:
-  Carved(const Paint& paint, std::unique_ptr<Body> body) : paint_(paint), body_(std::move(body)) {}
+  Carved(const Paint& paint, std::unique_ptr<CarvedBody> body) : paint_(paint), body_(std::move(body)) {}
   bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
     float at;
     if (!body_->meet(origin, direction, s, at)) return false;
@@ -23,13 +23,13 @@ class Carved : public Solid {
 
  private:
   const Paint& paint_;
-  std::unique_ptr<Body> body_;
+  std::unique_ptr<CarvedBody> body_;
 };
 
 // A body with holes: rays start in the air, outside or in a hole, and go on until they enter matter.
 class Hollowed : public Solid {
  public:
-  Hollowed(const Paint& paint, std::unique_ptr<Body> body, std::unique_ptr<Hollows> hollows)
+  Hollowed(const Paint& paint, std::unique_ptr<CarvedBody> body, std::unique_ptr<Hollows> hollows)
       : paint_(paint), body_(std::move(body)), hollows_(std::move(hollows)) {}
   bool nearest(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, bool sharp) const override {
     if (!walk(origin, direction, s)) return false;
@@ -82,11 +82,11 @@ class Hollowed : public Solid {
   }
 
   const Paint& paint_;
-  std::unique_ptr<Body> body_;
+  std::unique_ptr<CarvedBody> body_;
   std::unique_ptr<Hollows> hollows_;
 };
 
-std::unique_ptr<Solid> carved(const Paint& paint, std::unique_ptr<Body> body, const Voids& voids) {
+std::unique_ptr<Solid> carved(const Paint& paint, std::unique_ptr<CarvedBody> body, const Voids& voids) {
   if (!voids.particles || voids.particles->void_count() == 0)
     return std::make_unique<Carved>(paint, std::move(body));
   auto hollows = std::make_unique<Hollows>(voids, body->bounds());

@@ -7,7 +7,7 @@
 namespace terrazzo {
 namespace {
 
-class Object : public Body {
+class Object : public CarvedBody {
  public:
   explicit Object(const Shape& shape) : mesh_(placed(shape)) {
     scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{mesh_.triangles},
@@ -42,6 +42,6 @@ class Object : public Body {
 
 }  // namespace
 
-std::unique_ptr<Body> object_body(const Shape& object) { return std::make_unique<Object>(object); }
+std::unique_ptr<CarvedBody> object_body(const Shape& object) { return std::make_unique<Object>(object); }
 
 }  // namespace terrazzo
