@@ -144,6 +144,48 @@ double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t 
   return patch_distance({picture_of(a)}, {picture_of(b)}, draw, work);
 }
 
+double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<PatchPicture>& b, double share,
+                     const Work& work) {
+  // A patch a column, and half the square of its norm.
+  static constexpr int n = 3 * kSide * kSide;
+  struct Columns {
+    Eigen::MatrixXf patch;
+    Eigen::VectorXf half;
+  };
+  const auto columns = [](const std::vector<PatchPicture>& pictures, std::size_t most, std::uint64_t stream) {
+    std::vector<std::pair<const PatchPicture*, std::size_t>> corners;
+    for (const PatchPicture& p : pictures)
+      for (const std::size_t at : corners_of(p)) corners.emplace_back(&p, at);
+    const std::size_t count = std::min(most, corners.size());
+    Columns c{Eigen::MatrixXf(n, static_cast<Eigen::Index>(count)), {}};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t lo = i * corners.size() / count, hi = (i + 1) * corners.size() / count;
+      const auto& [p, at] = corners[lo + Random(11, stream, i).below(hi - lo)];
+      for (int v = 0, row = 0; v < kSide; ++v)
+        for (int u = 0; u < kSide; ++u)
+          for (int k = 0; k < 3; ++k, ++row)
+            c.patch(row, static_cast<Eigen::Index>(i)) =
+                p->pixels[at + static_cast<std::size_t>(v) * p->width + u][k];
+    }
+    c.half = 0.5f * c.patch.colwise().squaredNorm();
+    return c;
+  };
+  const Columns from = columns(a, kPatches / 2, 0), to = columns(b, kPatches, 1);
+  const auto count = static_cast<std::size_t>(from.patch.cols());
+  if (count == 0 || to.patch.cols() == 0) return -1;
+  std::vector<float> nearest(count);
+  work.parallel(count, 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      const float least =
+          (to.half - to.patch.transpose() * from.patch.col(column)).minCoeff() + from.half[column];
+      nearest[i] = std::sqrt(std::max(0.0f, 2 * least) / n);
+    }
+  });
+  std::sort(nearest.begin(), nearest.end());
+  return nearest[std::min(count - 1, static_cast<std::size_t>(share * static_cast<double>(count)))];
+}
+
 double patch_distance_floor(const Image& image, const Work& work) {
   const auto part = [&](auto&& keep) {
     TexturePart p{&image, {}};

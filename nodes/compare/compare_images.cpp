@@ -77,18 +77,21 @@ double floor_of(const Pixels& p, int channel) {
 
 }  // namespace
 
-Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& work) {
+Comparison compare(const Image& a, const Image& b, const CompareChoice& choice, const Work& work) {
   const Pixels pa = pixels_of(a, "a", work), pb = pixels_of(b, "b", work);
   Comparison out;
-  add_color(out, "image", pa.linear, pb.linear, pa.mean, pb.mean, pa.variance + pb.variance);
-  const char* names[3] = {"L", "a", "b"};
-  for (int k = 0; k < 3; ++k) {
-    work.check();
-    const double distance = earth_mover(pa.channel[k], pb.channel[k]);
-    out.numbers.push_back({"color", fmt::format("histogram {}", names[k]), "Oklab", 0, 0, 0, distance,
-                           std::max(floor_of(pa, k), floor_of(pb, k))});
-    out.metrics[fmt::format("histogram_distance_{}", names[k])] = distance;
+  if (choice.color) {
+    add_color(out, "image", pa.linear, pb.linear, pa.mean, pb.mean, pa.variance + pb.variance);
+    const char* names[3] = {"L", "a", "b"};
+    for (int k = 0; k < 3; ++k) {
+      work.check();
+      const double distance = earth_mover(pa.channel[k], pb.channel[k]);
+      out.numbers.push_back({"color", fmt::format("histogram {}", names[k]), "Oklab", 0, 0, 0, distance,
+                             std::max(floor_of(pa, k), floor_of(pb, k))});
+      out.metrics[fmt::format("histogram_distance_{}", names[k])] = distance;
+    }
   }
+  compare_textures(a, b, choice, out, work.part(0.2, 1));
   return out;
 }
 

@@ -176,6 +176,8 @@ Comparison compare(const Profiles& a, const Profiles& b, const CompareChoice& ch
                           bb = linear_to_oklab(b.binder_color).cast<double>();
     add_color(out, "binder", a.binder_color, b.binder_color, ba, bb, Eigen::Vector3d::Zero());
   }
+  if (choice.circularity) compare_outlines(a, b, "circularity", choice.smallest, out);
+  if (choice.total_curvature) compare_outlines(a, b, "total_curvature", choice.smallest, out);
   return out;
 }
 

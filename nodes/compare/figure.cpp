@@ -101,6 +101,12 @@ Image figure_of(const Comparison& c, const std::string& name_a, const std::strin
   for (const auto& n : c.numbers)
     if (n.measure == "area_fraction") panels.push_back(draw(pair_of(n, "Area fraction", name_a, name_b)));
   if (!c.colors.empty()) panels.push_back(swatches_of(c, name_a, name_b));
+  for (Plot plot : c.plots) {
+    const std::string names[] = {name_a, name_b};
+    for (std::size_t k = 0; k < plot.series.size() && k < 2; ++k) plot.series[k].name = names[k];
+    plot.width = 480, plot.height = height;
+    panels.push_back(draw(plot));
+  }
   if (panels.empty()) panels.push_back(draw(Plot{}));
   int width = 0;
   for (const Image& p : panels) width += p.width;

@@ -13,13 +13,15 @@ namespace terrazzo {
 
 namespace {
 
-const std::vector<std::string> all_measures = {"size_classes", "area_fraction", "color"};
+const std::vector<std::string> of_profiles = {"size_classes", "area_fraction", "color", "circularity",
+                                              "total_curvature"};
+const std::vector<std::string> of_images = {"color", "bands", "patches", "two_point", "lineal_path", "seam"};
 
 // What can be measured of a type of value.
 std::vector<std::string> measures_of(const std::string& type) {
-  if (type == "Profiles") return all_measures;
+  if (type == "Profiles") return of_profiles;
   if (type == "SizeDistribution") return {"size_classes"};
-  return {"color"};
+  return of_images;
 }
 
 CompareChoice choice_of(const Context& c, const std::string& type) {
@@ -38,6 +40,9 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
   CompareChoice choice;
   choice.size_classes = has("size_classes"), choice.area_fraction = has("area_fraction"),
   choice.color = has("color");
+  choice.circularity = has("circularity"), choice.total_curvature = has("total_curvature");
+  choice.bands = has("bands"), choice.patches = has("patches"), choice.two_point = has("two_point");
+  choice.lineal_path = has("lineal_path"), choice.seam = has("seam");
   choice.classes = static_cast<int>(c.integer("classes"));
   if (c.keyword("smallest").empty()) choice.smallest = c.number("smallest");
   return choice;
@@ -70,6 +75,11 @@ void compute(Context& c) {
   else
     comparison = compare(c.input<Image>("a"), c.input<Image>("b"), choice, c.work());
   for (const auto& w : comparison.warnings) c.warn(w);
+  if (c.keyword("measures").empty() && comparison.warnings.empty())
+    for (const auto& m : c.texts("measures"))
+      if (std::none_of(comparison.numbers.begin(), comparison.numbers.end(),
+                       [&](const auto& n) { return n.measure == m; }))
+        c.warn(fmt::format("{} is not compared: a or b does not have what it takes, such as outlines", m));
   double exceeding = 0;
   for (const auto& n : comparison.numbers) exceeding += n.exceeds();
   comparison.metrics["exceeding"] = exceeding;
@@ -83,8 +93,9 @@ void compute(Context& c) {
 
 NodeType compare_node() {
   Parameter measures = Parameter::with_keyword(ParameterKind::Texts, "measures", "all");
-  measures.choices = all_measures;
-  NodeType type("Compare", 1);
+  measures.choices = of_profiles;
+  measures.choices.insert(measures.choices.end(), of_images.begin() + 1, of_images.end());
+  NodeType type("Compare", 2);
   type.doc_(
           "Compares two sets of profiles, two size distributions or two pictures, and tells which "
           "differences exceed sampling noise.")
@@ -92,13 +103,18 @@ NodeType compare_node() {
           "Noise of counts: Poisson; of area fractions: a Boolean model's profiles (Underwood 1970; Ohser "
           "and Mücklich 2000).")
       .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
-      .optional_input("b", {"Profiles", "SizeDistribution", "Image"}, "what is compared with it, of the same type")
+      .optional_input("b", {"Profiles", "SizeDistribution", "Image"},
+                      "what is compared with it, of the same type")
       .output("table", "Table",
               "measure, item, unit, lower and upper edge of a bin, a, b, difference b − a, tolerance, "
               "exceeds (0 or 1)")
-      .output("figure", "Image", "bars of both by class, area fractions, mean colours")
+      .output("figure", "Image",
+              "bars of both by class, area fractions, mean colours, and what else is compared as curves")
       .parameter(measures.doc_(
-          "Which of size_classes, area_fraction, color; all: those that apply to the inputs' type."))
+          "Of profiles size_classes, area_fraction, color, circularity and total_curvature; of distributions "
+          "size_classes; of pictures color and, as textures, bands, patches, two_point, lineal_path and "
+          "seam; "
+          "all: those that apply"))
       .parameter(Parameter::integer("classes", 10)
                      .range(1, 1000)
                      .doc_("Equal classes of √A up to the larger of both largest profiles; of distributions "

@@ -1,0 +1,192 @@
+// Compare's measures of textures and of outlines.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "nodes/common/phase_statistics.h"
+#include "nodes/common/texture_measures.h"
+#include "nodes/compare/comparison.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+double number(const Comparison& c, const std::string& measure, const std::string& item,
+              bool tolerance = false) {
+  for (const auto& n : c.numbers)
+    if (n.measure == measure && n.item == item) return tolerance ? n.tolerance : n.b;
+  ADD_FAILURE() << measure << ": " << item;
+  return NAN;
+}
+
+int exceeding(const Comparison& c, const std::string& measure) {
+  int n = 0;
+  for (const auto& x : c.numbers) n += x.measure == measure && x.exceeds();
+  return n;
+}
+
+// Discs of a radius on a light ground, with noise; the pattern tiles.
+Image discs(std::uint64_t seed, double radius, int count, int edge = 160) {
+  Image image(edge, edge, 1, 1, Vec3f::Constant(0.6f));
+  for (int i = 0; i < count; ++i) {
+    Random r(seed, 1, static_cast<std::uint64_t>(i));
+    const double x0 = r.uniform(0, edge), y0 = r.uniform(0, edge);
+    for (int y = 0; y < edge; ++y)
+      for (int x = 0; x < edge; ++x) {
+        double dx = x - x0, dy = y - y0;
+        dx -= edge * std::round(dx / edge), dy -= edge * std::round(dy / edge);
+        if (dx * dx + dy * dy < radius * radius) image.at(x, y) = Vec3f(0.1f, 0.08f, 0.06f);
+      }
+  }
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] *= static_cast<float>(1 + 0.05 * Random(seed, 2, i).normal());
+  return image;
+}
+
+TEST(PhaseStatistics, OfStripesAndNoise) {
+  Phase stripes{40, 30, {}};
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) stripes.in.push_back(x / 5 % 2 == 0);
+  const PhaseStatistics s = phase_statistics({stripes}, 12);
+  EXPECT_NEAR(s.two_point[0], 0.5, 1e-12);
+  EXPECT_NEAR(s.lineal_path[0], 0.5, 1e-12);
+  // Down the stripes every segment stays; across, none of a stripe's width does, nor one end in another's.
+  const double down = 40 * (30 - 5) * 0.5, all = 30 * (40 - 5) + 40 * (30 - 5);
+  EXPECT_NEAR(s.lineal_path[5], down / all, 1e-12);
+  EXPECT_NEAR(s.two_point[5], down / all, 1e-12);
+  Phase noise{300, 300, {}};
+  for (std::uint64_t i = 0; i < 90000; ++i) noise.in.push_back(Random(3, 0, i).uniform() < 0.4);
+  const PhaseStatistics n = phase_statistics({noise}, 6);
+  for (std::size_t r = 1; r <= 6; ++r) {
+    EXPECT_NEAR(n.two_point[r], 0.16, 0.004);
+    EXPECT_NEAR(n.lineal_path[r], std::pow(0.4, r + 1), 0.004);
+  }
+}
+
+TEST(CompareTextures, OneTextureTwiceStaysWithinItsHalves) {
+  const Image a = discs(1, 7, 115), b = discs(2, 7, 115);
+  const Comparison same = compare(a, a, {}), c = compare(a, b, {});
+  for (const char* measure : {"bands", "patches", "two_point", "lineal_path"}) {
+    EXPECT_EQ(exceeding(same, measure), 0) << measure;
+    // Halves differ more than wholes do, as a rule; not by a law.
+    EXPECT_LE(exceeding(c, measure), measure == std::string("bands") ? 2 : 1) << measure;
+  }
+  EXPECT_EQ(number(same, "two_point", "largest difference"), 0);
+  EXPECT_EQ(same.metrics.at("band_distance"), 0);
+  EXPECT_EQ(same.metrics.at("band_ratio_least"), 1);
+}
+
+TEST(CompareTextures, LargerGrainsOfTheSameColoursAreFoundOut) {
+  const Comparison c = compare(discs(1, 5, 900, 320), discs(2, 12, 156, 320), {});
+  EXPECT_GT(exceeding(c, "bands"), 2);
+  EXPECT_EQ(exceeding(c, "lineal_path"), 1);
+  EXPECT_EQ(exceeding(c, "two_point"), 1);
+  EXPECT_GE(exceeding(c, "patches"), 1);
+}
+
+TEST(CompareTextures, BlurLowersTheFinestBand) {
+  const Image a = discs(1, 7, 115);
+  Image b = a;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      b.at(x, y) = (a.at(x, y) + a.at((x + 1) % a.width, y) + a.at(x, (y + 1) % a.height) +
+                    a.at((x + 1) % a.width, (y + 1) % a.height)) /
+                   4;
+  const Comparison c = compare(a, b, {});
+  EXPECT_LT(c.metrics.at("band_ratio_least"), 0.5);
+  EXPECT_EQ(
+      c.metrics.at("band_ratio_least"), number(c, "bands", "finest, deviation") / [&] {
+        for (const auto& n : c.numbers)
+          if (n.item == "finest, deviation") return n.a;
+        return 0.0;
+      }());
+}
+
+TEST(CompareTextures, SeamsAreWhereThePictureDoesNotTile) {
+  const Image a = discs(1, 7, 115);
+  Image shaded = a;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      shaded.at(x, y) *= 1 + 2 * static_cast<float>(x) / static_cast<float>(a.width);
+  const Comparison c = compare(a, shaded, {});
+  EXPECT_NEAR(number(c, "seam", "across y"), 1, 0.6);
+  EXPECT_GT(c.metrics.at("seam_x"), 3);
+  EXPECT_EQ(exceeding(c, "seam"), 0);  // it has no noise to exceed
+}
+
+TEST(CompareTextures, SmallPicturesAreComparedByColourAlone) {
+  const Comparison c = compare(discs(1, 3, 5, 40), discs(2, 3, 5, 40), {});
+  ASSERT_EQ(c.warnings.size(), 1u);
+  for (const auto& n : c.numbers) EXPECT_EQ(n.measure, "color");
+  Image coarse = discs(1, 7, 115);
+  coarse.pixel_size = 2;
+  EXPECT_EQ(compare(discs(1, 7, 115), coarse, {}).warnings.size(), 1u);
+}
+
+TEST(NearestPatch, OfItselfIsNearAndOfAnotherFar) {
+  const auto picture = [](const Image& image) {
+    return PatchPicture{image.width, image.height, image.pixels, {}};
+  };
+  const PatchPicture a = picture(discs(1, 7, 20, 64)), b = picture(discs(2, 7, 20, 64));
+  PatchPicture light = a;
+  for (Vec3f& c : light.pixels) c += Vec3f::Constant(0.5f);
+  const double itself = nearest_patch({a}, {a}, 0.5), other = nearest_patch({a}, {b}, 0.5);
+  EXPECT_LT(itself, other);
+  EXPECT_GT(nearest_patch({a}, {light}, 0.5), 0.25);
+  EXPECT_LE(other, nearest_patch({a}, {b}, 0.95));
+  EXPECT_LT(nearest_patch({a}, {PatchPicture{4, 4, std::vector<Vec3f>(16, Vec3f::Zero()), {}}}, 0.5), 0);
+}
+
+// Ellipses of an axial ratio, or squares.
+Profiles outlines(std::uint64_t seed, int count, double ratio, bool square = false) {
+  Profiles p;
+  p.observed_area = 1000;
+  for (int i = 0; i < count; ++i) {
+    Random r(seed, 4, static_cast<std::uint64_t>(i));
+    const double size = r.uniform(0.5, 2), slim = ratio * r.uniform(0.9, 1.1), turn = r.uniform(0, 6.28);
+    Profile q;
+    for (int k = 0; k < 64; ++k) {
+      const double t = k * 2 * M_PI / 64;
+      Vec2 v(std::cos(t), slim * std::sin(t));
+      if (square) v /= std::max(std::abs(std::cos(t)), std::abs(std::sin(t)));
+      q.contour.push_back(size * (Eigen::Rotation2Dd(turn) * v));
+    }
+    q.area = size * size * slim;
+    p.profiles.push_back(q);
+  }
+  return p;
+}
+
+TEST(CompareOutlines, ShapesAreToldFromNoise) {
+  const Profiles a = outlines(1, 300, 0.8);
+  int exceeds = 0;
+  for (std::uint64_t seed = 2; seed < 22; ++seed) {
+    const Comparison c = compare(a, outlines(seed, 200, 0.8), {});
+    exceeds += exceeding(c, "circularity");
+    EXPECT_NEAR(c.metrics.at("total_curvature_b"), 2 * M_PI, 0.02);
+  }
+  EXPECT_LE(exceeds, 6);  // of forty, two by chance
+  EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.6), {}), "circularity"), 2);
+  EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.8, true), {}), "circularity"), 2);
+  EXPECT_EQ(number(compare(a, a, {}), "circularity", "Kolmogorov–Smirnov distance"), 0);
+}
+
+TEST(CompareOutlines, CutProfilesDoNotCountAndNoneIsSaid) {
+  Profiles a = outlines(1, 50, 0.8), b = a;
+  for (std::size_t i = 0; i < 25; ++i) {
+    b.profiles[i].touches_border = true;
+    for (Vec2& v : b.profiles[i].contour) v.y() *= 0.1;
+  }
+  EXPECT_EQ(exceeding(compare(a, b, {}), "circularity"), 0);
+  for (Profile& q : b.profiles) q.contour.clear();
+  Comparison c = compare(a, b, {});
+  EXPECT_EQ(c.metrics.count("circularity_a"), 0u);
+  const std::size_t before = c.warnings.size();
+  b.profiles[30].contour = a.profiles[30].contour;  // one is no sample
+  c = compare(a, b, {});
+  EXPECT_EQ(c.warnings.size(), before + 2);
+  EXPECT_EQ(c.metrics.count("circularity_a"), 0u);
+}
+
+}  // namespace
+}  // namespace terrazzo
