@@ -1,0 +1,31 @@
+// Scans as NIfTI, DICOM and pictures. The first byte chooses the format.
+#include <unistd.h>
+
+#include <fstream>
+
+#include "graph/diagnostic.h"
+#include "nodes/load_volume/scan.h"
+
+using namespace terrazzo;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const char* const formats[] = {".nii", ".dcm", ".tif"};
+  if (size == 0) return 0;
+  const int format = data[0] % 3;
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()))).string() +
+      formats[format];
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data) + 1, static_cast<std::streamsize>(size - 1));
+  try {
+    if (format == 0)
+      load_volume::read_nifti(file);
+    else if (format == 1)
+      load_volume::read_dicom({file});
+    else
+      load_volume::read_slices({file});
+  } catch (const Error&) {
+  }
+  ::unlink(file.c_str());
+  return 0;
+}
