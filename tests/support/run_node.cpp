@@ -1,5 +1,6 @@
 #include "tests/support/run_node.h"
 
+#include <atomic>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
@@ -78,7 +79,7 @@ fs::path temporary_folder() {
     }
   };
   static const Folder root;
-  static int serial = 0;
+  static std::atomic<int> serial = 0;  // tests ask from threads of their own
   const fs::path folder = root.path / std::to_string(++serial);
   fs::create_directories(folder);
   return folder;
