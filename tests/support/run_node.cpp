@@ -1,9 +1,10 @@
 #include "tests/support/run_node.h"
 
-#include <atomic>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <unistd.h>
+
+#include <atomic>
 
 #include "graph/raw_document.h"
 #include "nodes/register_nodes.h"
