@@ -14,10 +14,14 @@ TEST(Outside, APluginAndAnEmbeddingProgramBuildAndRun) {
   const auto base = test::temporary_folder();
   const auto prefix = (base / "prefix").string(), build = (base / "build").string();
   const auto must = [](const test::ProgramRun& r) { ASSERT_EQ(r.exit_code, 0) << r.out << r.err; };
+  std::string flags = "-DCMAKE_CXX_FLAGS=";
+#ifdef TERRAZZO_SANITIZE  // libraries with a sanitizer need a program that starts it
+  flags += "-fsanitize=" TERRAZZO_SANITIZE;
+#endif
   must(run_command({"cmake", "--install", test::build_folder().string(), "--prefix", prefix}));
   must(run_command({"cmake", "-G", "Ninja", "-S",
                     (test::source_folder() / "tests/integration/outside").string(), "-B", build,
-                    "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Release"}));
+                    "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Release", flags}));
   must(run_command({"cmake", "--build", build}));
   if (HasFatalFailure()) return;
 

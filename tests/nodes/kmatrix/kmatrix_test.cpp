@@ -148,7 +148,8 @@ TEST(KMatrix, HolesAreTakenOff) {
   append(hollow, inner, true);
   const Shape s = measure_shape("hollow", hollow);
   EXPECT_NEAR(s.volume, 1 - 0.125, 1e-12);
-  const auto& e = make_kmatrix(one(s), {.orientations = 2000}).shapes[0];
+  const KMatrix k = make_kmatrix(one(s), {.orientations = 2000});
+  const auto& e = k.shapes[0];
   EXPECT_NEAR(e.profiles_per_caliper, 1, 2e-3);
   EXPECT_NEAR(mean_area(e), s.volume / 1.5, 1e-3);
 }
