@@ -50,7 +50,6 @@ void keep_only(std::vector<T>& v, const std::vector<bool>& keep) {
 }
 
 constexpr int kAuditRounds = 60;
-constexpr std::size_t kCached = 50000;  // fewer particles are in reach of each other wherever they are kept
 
 void reorder_all(Particles& p, const std::vector<std::int32_t>& order) {
   reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);

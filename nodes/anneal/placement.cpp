@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/anneal/spatial_order.h"
 #include "runtime/random.h"
 
 namespace terrazzo::anneal {
 namespace {
 
 constexpr std::uint64_t kPlace = 0x706c616365, kBlock = 0x626c6f636b;
-constexpr std::size_t kCached = 50000;  // more balls than these are placed block by block
-constexpr int kBlocks = 16;             // along an edge
+constexpr int kBlocks = 16;  // along an edge, where balls are placed block by block
 
 int octave_of(double radius, double largest) {
   return static_cast<int>(std::clamp(std::log2(largest / radius), 0.0, 12.0));

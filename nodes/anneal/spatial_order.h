@@ -1,12 +1,16 @@
 // Neighbours in space beside each other in memory.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "nodes/common/linear.h"
 
 namespace terrazzo::anneal {
+
+// Fewer particles than these are in reach of each other wherever they are kept: their order is left alone.
+inline constexpr std::size_t kCached = 50000;
 
 // The points' indices along a Morton curve through [0, box), 1024 cells an edge; equal cells by index.
 std::vector<std::int32_t> spatial_order(const Vec3& box, const std::vector<Vec3>& points);

@@ -8,18 +8,24 @@
 
 namespace terrazzo::anneal {
 
-double volume_fraction(const Shapes& shapes, const Particles& particles) {
+namespace {
+
+template <class Which>
+double fraction_of(const Shapes& shapes, const Particles& particles, Which&& which) {
   double v = 0;
   for (std::size_t i = 0; i < particles.count(); ++i)
-    v += shapes.shapes[particles.shape[i]].volume * std::pow(particles.scale[i], 3);
+    if (which(i)) v += shapes.shapes[particles.shape[i]].volume * std::pow(particles.scale[i], 3);
   return v / particles.box.prod();
 }
 
+}  // namespace
+
+double volume_fraction(const Shapes& shapes, const Particles& particles) {
+  return fraction_of(shapes, particles, [](std::size_t) { return true; });
+}
+
 double void_fraction(const Shapes& shapes, const Particles& particles) {
-  double v = 0;
-  for (std::size_t i = 0; i < particles.count(); ++i)
-    if (particles.is_void(i)) v += shapes.shapes[particles.shape[i]].volume * std::pow(particles.scale[i], 3);
-  return v / particles.box.prod();
+  return fraction_of(shapes, particles, [&](std::size_t i) { return particles.is_void(i); });
 }
 
 namespace {

@@ -53,15 +53,18 @@ struct Texture {
 
 using Values = std::vector<double>;
 
-// A measure taken of a and b, and the larger of what it finds between halves of a, the reference.
+// What is summed up of a and b, a measure between them, and the larger of what it finds between halves of a,
+// the reference.
+template <class Summary>
 struct Measured {
+  Summary a, b;
   Values found, floor;
 };
 template <class Summary>
-Measured measured(const Texture& a, const Texture& b, const std::function<Summary(const Image&)>& of,
-                  const std::function<Values(const Summary&, const Summary&)>& between) {
-  Measured m;
-  m.found = between(of(a.whole), of(b.whole));
+Measured<Summary> measured(const Texture& a, const Texture& b, const std::function<Summary(const Image&)>& of,
+                           const std::function<Values(const Summary&, const Summary&)>& between) {
+  Measured<Summary> m{of(a.whole), of(b.whole), {}, {}};
+  m.found = between(m.a, m.b);
   m.floor.assign(m.found.size(), 0);
   for (std::size_t k = 0; k < 4; k += 2) {
     const Values v = between(of(a.half[k]), of(a.half[k + 1]));
@@ -93,8 +96,7 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
     }
     return all;
   };
-  const Scales sa = of(a.whole), sb = of(b.whole);
-  const Measured m = measured<Scales>(a, b, of, [](const Scales& x, const Scales& y) {
+  const auto m = measured<Scales>(a, b, of, [](const Scales& x, const Scales& y) {
     constexpr int steps = 256;
     Values v;
     for (std::size_t s = 0; s < x.size(); ++s) {
@@ -113,17 +115,17 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
   PlotSeries left, right;
   Plot plot;
   plot.title = "Deviation of each band", plot.x_label = "scale, fine to coarse", plot.y_label = "Oklab L";
-  for (std::size_t s = 0; s < sa.size(); ++s) {
-    const double ratio = sb[s].deviation / std::max(1e-9, sa[s].deviation);
+  for (std::size_t s = 0; s < m.a.size(); ++s) {
+    const double ratio = m.b[s].deviation / std::max(1e-9, m.a[s].deviation);
     worst = std::max(worst, m.found[s]), least = std::min(least, ratio), most = std::max(most, ratio);
     const std::string name = s == 0 ? "finest" : fmt::format("scale {}", s);
-    out.numbers.push_back({"bands", name + ", deviation", "Oklab L", 0, 0, sa[s].deviation, sb[s].deviation,
-                           m.floor[sa.size() + s]});
+    out.numbers.push_back({"bands", name + ", deviation", "Oklab L", 0, 0, m.a[s].deviation, m.b[s].deviation,
+                           m.floor[m.a.size() + s]});
     out.numbers.push_back({"bands", name + ", W1/σ", "", 0, 0, 0, m.found[s], m.floor[s]});
-    left.x.push_back(static_cast<double>(s)), left.y.push_back(sa[s].deviation);
-    right.x.push_back(static_cast<double>(s)), right.y.push_back(sb[s].deviation);
-    left.low.push_back(std::max(0.0, sa[s].deviation - m.floor[sa.size() + s]));
-    left.high.push_back(sa[s].deviation + m.floor[sa.size() + s]);
+    left.x.push_back(static_cast<double>(s)), left.y.push_back(m.a[s].deviation);
+    right.x.push_back(static_cast<double>(s)), right.y.push_back(m.b[s].deviation);
+    left.low.push_back(std::max(0.0, m.a[s].deviation - m.floor[m.a.size() + s]));
+    left.high.push_back(m.a[s].deviation + m.floor[m.a.size() + s]);
   }
   left.kind = right.kind = PlotSeries::Kind::Bars, right.color = 1;
   plot.series = {left, right};
@@ -144,7 +146,7 @@ std::vector<PatchPicture> pictures_of(const Image& lab) {
 
 void compare_patches(const Texture& a, const Texture& b, Comparison& out, const Work& work) {
   using Pictures = std::vector<PatchPicture>;
-  const Measured m = measured<Pictures>(a, b, pictures_of, [&](const Pictures& x, const Pictures& y) {
+  const auto m = measured<Pictures>(a, b, pictures_of, [&](const Pictures& x, const Pictures& y) {
     work.check();
     return Values{patch_distance(x, y, 0, work.quiet()), nearest_patch(x, y, 0.95, work.quiet()),
                   nearest_patch(y, x, 0.95, work.quiet())};
@@ -185,10 +187,9 @@ void compare_phases(const Texture& a, const Texture& b, const CompareChoice& cho
     for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) d = std::max(d, std::abs(x[i] - y[i]));
     return d;
   };
-  const Measured m = measured<PhaseStatistics>(a, b, of, [&](const auto& x, const auto& y) {
+  const auto m = measured<PhaseStatistics>(a, b, of, [&](const auto& x, const auto& y) {
     return Values{largest(x.two_point, y.two_point), largest(x.lineal_path, y.lineal_path)};
   });
-  const PhaseStatistics pa = of(a.whole), pb = of(b.whole);
   const auto add = [&](const char* measure, std::size_t k, const Values& va, const Values& vb,
                        const char* title) {
     out.numbers.push_back({measure, "largest difference", "", 0, 0, 0, m.found[k], m.floor[k]});
@@ -204,8 +205,9 @@ void compare_phases(const Texture& a, const Texture& b, const CompareChoice& cho
     }
     out.plots.push_back(plot);
   };
-  if (choice.two_point) add("two_point", 0, pa.two_point, pb.two_point, "Two-point correlation, darker half");
-  if (choice.lineal_path) add("lineal_path", 1, pa.lineal_path, pb.lineal_path, "Lineal path, darker half");
+  if (choice.two_point)
+    add("two_point", 0, m.a.two_point, m.b.two_point, "Two-point correlation, darker half");
+  if (choice.lineal_path) add("lineal_path", 1, m.a.lineal_path, m.b.lineal_path, "Lineal path, darker half");
 }
 
 // Mean step across the wrap over the mean step inside: 1 where the picture tiles.

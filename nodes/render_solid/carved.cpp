@@ -5,8 +5,6 @@
 namespace terrazzo {
 namespace {
 
-constexpr float beyond = 2e-6f;  // world units that a ray goes on past what it met
-
 class Carved : public Solid {
  public:
   Carved(const Paint& paint, std::unique_ptr<CarvedBody> body) : paint_(paint), body_(std::move(body)) {}
@@ -62,12 +60,12 @@ class Hollowed : public Solid {
         from += to;
         to = 0;
       } else if (!hollows_->nearest(p, d, wall) || !wall.leaves) {
-        from += to + beyond;  // a ray that grazed an edge: it goes on in the air
+        from += to + kBeyond;  // a ray that grazed an edge: it goes on in the air
         continue;
       }
       // In a hole, and in the body: which of them ends first?
       if (!leaves) {
-        from += beyond;
+        from += kBeyond;
         if (!body_->meet(origin + from * d, d, outer, to)) return false;
       }
       if (wall.at < to) {
@@ -76,7 +74,7 @@ class Hollowed : public Solid {
         s.open = false;
         return true;
       }
-      from += to + beyond;
+      from += to + kBeyond;
     }
     return false;
   }

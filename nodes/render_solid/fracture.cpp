@@ -11,8 +11,6 @@
 namespace terrazzo {
 namespace {
 
-constexpr float beyond = 2e-6f;  // world units that a ray goes on past what it met
-
 class Fracture : public Solid {
  public:
   Fracture(const Paint& paint, const Particles& particles, const Shapes& shapes, double level,
@@ -170,9 +168,9 @@ class Fracture : public Solid {
       }
       solid = now;
       if (particle)
-        p = next_particle(origin, d, e.at + beyond);
+        p = next_particle(origin, d, e.at + kBeyond);
       else
-        b = next_binder(origin, d, e.at + beyond);
+        b = next_binder(origin, d, e.at + kBeyond);
     }
     return false;
   }

@@ -16,7 +16,6 @@ namespace terrazzo {
 namespace {
 
 constexpr float degree = 0.0174532925f;
-constexpr double bevel = 0.008;  // of a block's edges
 
 std::string resolved_mode(const Context& c) {
   const std::string mode = c.text("mode");
@@ -104,8 +103,8 @@ Voids voids_of(Context& c) {
 std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m, std::uint64_t seed) {
   const Paint* paint = m.paint.get();
   const Voids voids = mode == "fracture" || mode == "particles" ? Voids{} : voids_of(c);
-  if (mode == "block") return block_solid(*paint, c.number("cut"), bevel, voids);
-  if (mode == "cube") return block_solid(*paint, 0, bevel, voids);
+  if (mode == "block") return block_solid(*paint, c.number("cut"), kBevel, voids);
+  if (mode == "cube") return block_solid(*paint, 0, kBevel, voids);
   if (mode == "vase") return object_solid(*paint, vase_form(), voids);
   if (mode == "knot") return object_solid(*paint, knot_form(), voids);
   if (mode == "object") {

@@ -9,6 +9,8 @@
 
 namespace terrazzo {
 
+inline constexpr float kBeyond = 2e-6f;  // world units that a ray goes on past what it met
+
 struct RayHit {
   float distance = 0;
   std::uint32_t instance = 0, triangle = 0;

@@ -42,10 +42,12 @@ class Solid {
   virtual Eigen::AlignedBox3f bounds() const = 0;
 };
 
+inline constexpr double kBevel = 0.008;  // of a block's edges
+
 // A block of one unit along its longest edge, in the proportions of the material's period. With cut > 0 that
 // share of each edge is taken from the corner at (+x, −y, +z), which shows three inner faces. Edges are
 // shaded as if rounded by `bevel`. The paint must outlive the solid.
-std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = 0.008,
+std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel = kBevel,
                                    const Voids& voids = {});
 
 // A body carved from the material, its longest side one unit. Throws what render_mesh throws, and with voids

@@ -25,6 +25,9 @@ SizeDistribution equal_sizes(const Shapes& shapes, double fraction) {
   return d;
 }
 
+// Long ones: seconds of the clock, once.
+void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
+
 void pack(benchmark::State& state, const Shapes& shapes, std::int64_t count, double fraction) {
   const auto d = equal_sizes(shapes, fraction);
   anneal::PackOptions o;
@@ -59,9 +62,7 @@ BENCHMARK(anneal_spheres)
     ->Args({10000, 60})
     ->Args({10000, 64})
     ->Args({100000, 59})
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
+    ->Apply(once);
 
 void anneal_stones(benchmark::State& state, const char* kind, std::int64_t count, double fraction) {
   Shapes shapes;
@@ -70,22 +71,10 @@ void anneal_stones(benchmark::State& state, const char* kind, std::int64_t count
   shapes.shapes = {measure_shape(kind, o.kind == "rock" ? rock_mesh({}) : stone_mesh(o))};
   pack(state, shapes, count, fraction);
 }
-BENCHMARK_CAPTURE(anneal_stones, rock, "rock", 4000, 0.5)
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(anneal_stones, shard, "shard", 4000, 0.5)
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(anneal_stones, pebble, "pebble", 4000, 0.5)
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
-BENCHMARK_CAPTURE(anneal_stones, clinker, "clinker", 3500, 0.44)
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
+BENCHMARK_CAPTURE(anneal_stones, rock, "rock", 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, shard, "shard", 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, pebble, "pebble", 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, clinker, "clinker", 3500, 0.44)->Apply(once);
 
 // The baseline.
 void overlap_descent(benchmark::State& state) {
@@ -142,12 +131,7 @@ void overlap_descent(benchmark::State& state) {
   state.counters["penetration"] = deepest;
   state.counters["steps"] = steps;
 }
-BENCHMARK(overlap_descent)
-    ->Args({10000, 45})
-    ->Args({10000, 55})
-    ->Unit(benchmark::kSecond)
-    ->Iterations(1)
-    ->UseRealTime();
+BENCHMARK(overlap_descent)->Args({10000, 45})->Args({10000, 55})->Apply(once);
 
 }  // namespace
 }  // namespace terrazzo
