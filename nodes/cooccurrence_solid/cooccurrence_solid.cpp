@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <set>
 
-#include "nodes/common/level_descent.h"
-#include "runtime/random.h"
-
 namespace terrazzo::cooccurrence_solid {
 
 SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldSettings& s,
@@ -36,32 +33,37 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
   const int levels = r.levels.count();
 
   const auto flat = cooccurrence_offsets(s.extent, s.scales);
-  const std::int64_t voxels = static_cast<std::int64_t>(s.size.x()) * s.size.y() * s.size.z();
-  std::vector<PairTarget> targets;
-  std::vector<LevelField> sections;
-  std::vector<Cooccurrence> wanted;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Image& p = *pictures[static_cast<std::size_t>(axis)];
-    std::vector<LevelField> own;
-    for (int k = 0; k < p.sections; ++k) own.push_back(levels_of(p, k, r.levels, {}, work.quiet()));
-    wanted.push_back(measure_cooccurrence(own, levels, flat, work.quiet()));
-    for (std::size_t d = 0; d < flat.size(); ++d)
-      targets.push_back({offset_across(axis, flat[d]), scaled_counts(wanted.back(), d, voxels)});
-    for (auto& f : own) sections.push_back(std::move(f));
-  }
+  std::array<std::vector<LevelField>, 3> sections;
   std::vector<const LevelField*> all;
-  for (const auto& f : sections) all.push_back(&f);
-  LevelDescent descent(level_noise(all, levels, s.size, s.seed), levels, true, targets);
-  sections.clear();
-  r.error.push_back(descent.error());
-  for (int k = 0; k < s.sweeps; ++k) {
-    r.changed.push_back(
-        descent.sweep(mix64(s.seed) + static_cast<std::uint64_t>(k),
-                      work.part(static_cast<double>(k) / s.sweeps, static_cast<double>(k + 1) / s.sweeps)));
-    r.error.push_back(descent.error());
-    if (r.changed.back() == 0) break;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Image& p = *pictures[axis];
+    for (int k = 0; k < p.sections; ++k)
+      sections[axis].push_back(levels_of(p, k, r.levels, {}, work.quiet()));
+    for (const auto& f : sections[axis]) all.push_back(&f);
   }
-  r.field = descent.field();
+  std::array<Cooccurrence, 3> wanted;  // at full resolution
+  const PairTargets targets = [&](int stride, const Vec3i& size) {
+    std::vector<PairTarget> out;
+    std::vector<Vec3i> apart;
+    for (const Vec3i& o : flat) apart.push_back(stride * o);
+    const std::int64_t voxels = static_cast<std::int64_t>(size.x()) * size.y() * size.z();
+    for (int axis = 0; axis < 3; ++axis) {
+      Cooccurrence own =
+          measure_cooccurrence(sections[static_cast<std::size_t>(axis)], levels, apart, work.quiet());
+      if (stride > 1 && !tells_enough(own)) return std::vector<PairTarget>();
+      for (std::size_t d = 0; d < flat.size(); ++d)
+        out.push_back({offset_across(axis, flat[d]), scaled_counts(own, d, voxels)});
+      if (stride == 1) wanted[static_cast<std::size_t>(axis)] = std::move(own);
+    }
+    return out;
+  };
+  DescentSettings descent;
+  descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps;
+  descent.from_noise = s.from_noise, descent.seed = s.seed;
+  DescentResult found = descend(all, s.size, targets, descent, work);
+  r.noise_error = found.noise_error;
+  r.sweeps = std::move(found.sweeps);
+  r.field = std::move(found.field);
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<Vec3i> offsets;
     for (const auto& o : flat) offsets.push_back(offset_across(axis, o));

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/common/coarse_descent.h"
 #include "nodes/common/color_levels.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
@@ -17,14 +18,15 @@ struct SolidFieldSettings {
   int levels = 8, extent = 2, scales = 1, sweeps = 10;
   Vec3i size = Vec3i::Constant(64);  // voxels
   std::string space = "oklab";
+  bool from_noise = false;  // at full resolution alone, not from coarse to fine
   std::uint64_t seed = 1;
 };
 
 struct SolidFieldResult {
   ColorLevels levels;
   LevelField field;                  // periodic; z upwards
-  std::vector<double> error;         // E over the three axes at the start and after each sweep
-  std::vector<std::size_t> changed;  // voxels, by each sweep
+  double noise_error = 0;            // E of noise, over the three axes
+  std::vector<DescentSweep> sweeps;  // from coarse to fine
   std::array<double, 3> axis_error;  // of the slices across each axis against its picture, at the end
 };
 

@@ -19,7 +19,8 @@ void compute(Context& c) {
   SolidFieldSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.space = c.text("space"), s.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  s.space = c.text("space"), s.from_noise = c.text("start") == "noise",
+  s.seed = static_cast<std::uint64_t>(c.integer("seed"));
   const auto size = c.ints("size");
   if (size.size() == 2)
     throw Error("bad-value", "size has two numbers", "give one edge, or one for each of three axes")
@@ -33,13 +34,8 @@ void compute(Context& c) {
         .parameter("size");
   const SolidFieldResult r = synthesize_solid(pictures, s, c.work().part(0, 0.95));
 
-  Table table;
-  table.columns = {"sweep", "error", "changed"};
-  for (std::size_t i = 0; i < r.error.size(); ++i)
-    table.rows.push_back(
-        {static_cast<double>(i), r.error[i], i == 0 ? 0.0 : static_cast<double>(r.changed[i - 1])});
-  c.metric("error_start", r.error.front());
-  c.metric("error", r.error.back());
+  c.metric("error_start", r.noise_error);
+  c.metric("error", r.sweeps.back().error);
   const char* names[] = {"error_x", "error_y", "error_z"};
   for (std::size_t a = 0; a < 3; ++a) c.metric(names[a], r.axis_error[a]);
   initialize_openvdb();
@@ -50,14 +46,14 @@ void compute(Context& c) {
                                                           const Vec3f& v = r.levels.color[r.field.at[i]];
                                                           return openvdb::Vec3s(v.x(), v.y(), v.z());
                                                         }));
-  c.output("table", std::move(table));
+  c.output("table", descent_table(r.sweeps));
   c.output("volume", std::move(volume));
 }
 
 }  // namespace
 
 NodeType cooccurrence_solid_node() {
-  return NodeType("CooccurrenceSolid", 1)
+  return NodeType("CooccurrenceSolid", 2)
       .doc_(
           "Makes a tileable solid texture from noise: on its slices across x, y and z colours neighbour each "
           "other as "
@@ -70,7 +66,10 @@ NodeType cooccurrence_solid_node() {
       .optional_input("image_y", {"Image"}, "what slices across y look like")
       .optional_input("image_z", {"Image"}, "what slices across z look like")
       .output("volume", "Volume", "grid Cd, scene-linear, one voxel a pixel, periodic")
-      .output("table", "Table", "sweep, error E of the three matrices, voxels changed; sweep 0 is the noise")
+      .output("table", "Table",
+              "of each resolution, one of `stride` voxels: sweep, error E of the three matrices, voxels "
+              "changed; sweep 0 is "
+              "its start")
       .parameter(Parameter::integer("levels", 8)
                      .range(2, kMostLevels)
                      .doc_("Colours, found by k-means on all pictures"))
@@ -84,7 +83,14 @@ NodeType cooccurrence_solid_node() {
                      .range(1, 6)
                      .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1), for "
                            "longer correlations"))
-      .parameter(Parameter::integer("sweeps", 8).range(1, 1000).doc_("Visits of every voxel, at most"))
+      .parameter(
+          Parameter::choice("start", "coarse", {"coarse", "noise"})
+              .doc_(
+                  "coarse: made at half, a quarter, … of the resolution first, so that long structures find "
+                  "their places. noise: at full resolution alone"))
+      .parameter(Parameter::integer("sweeps", 8)
+                     .range(1, 1000)
+                     .doc_("Visits of every voxel at each resolution, at most"))
       .parameter(Parameter::ints("size", {64})
                      .count(1, 3)
                      .range(4, 1024)

@@ -4,9 +4,7 @@
 
 #include <algorithm>
 
-#include "nodes/common/level_descent.h"
 #include "nodes/cooccurrence_synth/patches.h"
-#include "runtime/random.h"
 
 namespace terrazzo::cooccurrence_synth {
 
@@ -36,26 +34,32 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
     sections.push_back(levels_of(source, k, r.levels, mask, work.quiet()));
   const auto offsets = cooccurrence_offsets(s.extent, s.scales);
   const Cooccurrence wanted = measure_cooccurrence(sections, levels, offsets, work.quiet());
-  std::vector<PairTarget> targets;
-  for (std::size_t d = 0; d < offsets.size(); ++d) {
-    const std::int64_t pairs = s.tileable ? static_cast<std::int64_t>(width) * height
-                                          : static_cast<std::int64_t>(width - std::abs(offsets[d].x())) *
-                                                (height - std::abs(offsets[d].y()));
-    targets.push_back({offsets[d], scaled_counts(wanted, d, pairs)});
-  }
+  const PairTargets targets = [&](int stride, const Vec3i& size) {
+    std::vector<PairTarget> out;
+    Cooccurrence coarse;
+    if (stride > 1) {
+      std::vector<Vec3i> apart;
+      for (const Vec3i& o : offsets) apart.push_back(stride * o);
+      coarse = measure_cooccurrence(sections, levels, apart, work.quiet());
+      if (!tells_enough(coarse)) return out;
+    }
+    for (std::size_t d = 0; d < offsets.size(); ++d) {
+      const Vec3i free = s.tileable ? size : Vec3i(size - offsets[d].cwiseAbs());
+      out.push_back({offsets[d], scaled_counts(stride > 1 ? coarse : wanted, d,
+                                               static_cast<std::int64_t>(free.x()) * free.y())});
+    }
+    return out;
+  };
   std::vector<const LevelField*> all;
   for (const auto& f : sections) all.push_back(&f);
-  LevelDescent descent(level_noise(all, levels, Vec3i(width, height, 1), s.seed), levels, s.tileable,
-                       targets);
-  r.error.push_back(descent.error());
-  for (int k = 0; k < s.sweeps; ++k) {
-    const Work part = work.part(static_cast<double>(k) / s.sweeps, static_cast<double>(k + 1) / s.sweeps);
-    r.changed.push_back(descent.sweep(mix64(s.seed) + static_cast<std::uint64_t>(k), part));
-    r.error.push_back(descent.error());
-    if (r.changed.back() == 0) break;
-  }
-  r.field = descent.field();
-  r.finished_error = r.error.back();
+  DescentSettings descent;
+  descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps, descent.periodic = s.tileable;
+  descent.from_noise = s.from_noise, descent.seed = s.seed;
+  DescentResult found = descend(all, Vec3i(width, height, 1), targets, descent, work);
+  r.noise_error = found.noise_error;
+  r.sweeps = std::move(found.sweeps);
+  r.field = std::move(found.field);
+  r.finished_error = r.sweeps.back().error;
   if (s.patches) {
     r.from = patch_sources(source, sections, r.levels, wanted, s.tileable, s.seed, r.field, work.quiet());
     r.finished_error =

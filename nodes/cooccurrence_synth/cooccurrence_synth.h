@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/common/coarse_descent.h"
 #include "nodes/common/color_levels.h"
 #include "nodes/common/cooccurrence.h"
 #include "nodes/data/image.h"
@@ -17,10 +18,11 @@ struct SynthSettings {
   int levels = 8;
   int extent = 2;               // pixels: offsets up to ± this in x and y
   int scales = 1;               // of the offsets: times 1, 2, 4, …
-  int sweeps = 10;              // at most; it ends when a sweep changes nothing
+  int sweeps = 10;              // of each resolution, at most; it ends when one changes nothing
   int width = 0, height = 0;    // pixels; 0: the source's
   bool tileable = true;         // opposite edges are neighbours
   std::string space = "oklab";  // or rgb: where colours are clustered
+  bool from_noise = false;      // at full resolution alone (the paper's), not from coarse to fine
   bool patches = false;         // ends in the source's own colours (patches.h)
   std::uint64_t seed = 1;
 };
@@ -28,8 +30,8 @@ struct SynthSettings {
 struct SynthResult {
   ColorLevels levels;
   LevelField field;
-  std::vector<double> error;         // E at the start and after each sweep
-  std::vector<std::size_t> changed;  // pixels, by each sweep; one entry fewer
+  double noise_error = 0;            // E of noise
+  std::vector<DescentSweep> sweeps;  // from coarse to fine
   std::vector<std::uint32_t> from;   // of each pixel, with patches: the source's pixel whose colour it has
   double finished_error = 0;         // E of the field as it is in the end
 };

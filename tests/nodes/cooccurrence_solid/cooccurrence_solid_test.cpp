@@ -45,7 +45,7 @@ TEST(CooccurrenceSolid, SlicesMatchThePictureOfTheirAxis) {
     s.size = Vec3i(32, 28, 36);
     s.levels = 5;
     const SolidFieldResult r = synthesize_solid({&along, &along, &across}, s);
-    EXPECT_LT(r.error.back(), r.error.front() / (agree ? 100 : 10));
+    EXPECT_LT(r.sweeps.back().error, r.noise_error / (agree ? 100 : 10));
     const auto flat = cooccurrence_offsets(s.extent);
     for (int axis = 0; axis < 3; ++axis) {
       const auto have = measure_cooccurrence(slices_across(r.field, axis), r.levels.count(), flat);

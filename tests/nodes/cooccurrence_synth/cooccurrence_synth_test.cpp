@@ -15,10 +15,10 @@
 namespace terrazzo {
 namespace {
 
-Image pattern(const char* kind, int size) {
+Image pattern(const char* kind, int size, const char* axis = "z") {
   return test::run_node("Pattern", {},
                         {{"kind", kind},
-                         {"axis", "z"},
+                         {"axis", axis},
                          {"width", std::to_string(size)},
                          {"height", std::to_string(size)}})
       .output<Image>("image");
@@ -32,16 +32,47 @@ std::set<std::tuple<float, float, float>> colors(const Image& image) {
 
 TEST(CooccurrenceSynth, MatchesThePicturesMatrix) {
   const Image source = pattern("fat", 96);
-  for (const char* tileable : {"true", "false"}) {
-    const auto r =
-        test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}}, {{"tileable", tileable}});
-    const Table& t = r.output<Table>("table");
-    EXPECT_EQ(t.columns, (std::vector<std::string>{"sweep", "error", "changed"}));
-    for (std::size_t i = 1; i < t.rows.size(); ++i) EXPECT_LE(t.number(i, "error"), t.number(i - 1, "error"));
-    EXPECT_LT(t.number(t.rows.size() - 1, "error"), t.number(0, "error") / 300);
-    EXPECT_EQ(colors(r.output<Image>("image")), colors(r.output<Image>("quantized")));
-    EXPECT_LT(r.metrics.at("histogram_distance"), 0.02);
-  }
+  for (const char* start : {"noise", "coarse"})
+    for (const char* tileable : {"true", "false"}) {
+      const auto r = test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}},
+                                    {{"tileable", tileable}, {"start", start}});
+      const Table& t = r.output<Table>("table");
+      EXPECT_EQ(t.columns, (std::vector<std::string>{"stride", "sweep", "error", "changed"}));
+      EXPECT_EQ(t.number(0, "stride"), start[0] == 'n' ? 1 : 8);
+      EXPECT_EQ(t.number(t.rows.size() - 1, "stride"), 1);
+      for (std::size_t i = 1; i < t.rows.size(); ++i)
+        if (t.number(i, "sweep") > 0)
+          EXPECT_LE(t.number(i, "error"), t.number(i - 1, "error"));
+        else
+          EXPECT_EQ(t.number(i, "stride"), t.number(i - 1, "stride") / 2);
+      EXPECT_LT(t.number(t.rows.size() - 1, "error"), r.metrics.at("error_start") / 300);
+      EXPECT_EQ(colors(r.output<Image>("image")), colors(r.output<Image>("quantized")));
+      EXPECT_LT(r.metrics.at("histogram_distance"), 0.02);
+    }
+}
+
+// A field of wood from noise ends in a lattice of spots, whose error a sweep cannot lower; from coarse to
+// fine its fibres run through.
+TEST(CooccurrenceSynth, LongStructuresNeedACoarseStart) {
+  const Value wood = Value::of(pattern("wood", 128, "x"));
+  const auto ratio = [&](const char* start) {
+    const auto r = test::run_node("CooccurrenceSynth", {{"image", wood}}, {{"start", start}});
+    return r.metrics.at("error_start") / r.metrics.at("error");
+  };
+  EXPECT_GT(ratio("coarse"), 1000);
+  EXPECT_LT(ratio("noise"), 1000);
+}
+
+// A mask in stripes has no pairs at longer offsets, so its field starts where there are some.
+TEST(CooccurrenceSynth, StartsNoCoarserThanTheSourceTells) {
+  const Image source = pattern("fat", 64);
+  Image stripes(64, 64, 1, 1);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (x % 16 < 3) stripes.at(x, y) = Vec3f::Ones();
+  const auto r =
+      test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}, {"mask", Value::of(stripes)}});
+  EXPECT_EQ(r.output<Table>("table").number(0, "stride"), 1);
 }
 
 TEST(CooccurrenceSynth, SizeSeedAndSpace) {

@@ -1,0 +1,116 @@
+#include "nodes/common/coarse_descent.h"
+
+#include <algorithm>
+
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+constexpr int kLongAs = 4;    // a field over the reach of its offsets
+constexpr int kEachPair = 4;  // pairs of pixels for a pair of levels
+constexpr int kMostOctaves = 10;
+
+struct Resolution {
+  int stride;
+  Vec3i size;
+  std::vector<PairTarget> targets;
+};
+
+Vec3i coarser(const Vec3i& size, int stride) {
+  return ((size.array() + stride / 2) / stride).max(1).matrix();
+}
+
+// Axes of one pixel, which a picture has, are no matter.
+bool long_enough(const Vec3i& full, const Vec3i& size, int reach) {
+  for (int a = 0; a < 3; ++a)
+    if (full[a] > 1 && size[a] <= kLongAs * reach) return false;
+  return true;
+}
+
+std::vector<Resolution> resolutions(const Vec3i& size, const PairTargets& targets, const DescentSettings& s) {
+  std::vector<Resolution> out;
+  out.push_back({1, size, targets(1, size)});
+  for (int k = 1; k <= kMostOctaves && !s.from_noise; ++k) {
+    Resolution next{1 << k, coarser(size, 1 << k), {}};
+    if (!long_enough(size, next.size, s.reach)) break;
+    next.targets = targets(next.stride, next.size);
+    if (next.targets.empty()) break;
+    out.push_back(std::move(next));
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+// Pixels between two coarse ones are either, by chance: copies in blocks would leave their edges as steps
+// that the sweeps do not find.
+LevelField enlarged(const LevelField& from, const Vec3i& size, bool periodic, std::uint64_t seed) {
+  LevelField out(size);
+  for (int z = 0; z < size.z(); ++z)
+    for (int y = 0; y < size.y(); ++y)
+      for (int x = 0; x < size.x(); ++x) {
+        const std::size_t i = out.index(x, y, z);
+        Random random(seed, 0x0cc1, i);
+        const Vec3i here(x, y, z);
+        Vec3i at;
+        for (int a = 0; a < 3; ++a) {
+          const std::int64_t scaled = static_cast<std::int64_t>(here[a]) * from.size[a];
+          at[a] = static_cast<int>(scaled / size[a]);
+          const auto over = static_cast<std::uint64_t>(scaled % size[a]);
+          if (over == 0 || random.below(static_cast<std::uint64_t>(size[a])) >= over) continue;
+          at[a] = at[a] + 1 < from.size[a] ? at[a] + 1 : periodic ? 0 : at[a];
+        }
+        out.at[i] = from.at[from.index(at.x(), at.y(), at.z())];
+      }
+  return out;
+}
+
+}  // namespace
+
+bool tells_enough(const Cooccurrence& c) {
+  const std::int64_t least = static_cast<std::int64_t>(kEachPair) * c.levels * c.levels;
+  return std::all_of(c.pairs.begin(), c.pairs.end(), [&](std::int64_t pairs) { return pairs >= least; });
+}
+
+DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size,
+                      const PairTargets& targets, const DescentSettings& s, const Work& work) {
+  const auto all = resolutions(size, targets, s);
+  double pixels = 0, done = 0;
+  for (const auto& r : all) pixels += r.size.cast<double>().prod();
+  DescentResult out;
+  for (const Resolution& r : all) {
+    LevelField start = &r == &all.front() ? level_noise(source, s.levels, r.size, s.seed)
+                                          : enlarged(out.field, r.size, s.periodic,
+                                                     s.seed + static_cast<std::uint64_t>(r.stride));
+    LevelDescent descent(start, s.levels, s.periodic, r.targets);
+    out.sweeps.push_back({r.stride, 0, descent.error(), 0});
+    if (r.stride == 1)
+      out.noise_error = all.size() == 1 ? descent.error()
+                                        : LevelDescent(level_noise(source, s.levels, size, s.seed), s.levels,
+                                                       s.periodic, r.targets)
+                                              .error();
+    const double share = r.size.cast<double>().prod() / pixels;
+    for (int k = 0; k < s.sweeps; ++k) {
+      const Work part = work.part(done + share * k / s.sweeps, done + share * (k + 1) / s.sweeps);
+      const std::uint64_t order =
+          mix64(s.seed) + static_cast<std::uint64_t>(k) + 1000003 * static_cast<std::uint64_t>(r.stride - 1);
+      const std::size_t changed = descent.sweep(order, part);
+      out.sweeps.push_back({r.stride, k + 1, descent.error(), changed});
+      if (changed == 0) break;
+    }
+    done += share;
+    out.field = descent.field();
+  }
+  return out;
+}
+
+Table descent_table(const std::vector<DescentSweep>& sweeps) {
+  Table out;
+  out.columns = {"stride", "sweep", "error", "changed"};
+  for (const DescentSweep& s : sweeps)
+    out.rows.push_back({static_cast<double>(s.stride), static_cast<double>(s.sweep), s.error,
+                        static_cast<double>(s.changed)});
+  return out;
+}
+
+}  // namespace terrazzo
