@@ -17,11 +17,16 @@ TEST(Outside, APluginAndAnEmbeddingProgramBuildAndRun) {
   std::string flags = "-DCMAKE_CXX_FLAGS=";
 #ifdef TERRAZZO_SANITIZE  // libraries with a sanitizer need a program that starts it
   flags += "-fsanitize=" TERRAZZO_SANITIZE;
+  const std::string suppressions =
+      "-DSANITIZER_SUPPRESSIONS=" +
+      (test::source_folder() / "tests/support/sanitizer_suppressions.cpp").string();
+#else
+  const std::string suppressions = "-DSANITIZER_SUPPRESSIONS=";
 #endif
   must(run_command({"cmake", "--install", test::build_folder().string(), "--prefix", prefix}));
   must(run_command({"cmake", "-G", "Ninja", "-S",
                     (test::source_folder() / "tests/integration/outside").string(), "-B", build,
-                    "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Release", flags}));
+                    "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Release", flags, suppressions}));
   must(run_command({"cmake", "--build", build}));
   if (HasFatalFailure()) return;
 
