@@ -93,13 +93,13 @@ TEST(CooccurrenceSynth, SizeSeedAndSpace) {
 // With patches every colour is the picture's own, more of them lie as in the picture, and the matrix is still
 // near.
 TEST(CooccurrenceSynth, PatchesKeepWhatLiesSideBySide) {
-  const Image source = pattern("fat", 64);
+  const Image source = pattern("fat", 128);
   std::map<std::tuple<float, float, float>, std::size_t> where;
   for (std::size_t i = 0; i < source.pixels.size(); ++i)
     where[{source.pixels[i].x(), source.pixels[i].y(), source.pixels[i].z()}] = i;
   for (const char* tileable : {"true", "false"}) {
     const auto r = test::run_node("CooccurrenceSynth", {{"image", Value::of(source)}},
-                                  {{"finish", "patches"}, {"size", "[48, 40]"}, {"tileable", tileable}});
+                                  {{"finish", "patches"}, {"size", "[96, 80]"}, {"tileable", tileable}});
     const Image& got = r.output<Image>("image");
     std::size_t together = 0;
     const auto number = [&](int x, int y) {
@@ -110,8 +110,8 @@ TEST(CooccurrenceSynth, PatchesKeepWhatLiesSideBySide) {
     };
     for (int y = 0; y < got.height; ++y)
       for (int x = 0; x + 1 < got.width; ++x) together += number(x + 1, y) == number(x, y) + 1;
-    EXPECT_GT(together, 47u * 40 / 4);
-    EXPECT_LT(r.metrics.at("finished_error"), r.metrics.at("error_start") / 5);
+    EXPECT_GT(together, 95u * 80 / 4);
+    EXPECT_LT(r.metrics.at("finished_error"), r.metrics.at("error_start") / 8);
   }
 }
 
