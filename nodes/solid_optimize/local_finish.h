@@ -1,0 +1,30 @@
+// What optimization blurs, given back by filters of finite reach.
+#pragma once
+
+#include <vector>
+
+#include "nodes/solid_optimize/local_search.h"
+#include "nodes/solid_optimize/local_statistics.h"
+
+namespace terrazzo::solid_optimize {
+
+constexpr int kFinishBands = 2;
+constexpr int kFinishReach = 6;  // voxels that a round looks about itself
+
+// The finest bands of a picture: it less itself smoothed by (1 4 6 4 1)/16, and the smoothed one less itself
+// smoothed by the same with gaps of a pixel (an à-trous transform; Starck, Murtagh 1994). Per channel and
+// band, all but a margin of kFinishReach.
+std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& working, int channels);
+
+// One round on one channel, in `box`; what is stored is right kFinishReach further out. The bands of the slices
+// across each family's axis are given their exemplar's distribution, and what the planes want changed is
+// added up; then the values theirs. Where `measured` holds a box the maps are fixed by what lies in it, else
+// they are taken from `maps`.
+void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
+                  int channel, const LocalBox& box, const LocalBox* measured, FinishMaps& maps, LocalRegion&,
+                  const Work&);
+
+// The values of one channel that lie in a box.
+std::vector<float> values_in(const LocalBox&, const LocalRegion&, int channel);
+
+}  // namespace terrazzo::solid_optimize
