@@ -9,12 +9,16 @@
 namespace terrazzo::solid_optimize {
 
 constexpr int kFinishBands = 2;
-constexpr int kFinishReach = 6;  // voxels that a round looks about itself
+constexpr int kFinishReach = 9;   // voxels that a round looks about itself
+constexpr int kFinishLeast = 24;  // pixels of an exemplar's side, which leave 6 × 6 to measure
 
-// The finest bands of a picture: it less itself smoothed by (1 4 6 4 1)/16, and the smoothed one less itself
-// smoothed by the same with gaps of a pixel (an à-trous transform; Starck, Murtagh 1994). Per channel and
-// band, all but a margin of kFinishReach.
+// The finest bands of a picture: it less itself smoothed, and the smoothed one less itself smoothed by the same
+// filter with gaps of a pixel (an à-trous transform; Holschneider et al. 1989). Per channel and band, all but a
+// margin of kFinishReach. Throws Error "exemplar-too-small".
 std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& working, int channels);
+
+// Root of the mean square of the first of them over all channels, of a picture of 7 × 7 or more.
+double finest_deviation(const SolidExemplar& working, int channels);
 
 // One round on one channel, in `box`; what is stored is right kFinishReach further out. The bands of the slices
 // across each family's axis are given their exemplar's distribution, and what the planes want changed is

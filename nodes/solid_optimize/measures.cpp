@@ -83,22 +83,17 @@ void measure_all_bands(const BandStatistics& wanted, int scales, const SolidFiel
 // The finest band of slices that need not tile, by a filter that ends within them.
 void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
   const int channels = static_cast<int>(field.channel.size());
-  const auto square = [&](const SolidExemplar& picture) {
-    double sum = 0;
-    for (const auto& channel : finest_bands(picture, channels))
-      sum += channel[0].deviation * channel[0].deviation;
-    return sum;
-  };
-  const double want = square(e);
+  const double want = finest_deviation(e, channels);
   double have = 0;
   for (int k = 0; k < field.size[m.axis]; ++k) {
     work.check();
     Picture p = slice_picture(field, m.axis, k);
     SolidExemplar slice;
     slice.width = p.width, slice.height = p.height, slice.pixels = std::move(p.pixels);
-    have += square(slice) / field.size[m.axis];
+    const double d = finest_deviation(slice, channels);
+    have += d * d / field.size[m.axis];
   }
-  m.bands.push_back(want > 0 ? std::sqrt(have / want) : 1);
+  m.bands.push_back(want > 0 ? std::sqrt(have) / want : 1);
 }
 
 void measure_values(const BandStatistics& wanted, const SolidField& field, PlaneMeasures& m) {

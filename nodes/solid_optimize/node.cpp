@@ -212,7 +212,7 @@ void compute(Context& c) {
   s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
   s.lab = c.text("color") == "lab";
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.window = c.number("window");
-  s.finish = static_cast<int>(c.integer("finish"));
+  s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
   const bool features = !c.list("features").empty(), sources = c.boolean("sources");
   s.sources = features || sources;
   if (s.papers && s.sources)
@@ -378,10 +378,10 @@ NodeType solid_optimize_node() {
                          .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
                                "standard deviation; "
                                "it starts ten times as wide. 0: plain means, which blur"))
-          .parameter(Parameter::integer("finish", 2)
+          .parameter(Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
                          .range(0, 20)
                          .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
-                               "at the end"))
+                               "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
           .parameter(Parameter::boolean("sources", false)
                          .doc_("Also give the exemplar's pixel that each voxel comes from"))
           .parameter(Parameter::number("memory", 4000)
