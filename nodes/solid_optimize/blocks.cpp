@@ -64,13 +64,13 @@ LocalBox block_box(const SolidSettings& s) {
 }
 
 void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-               std::vector<MatchFamily> families, const SolidSettings& s, SolidResult& out,
-               const Work& work) {
+               std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl,
+               SolidResult& out, const Work& work) {
   const std::vector<int> iterations = iterations_of(s, out.levels);
   WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};
   for (int l = whole.level + 1; l < out.levels; ++l)
     for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(l)], work.quiet());
-  LocalLevels local(working, pyramids, s, iterations, std::move(whole));
+  LocalLevels local(working, pyramids, s, iterations, std::move(whole), gl);
   local.measure(work.part(0, 0.2));
   const LocalBox box = block_box(s);
   LocalRegion region = local.make(box, s.sources ? &out.sources : nullptr, work.part(0.2, 1));

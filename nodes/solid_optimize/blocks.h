@@ -13,6 +13,7 @@ LocalBox block_box(const SolidSettings&);
 // Makes it from `families` and out.field, the finest level that is made whole. What it is does not depend on
 // how the solid is cut.
 void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&,
-               std::vector<MatchFamily> families, const SolidSettings&, SolidResult& out, const Work&);
+               std::vector<MatchFamily> families, const SolidSettings&, LocalGl*, SolidResult& out,
+               const Work&);
 
 }  // namespace terrazzo::solid_optimize

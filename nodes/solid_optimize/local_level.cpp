@@ -114,8 +114,9 @@ LocalBox probe_box(const Vec3i& level, const LocalLimits& limits) {
 }
 
 LocalLevels::LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>& pyramids,
-                         const SolidSettings& s, const std::vector<int>& iterations, WholeLevel&& whole)
-    : working_(working),
+                         const SolidSettings& s, const std::vector<int>& iterations, WholeLevel&& whole, LocalGl* gl)
+    : gl_(gl),
+      working_(working),
       pyramids_(pyramids),
       settings_(s),
       iterations_(iterations),
@@ -136,6 +137,12 @@ LocalLevels::LocalLevels(const std::vector<SolidExemplar>& working, const std::v
       if (p >= 0) planes.push_back(&pictures[static_cast<std::size_t>(p)].values[static_cast<std::size_t>(c)]);
     finished_.push_back(mixture(planes));
   }
+}
+
+// Of the mean shift after an iteration; −1: after matches are carried up.
+float LocalLevels::window_at(int iteration, int rounds) const {
+  const double fall = iteration < 0 ? 0 : rounds > 1 ? static_cast<double>(iteration) / (rounds - 1) : 1;
+  return static_cast<float>(settings_.window * std::pow(10, 1 - fall));
 }
 
 Vec3i LocalLevels::size(int level) const { return box_at(settings_.size, level, levels_); }
@@ -260,6 +267,18 @@ LocalRegion LocalLevels::run(int level, const LocalBox& wanted, Upto upto, const
   region.field.channel.assign(static_cast<std::size_t>(channels_),
                               std::vector<float>(static_cast<std::size_t>(region.field.size.cast<double>().prod())));
   const LevelStatistics& known = measured ? *measured : fixed;
+  const int before = std::accumulate(iterations_.begin(), iterations_.begin() + level, 0);
+  const bool to_blend = upto != Upto::Matches;
+  // Statistics are measured, and sources kept, on the processor.
+  int done = 0;
+  if (gl_ && !core) {
+    std::vector<float> windows;
+    for (int i = -1; i < rounds; ++i) windows.push_back(window_at(i, rounds));
+    const LocalPasses passes{exemplars, known, plan, windows, settings_.seed, before, (settings_.exponent - 2) / 2};
+    gl_->run(passes, to_blend && !sources, region, own.part(0, 0.8));
+    done = rounds;
+  }
+
   const WeightTable weights((settings_.exponent - 2) / 2);
 
   const auto blend = [&](int i, float window, BlendSources* into, const Work& step) {
@@ -292,10 +311,8 @@ LocalRegion LocalLevels::run(int level, const LocalBox& wanted, Upto upto, const
     }
   };
 
-  const auto window = static_cast<float>(settings_.window);
-  blend(0, 10 * window, nullptr, own.part(0, 0.1));
-  const int before = std::accumulate(iterations_.begin(), iterations_.begin() + level, 0);
-  for (int i = 0; i < rounds; ++i) {
+  if (done == 0) blend(0, window_at(-1, rounds), nullptr, own.part(0, 0.1));
+  for (int i = done; i < rounds; ++i) {
     const Work step = own.part(0.1 + 0.7 * i / rounds, 0.1 + 0.7 * (i + 1) / rounds);
     const LocalBox& box = plan.blend[static_cast<std::size_t>(i) + 1];
     search_locally(exemplars, known.penalty, box, settings_.seed, before + i, region, step.part(0, 0.6));
@@ -313,11 +330,10 @@ LocalRegion LocalLevels::run(int level, const LocalBox& wanted, Upto upto, const
       copy_beyond(region.lines, region.families[k], work.quiet());
     }
     const bool last = i + 1 == rounds;
-    if (last && upto == Upto::Matches) break;
-    const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
-    blend(i + 1, static_cast<float>(settings_.window * std::pow(10, 1 - fall)), last ? sources : nullptr,
-          step.part(0.6, 1));
+    if (last && !to_blend) break;
+    blend(i + 1, window_at(i, rounds), last ? sources : nullptr, step.part(0.6, 1));
   }
+  if (done > 0 && sources) blend(rounds, window_at(rounds - 1, rounds), sources, work.quiet());
   if (finish == 0) return region;
   if (core) measured->finish.resize(static_cast<std::size_t>(channels_));
   for (int c = 0; c < channels_; ++c)

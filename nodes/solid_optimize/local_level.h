@@ -6,6 +6,7 @@
 
 #include "nodes/solid_optimize/levels.h"
 #include "nodes/solid_optimize/local_finish.h"
+#include "nodes/solid_optimize/local_gl.h"
 
 namespace terrazzo::solid_optimize {
 
@@ -16,12 +17,6 @@ struct WholeLevel {
   SolidField field;
 };
 
-// Which voxels each step of a part has to make for the voxels wanted in the end.
-struct LocalPlan {
-  std::vector<LocalBox> blend;   // after the matches are carried up, and after each iteration
-  std::vector<LocalBox> finish;  // after each round
-};
-LocalPlan local_plan(const LocalBox& wanted, int iterations, int finish_rounds);
 // Voxels of the level below whose patches the carried matches of a part come from.
 LocalBox box_below(const LocalBox& part, const Vec3i& level, const Vec3i& below);
 // Where a level's statistics are measured, the same whatever part is wanted: along short axes everywhere.
@@ -29,9 +24,10 @@ LocalBox probe_box(const Vec3i& level, const LocalLimits&);
 
 class LocalLevels {
  public:
-  // `iterations` of each level. All that is passed must outlive it.
+  // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for what
+  // it measures and for the finish.
   LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
-              const std::vector<int>& iterations, WholeLevel&&);
+              const std::vector<int>& iterations, WholeLevel&&, LocalGl* gl = nullptr);
 
   // Fixes the statistics of all levels above the whole one. Once, before anything is made.
   void measure(const Work&);
@@ -50,6 +46,7 @@ class LocalLevels {
   };
 
   Vec3i size(int level) const;
+  float window_at(int iteration, int rounds) const;
   LocalRegion run(int level, const LocalBox& wanted, Upto, const LevelStatistics&, LevelStatistics* measured,
                   const LocalBox* core, BlendSources* sources, const Work&) const;
   Below below(int level, const LocalBox& part, const LocalBox* core, const Work&) const;
@@ -60,6 +57,7 @@ class LocalLevels {
   };
   Targets targets_in(int level, const LocalBox& core, const Below&) const;
 
+  LocalGl* gl_;
   const std::vector<SolidExemplar>& working_;
   const std::vector<Pyramid>& pyramids_;
   const SolidSettings& settings_;

@@ -8,6 +8,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
+#include "nodes/solid_optimize/local_gl.h"
 #include "nodes/solid_optimize/measures.h"
 #include "nodes/solid_optimize/solid_optimize.h"
 #include "runtime/context.h"
@@ -53,6 +54,30 @@ void take_blocks(Context& c, SolidSettings& s) {
     throw Error("bad-value", fmt::format("there is no block {} of {}", s.block, count),
                 fmt::format("count from 0 to {}, x fastest, z slowest", count - 1))
         .parameter("block");
+}
+
+// What makes a local solid's finer levels: a GPU, Mesa's software renderer, or nothing, which means the
+// processor itself.
+std::unique_ptr<LocalGl> local_gl(Context& c, const SolidSettings& s) {
+  const std::string device = c.text("device");
+  if (!s.local && device == "gl")
+    throw Error("bad-value", fmt::format("method {} has no shaders", c.text("method")),
+                "set method: local, or device: cpu")
+        .parameter("device");
+  if (!s.local || device == "cpu") return nullptr;
+  std::unique_ptr<LocalGl> gl;
+  try {
+    gl = std::make_unique<LocalGl>(GlDevice::Gpu);
+  } catch (const Error& e) {
+    if (device == "auto") {
+      c.warn("made on the CPU: " + e.diagnostic().message);
+      return nullptr;
+    }
+    if (e.diagnostic().code != "no-gl") throw;
+    gl = std::make_unique<LocalGl>(GlDevice::Cpu);
+  }
+  c.warn("made by OpenGL on " + gl->renderer());
+  return gl;
 }
 
 // Rows upwards, the first section.
@@ -234,7 +259,11 @@ void compute(Context& c) {
         "few of them to tell how they lie in space",
         100 * coarse));
 
-  SolidResult r = optimize_solid(exemplars, s, c.work().part(0, 0.97));
+  SolidResult r;
+  {
+    const auto gl = local_gl(c, s);
+    r = optimize_solid(exemplars, s, c.work().part(0, 0.97), gl.get());
+  }
 
   initialize_openvdb();
   const double voxel = pixel * grown;
@@ -353,7 +382,11 @@ NodeType solid_optimize_node() {
                          .doc_("The one to make, from 0, x fastest and z slowest: the same voxels as of the "
                                "whole, at their place in it"))
           .parameter(
-              Parameter::choice("device", "auto", {"auto", "cpu"}).doc_("Where it runs: auto takes the cpu"))
+              Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
+                  .doc_("Of method local. cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's "
+                        "software renderer; auto: a GPU where there is one, else cpu. A warning says which it "
+                        "was; who shares a cache between machines should not write auto, since rounding "
+                        "differs"))
           .parameter(Parameter::with_keyword(ParameterKind::Texts, "planes", "auto")
                          .count(1, 3)
                          .doc_("Axes across which slices look like an exemplar: [x, y, z] or fewer. auto: "

@@ -149,7 +149,7 @@ void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, Sol
 }  // namespace
 
 SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
-                           const Work& work) {
+                           const Work& work, LocalGl* gl) {
   SolidResult out;
   out.size = s.size;
   std::vector<const std::vector<Vec3f>*> pictures;
@@ -175,7 +175,7 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
   if (s.papers)
     by_papers(pyramids, s, out, work.part(0, 0.97));
   else if (s.local)
-    by_blocks(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, out,
+    by_blocks(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, gl, out,
               work.part(0.3, 0.97));
   else
     out.measures =

@@ -11,6 +11,8 @@
 
 namespace terrazzo::solid_optimize {
 
+class LocalGl;
+
 // Sizes that decide how a local solid is made, and what it becomes; tests make them small.
 struct LocalLimits {
   double whole = 128.0 * 128 * 128;  // voxels of the finest level that is made whole, unless the coarsest has
@@ -67,7 +69,9 @@ struct SolidResult {
 
 // Exemplars at the scale of the solid: a pixel is a voxel. The whole solid tiles. Throws Error
 // "exemplar-too-small", "one-color", "bad-value" where a local solid has one level only.
-SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&);
+// A local solid's finer levels are made by `gl` where there is one, which lives on this thread.
+SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&,
+                           LocalGl* gl = nullptr);
 
 // Levels that optimize_solid takes for `levels` = 0.
 int natural_levels(const std::vector<SolidExemplar>&, const Vec3i& size);
