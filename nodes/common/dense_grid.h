@@ -34,10 +34,12 @@ typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel,
       for (int i = lo.x(); i < lo.x() + 8; ++i)
         for (int j = lo.y(); j < lo.y() + 8; ++j)
           for (int k = lo.z(); k < lo.z() + 8; ++k, ++at)
-            if (i >= origin.x() && j >= origin.y() && k >= origin.z() && i < last.x() && j < last.y() && k < last.z())
-              leaf->setValueOn(at, value((static_cast<std::size_t>(k - origin.z()) * size.y() + (j - origin.y())) *
-                                             size.x() +
-                                         (i - origin.x())));
+            if (i >= origin.x() && j >= origin.y() && k >= origin.z() && i < last.x() && j < last.y() &&
+                k < last.z())
+              leaf->setValueOn(
+                  at,
+                  value((static_cast<std::size_t>(k - origin.z()) * size.y() + (j - origin.y())) * size.x() +
+                        (i - origin.x())));
       leaves[n] = std::move(leaf);
     }
   });

@@ -38,12 +38,10 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
     int n = 0;
     for (const MatchFamily& f : t.families) {
       const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
-      const PatchCover& cu =
-          (*t.range.covers[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(f.axis)])])
-              [static_cast<std::size_t>(at[kSliceColumns[static_cast<std::size_t>(f.axis)]])];
-      const PatchCover& cv =
-          (*t.range.covers[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(f.axis)])])
-              [static_cast<std::size_t>(at[kSliceRows[static_cast<std::size_t>(f.axis)]])];
+      const PatchCover& cu = (*t.range.covers[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(
+          f.axis)])])[static_cast<std::size_t>(at[kSliceColumns[static_cast<std::size_t>(f.axis)]])];
+      const PatchCover& cv = (*t.range.covers[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(
+          f.axis)])])[static_cast<std::size_t>(at[kSliceRows[static_cast<std::size_t>(f.axis)]])];
       const int begin = n;
       float total = 0;
       for (int b = 0; b < cv.count; ++b) {
@@ -181,9 +179,8 @@ void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
                    const Work& work) {
   const std::array<std::vector<PatchCover>, 3> cover = {
       patch_covers(field.size.x()), patch_covers(field.size.y()), patch_covers(field.size.z())};
-  blend_patches(exemplars, families, settings,
-                {{&cover[0], &cover[1], &cover[2]}, Vec3i::Zero(), field.size}, field, sources, features,
-                work);
+  blend_patches(exemplars, families, settings, {{&cover[0], &cover[1], &cover[2]}, Vec3i::Zero(), field.size},
+                field, sources, features, work);
 }
 
 void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,

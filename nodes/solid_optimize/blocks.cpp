@@ -14,18 +14,18 @@ std::vector<MatchFamily> families_in(const LocalBox& box, const LocalRegion& reg
     const int ua = kSliceColumns[axis], va = kSliceRows[axis];
     const LocalLine &u = region.lines[static_cast<std::size_t>(ua)],
                     &v = region.lines[static_cast<std::size_t>(va)];
-    const int i = first_patch(box.lo[ua], u.period) - u.first, j = first_patch(box.lo[va], v.period) - v.first;
+    const int i = first_patch(box.lo[ua], u.period) - u.first,
+              j = first_patch(box.lo[va], v.period) - v.first;
     MatchFamily part;
     part.axis = f.axis, part.exemplar = f.exemplar, part.slices = box.hi[f.axis] - box.lo[f.axis];
     part.columns = first_patch(box.hi[ua], u.period) - u.first - i;
     part.rows = first_patch(box.hi[va], v.period) - v.first - j;
     for (int s = 0; s < part.slices; ++s)
       for (int y = 0; y < part.rows; ++y) {
-        const auto row = f.at.begin() + ((static_cast<std::ptrdiff_t>(s) + box.lo[f.axis] -
-                                          region.lines[axis].from) *
-                                             f.rows +
-                                         j + y) *
-                                            f.columns;
+        const auto row =
+            f.at.begin() +
+            ((static_cast<std::ptrdiff_t>(s) + box.lo[f.axis] - region.lines[axis].from) * f.rows + j + y) *
+                f.columns;
         part.at.insert(part.at.end(), row + i, row + i + part.columns);
       }
     out.push_back(std::move(part));
@@ -41,11 +41,12 @@ std::vector<T> crop(const LocalBox& box, const LocalRegion& region, const std::v
   out.reserve(voxels(box.size()));
   for (int z = box.lo.z(); z < box.hi.z(); ++z)
     for (int y = box.lo.y(); y < box.hi.y(); ++y) {
-      const auto row = all.begin() + ((static_cast<std::ptrdiff_t>(z) - region.lines[2].from) *
-                                          region.field.size.y() +
-                                      y - region.lines[1].from) *
-                                         region.field.size.x();
-      out.insert(out.end(), row + (box.lo.x() - region.lines[0].from), row + (box.hi.x() - region.lines[0].from));
+      const auto row =
+          all.begin() + ((static_cast<std::ptrdiff_t>(z) - region.lines[2].from) * region.field.size.y() + y -
+                         region.lines[1].from) *
+                            region.field.size.x();
+      out.insert(out.end(), row + (box.lo.x() - region.lines[0].from),
+                 row + (box.hi.x() - region.lines[0].from));
     }
   return out;
 }
@@ -64,8 +65,8 @@ LocalBox block_box(const SolidSettings& s) {
 }
 
 void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-               std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl,
-               SolidResult& out, const Work& work) {
+               std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl, SolidResult& out,
+               const Work& work) {
   const std::vector<int> iterations = iterations_of(s, out.levels);
   WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};
   for (int l = whole.level + 1; l < out.levels; ++l)

@@ -26,10 +26,11 @@ double whole_bytes(const SolidSettings& s, const Vec3i& size) {
   return size.cast<double>().prod() * (4 * kChannels + planes(s) * 2);
 }
 
-// A part of level `level`, at the peak: what is there while the matches below are made, while they are carried
-// up, while the level's own are searched (one plane's twice), and while it is finished.
+// A part of level `level`, at the peak: what is there while the matches below are made, while they are
+// carried up, while the level's own are searched (one plane's twice), and while it is finished.
 double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox& wanted, bool finished) {
-  const int whole = whole_level(s, levels), rounds = iterations_of(s, levels)[static_cast<std::size_t>(level)];
+  const int whole = whole_level(s, levels),
+            rounds = iterations_of(s, levels)[static_cast<std::size_t>(level)];
   const Vec3i size = box_at(s.size, level, levels);
   const LocalBox box = local_plan(wanted, rounds, finished ? s.finish : 0).blend[0];
   const PartSize part(box, size);
@@ -39,8 +40,9 @@ double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox&
   if (level - 1 == whole) return own;
   const Vec3i size_below = box_at(s.size, level - 1, levels);
   const LocalBox below = box_below(box, size, size_below);
-  const PartSize kept(local_plan(below, iterations_of(s, levels)[static_cast<std::size_t>(level) - 1], 0).blend[0],
-                      size_below);
+  const PartSize kept(
+      local_plan(below, iterations_of(s, levels)[static_cast<std::size_t>(level) - 1], 0).blend[0],
+      size_below);
   const double carrying = kept.voxels * 4 * kChannels + 8 * kept.patches * planes(s) + matches;
   return std::max({own, carrying, part_bytes(s, level - 1, levels, below, false)});
 }

@@ -49,9 +49,7 @@ struct LocalLine {
   std::array<int, 2> patches_over(const LocalBox&, int axis) const;
   // Where, among those stored, the original is of what is stored at k; k itself if it is one.
   int original_voxel(int k) const { return closed ? wrapped(from + k, period) - from : k; }
-  int original_patch(int k) const {
-    return closed ? wrapped(first + k, patches_around(period)) - first : k;
-  }
+  int original_patch(int k) const { return closed ? wrapped(first + k, patches_around(period)) - first : k; }
 };
 using LocalLines = std::array<LocalLine, 3>;
 LocalLines local_lines(const LocalBox&, const Vec3i& level);

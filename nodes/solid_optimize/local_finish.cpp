@@ -14,9 +14,9 @@ namespace {
 constexpr int kRadius = 3;  // of the smoothing, in steps
 static_assert(kFinishReach == kRadius + 2 * kRadius);
 
-// (1 −6 15 44 15 −6 1)/64 about p[3 · step]: 1 − sin⁶(ω/2), flat up to a quarter of the sampling rate and 0 at a
-// half. Binomials leak so much of the lower frequencies into the finest band that it came out twice too strong
-// where the exemplar has next to none.
+// (1 −6 15 44 15 −6 1)/64 about p[3 · step]: 1 − sin⁶(ω/2), flat up to a quarter of the sampling rate and 0
+// at a half. Binomials leak so much of the lower frequencies into the finest band that it came out twice too
+// strong where the exemplar has next to none.
 inline float smoothed(const float* p, std::ptrdiff_t step) {
   return 0.015625f * (44 * p[3 * step] + 15 * (p[2 * step] + p[4 * step]) - 6 * (p[step] + p[5 * step]) +
                       (p[0] + p[6 * step]));
@@ -30,9 +30,9 @@ void smooth(const std::vector<float>& in, int width, int height, int gap, std::v
   out.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < w; ++x)
-      row[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] =
-          smoothed(&in[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)],
-                   gap);
+      row[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] = smoothed(
+          &in[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)],
+          gap);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::size_t i =
@@ -54,10 +54,11 @@ struct Bands {
     for (auto& b : band) b.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                              static_cast<std::size_t>(x);
-        const float all = picture[static_cast<std::size_t>(y + kFinishReach) * static_cast<std::size_t>(width) +
-                                  static_cast<std::size_t>(x + kFinishReach)],
+        const std::size_t i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+        const float all =
+                        picture[static_cast<std::size_t>(y + kFinishReach) * static_cast<std::size_t>(width) +
+                                static_cast<std::size_t>(x + kFinishReach)],
                     low = once[static_cast<std::size_t>(y + 2 * kRadius) * static_cast<std::size_t>(less) +
                                static_cast<std::size_t>(x + 2 * kRadius)];
         band[0][i] = all - low, band[1][i] = low - twice[i];
@@ -109,10 +110,10 @@ double finest_deviation(const SolidExemplar& e, int channels) {
     smooth(picture, e.width, e.height, 1, row, low);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const double d = picture[static_cast<std::size_t>(y + kRadius) * static_cast<std::size_t>(e.width) +
-                                 static_cast<std::size_t>(x + kRadius)] -
-                         low[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                             static_cast<std::size_t>(x)];
+        const double d =
+            picture[static_cast<std::size_t>(y + kRadius) * static_cast<std::size_t>(e.width) +
+                    static_cast<std::size_t>(x + kRadius)] -
+            low[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)];
         sum += d * d;
       }
   }
@@ -121,10 +122,10 @@ double finest_deviation(const SolidExemplar& e, int channels) {
 
 std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& e, int channels) {
   if (std::min(e.width, e.height) < kFinishLeast)
-    throw Error("exemplar-too-small",
-                fmt::format("{} × {} pixels leave nothing between the margins of the finish", e.width,
-                            e.height),
-                fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
+    throw Error(
+        "exemplar-too-small",
+        fmt::format("{} × {} pixels leave nothing between the margins of the finish", e.width, e.height),
+        fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
   std::vector<std::vector<Quantiles>> out;
   Bands bands;
   for (int c = 0; c < channels; ++c) {
@@ -133,19 +134,6 @@ std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& e, int cha
     bands.split(e.width, e.height);
     out.push_back({quantiles_of(bands.band[0]), quantiles_of(bands.band[1])});
   }
-  return out;
-}
-
-std::vector<float> values_in(const LocalBox& box, const LocalRegion& region, int channel) {
-  const Strides strides(region);
-  std::vector<float> out;
-  out.reserve(static_cast<std::size_t>(box.size().cast<double>().prod()));
-  for (int z = box.lo.z(); z < box.hi.z(); ++z)
-    for (int y = box.lo.y(); y < box.hi.y(); ++y) {
-      const float* row =
-          &region.field.channel[static_cast<std::size_t>(channel)][strides.of(Vec3i(box.lo.x(), y, z))];
-      out.insert(out.end(), row, row + (box.hi.x() - box.lo.x()));
-    }
   return out;
 }
 
@@ -173,30 +161,31 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
   std::vector<float> sum = region.field.channel[c];
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     const int axis = region.families[k].axis;
-    const int u = kSliceColumns[static_cast<std::size_t>(axis)], v = kSliceRows[static_cast<std::size_t>(axis)];
-    work.parallel(static_cast<std::size_t>(box.hi[axis] - box.lo[axis]), 4, [&](std::size_t begin,
-                                                                                std::size_t end) {
-      Bands bands;
-      std::vector<float> mapped;
-      for (std::size_t i = begin; i < end; ++i) {
-        const int slice = box.lo[axis] + static_cast<int>(i);
-        split_slice(region, channel, axis, slice, box, bands);
-        Vec3i at = box.lo;
-        at[axis] = slice;
-        float* first = &sum[strides.of(at)];
-        const int w = box.hi[u] - box.lo[u], h = box.hi[v] - box.lo[v];
-        for (std::size_t b = 0; b < kFinishBands; ++b) {
-          mapped = bands.band[b];
-          maps.bands[k][b].apply(mapped.data(), mapped.size());
-          std::size_t n = 0;
-          for (int y = 0; y < h; ++y)
-            for (int x = 0; x < w; ++x, ++n)
-              first[static_cast<std::size_t>(y) * strides.step[static_cast<std::size_t>(v)] +
-                    static_cast<std::size_t>(x) * strides.step[static_cast<std::size_t>(u)]] +=
-                  mapped[n] - bands.band[b][n];
-        }
-      }
-    });
+    const int u = kSliceColumns[static_cast<std::size_t>(axis)],
+              v = kSliceRows[static_cast<std::size_t>(axis)];
+    work.parallel(static_cast<std::size_t>(box.hi[axis] - box.lo[axis]), 4,
+                  [&](std::size_t begin, std::size_t end) {
+                    Bands bands;
+                    std::vector<float> mapped;
+                    for (std::size_t i = begin; i < end; ++i) {
+                      const int slice = box.lo[axis] + static_cast<int>(i);
+                      split_slice(region, channel, axis, slice, box, bands);
+                      Vec3i at = box.lo;
+                      at[axis] = slice;
+                      float* first = &sum[strides.of(at)];
+                      const int w = box.hi[u] - box.lo[u], h = box.hi[v] - box.lo[v];
+                      for (std::size_t b = 0; b < kFinishBands; ++b) {
+                        mapped = bands.band[b];
+                        maps.bands[k][b].apply(mapped.data(), mapped.size());
+                        std::size_t n = 0;
+                        for (int y = 0; y < h; ++y)
+                          for (int x = 0; x < w; ++x, ++n)
+                            first[static_cast<std::size_t>(y) * strides.step[static_cast<std::size_t>(v)] +
+                                  static_cast<std::size_t>(x) * strides.step[static_cast<std::size_t>(u)]] +=
+                                mapped[n] - bands.band[b][n];
+                      }
+                    }
+                  });
   }
   region.field.channel[c].swap(sum);
   if (measured) {

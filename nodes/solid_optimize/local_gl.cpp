@@ -291,7 +291,8 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
     const LocalLine &u = lines[static_cast<std::size_t>(ua)], &v = lines[static_cast<std::size_t>(va)],
                     &s = lines[axis];
     const ExemplarLevel& e = *passes.exemplars[of];
-    const std::size_t bytes = f.at.size() * sizeof(std::uint32_t), at = first_match[k] * sizeof(std::uint32_t);
+    const std::size_t bytes = f.at.size() * sizeof(std::uint32_t),
+                      at = first_match[k] * sizeof(std::uint32_t);
     matches.copy(at, next, 0, bytes);
     gl.use(gl.search);
     field.bind(0), matches.bind(1), next.bind(2), weight.bind(3), numbers.bind(4);
@@ -308,7 +309,8 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
                  tables.starts[static_cast<std::size_t>(va)]);
     gl.Uniform2i(gl.at("from"), u.from, v.from);
     const Vec3i around(patches_around(u.period), patches_around(v.period), s.period);
-    gl.set("number", Vec3i(wrapped(u.first, around.x()), wrapped(v.first, around.y()), wrapped(s.from, around.z())));
+    gl.set("number",
+           Vec3i(wrapped(u.first, around.x()), wrapped(v.first, around.y()), wrapped(s.from, around.z())));
     gl.set("around", around);
     gl.Uniform1ui(gl.at("key"),
                   search_key(passes.seed, passes.first_iteration + static_cast<int>(i), f.axis));
@@ -331,18 +333,21 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
   const std::size_t rounds = passes.plan.blend.size() - 1;
   blend(0, work.part(0, 0.1));
   for (std::size_t i = 0; i < rounds; ++i) {
-    const auto share = [&](double x) { return 0.1 + 0.9 * (static_cast<double>(i) + x) / static_cast<double>(rounds); };
+    const auto share = [&](double x) {
+      return 0.1 + 0.9 * (static_cast<double>(i) + x) / static_cast<double>(rounds);
+    };
     const double families = static_cast<double>(region.families.size());
     for (std::size_t k = 0; k < region.families.size(); ++k)
-      search(i, k, work.part(share(0.6 * static_cast<double>(k) / families), share(0.6 * static_cast<double>(k + 1) / families)));
+      search(i, k,
+             work.part(share(0.6 * static_cast<double>(k) / families),
+                       share(0.6 * static_cast<double>(k + 1) / families)));
     if (i + 1 < rounds || to_blend) blend(i + 1, work.part(share(0.6), share(1)));
   }
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     matches.read(first_match[k] * sizeof(std::uint32_t), region.families[k].at);
     weight.read(first_match[k] * sizeof(float), region.families[k].weight);
   }
-  for (std::size_t c = 0; c < channels; ++c)
-    field.read(c * voxels * sizeof(float), region.field.channel[c]);
+  for (std::size_t c = 0; c < channels; ++c) field.read(c * voxels * sizeof(float), region.field.channel[c]);
   gl.check();
 }
 

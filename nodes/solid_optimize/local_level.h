@@ -24,8 +24,8 @@ LocalBox probe_box(const Vec3i& level, const LocalLimits&);
 
 class LocalLevels {
  public:
-  // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for what
-  // it measures and for the finish.
+  // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for
+  // what it measures and for the finish.
   LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
               const std::vector<int>& iterations, WholeLevel&&, LocalGl* gl = nullptr);
 
@@ -46,7 +46,6 @@ class LocalLevels {
   };
 
   Vec3i size(int level) const;
-  float window_at(int iteration, int rounds) const;
   LocalRegion run(int level, const LocalBox& wanted, Upto, const LevelStatistics&, LevelStatistics* measured,
                   const LocalBox* core, BlendSources* sources, const Work&) const;
   Below below(int level, const LocalBox& part, const LocalBox* core, const Work&) const;

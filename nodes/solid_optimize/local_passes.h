@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "nodes/solid_optimize/blend.h"
 #include "nodes/solid_optimize/local_search.h"
 #include "nodes/solid_optimize/local_statistics.h"
 
@@ -24,5 +25,24 @@ struct LocalPasses {
   int first_iteration;  // of those of all levels
   double power;         // of weights
 };
+
+// Where statistics are measured while the passes run, what the values there should be distributed as, and
+// where it is put: what `statistics` of the passes refers to.
+struct LocalProbe {
+  const LocalBox& box;
+  const std::vector<Quantiles>& values;  // per channel
+  LevelStatistics& measured;
+};
+
+// All passes on the processor, from the carried matches of a region; the last blend if `to_blend`, with
+// `sources` (may be null, of the field's shape) and `features`, per exemplar, as blend_patches takes them.
+void run_passes(const LocalPasses&, bool to_blend, LocalProbe*, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
+// One blend and the map of values after it.
+void blend_pass(const LocalPasses&, std::size_t blend, LocalProbe*, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
+
+// The values of one channel that lie in a box.
+std::vector<float> values_in(const LocalBox&, const LocalRegion&, int channel);
 
 }  // namespace terrazzo::solid_optimize

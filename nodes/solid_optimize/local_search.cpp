@@ -15,7 +15,7 @@ struct LocalTask {
   const LocalLine &u, &v;
   std::array<int, 2> columns, rows;  // from, to
   int slice;
-  std::uint32_t place;   // hash of key and slice
+  std::uint32_t place;  // hash of key and slice
   const float* penalty;
   const float* picture;  // the slice, channels interleaved
   std::uint32_t* next;   // matches of the family
@@ -26,7 +26,8 @@ struct LocalTask {
 TERRAZZO_INLINE void search_body(const LocalTask& t) {
   const ExemplarLevel& e = t.e;
   const int dims = e.space.dims, columns = t.f.columns;
-  const std::size_t pitch = static_cast<std::size_t>(t.u.to - t.u.from) * static_cast<std::size_t>(e.channels);
+  const std::size_t pitch =
+      static_cast<std::size_t>(t.u.to - t.u.from) * static_cast<std::size_t>(e.channels);
   const std::size_t plane = static_cast<std::size_t>(columns) * static_cast<std::size_t>(t.f.rows);
   for (int j = t.rows[0]; j < t.rows[1]; ++j) {
     const float* line = t.picture + static_cast<std::size_t>(t.v.start[j] - t.v.from) * pitch;
@@ -117,33 +118,32 @@ void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
     const LocalLine &u = region.lines[static_cast<std::size_t>(kSliceColumns[axis])],
                     &v = region.lines[static_cast<std::size_t>(kSliceRows[axis])], &s = region.lines[axis];
     const ExemplarLevel& e = *exemplars[of];
-    const auto columns = u.patches_over(box, kSliceColumns[axis]), rows = v.patches_over(box, kSliceRows[axis]);
+    const auto columns = u.patches_over(box, kSliceColumns[axis]),
+               rows = v.patches_over(box, kSliceRows[axis]);
     const std::uint32_t key = search_key(seed, iteration, f.axis);
     std::vector<std::uint32_t> next = f.at;
     work.part(static_cast<double>(k) / static_cast<double>(region.families.size()),
               (static_cast<double>(k) + 1) / static_cast<double>(region.families.size()))
         .parallel(static_cast<std::size_t>(box.hi[f.axis] - box.lo[f.axis]), 1,
                   [&](std::size_t begin, std::size_t end) {
-                    std::vector<float> picture,
-                        features(static_cast<std::size_t>(columns[1] - columns[0]) *
-                                 static_cast<std::size_t>(e.space.dims));
+                    std::vector<float> picture, features(static_cast<std::size_t>(columns[1] - columns[0]) *
+                                                         static_cast<std::size_t>(e.space.dims));
                     for (std::size_t i = begin; i < end; ++i) {
                       const int slice = box.lo[f.axis] + static_cast<int>(i);
                       read_stored(region.field, f.axis, slice - s.from, picture);
-                      const LocalTask task{
-                          e,
-                          f,
-                          u,
-                          v,
-                          columns,
-                          rows,
-                          slice - s.from,
-                          mix32(static_cast<std::uint32_t>(wrapped(slice, s.period)) ^ key),
-                          penalty[of].data(),
-                          picture.data(),
-                          next.data(),
-                          f.weight.data(),
-                          features.data()};
+                      const LocalTask task{e,
+                                           f,
+                                           u,
+                                           v,
+                                           columns,
+                                           rows,
+                                           slice - s.from,
+                                           mix32(static_cast<std::uint32_t>(wrapped(slice, s.period)) ^ key),
+                                           penalty[of].data(),
+                                           picture.data(),
+                                           next.data(),
+                                           f.weight.data(),
+                                           features.data()};
                       avx2 ? search_avx2(task) : search_plain(task);
                     }
                   });

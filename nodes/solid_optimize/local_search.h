@@ -17,8 +17,8 @@ struct LocalRegion {
   SolidField field;
 };
 
-// What the draws of a patch come from, the same wherever it is asked for: by the finaliser "lowbias32" (Wellons
-// 2018), which a shader can do as well.
+// What the draws of a patch come from, the same wherever it is asked for: by the finaliser "lowbias32"
+// (Wellons 2018), which a shader can do as well.
 inline std::uint32_t mix32(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;

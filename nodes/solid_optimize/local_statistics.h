@@ -32,10 +32,10 @@ struct FinishMaps {
 };
 
 struct LevelStatistics {
-  std::vector<std::vector<float>> penalty;     // [exemplar][texel]: how much further a patch in use more
-                                               // often than others counts, as the whole level below has it
-  std::vector<std::vector<ValueMap>> values;   // [blend][channel]; blend 0 is that of the carried matches
-  std::vector<std::vector<float>> floor;       // [iteration][family]: mean squared distance
+  std::vector<std::vector<float>> penalty;      // [exemplar][texel]: how much further a patch in use more
+                                                // often than others counts, as the whole level below has it
+  std::vector<std::vector<ValueMap>> values;    // [blend][channel]; blend 0 is that of the carried matches
+  std::vector<std::vector<float>> floor;        // [iteration][family]: mean squared distance
   std::vector<std::vector<FinishMaps>> finish;  // [channel][round]
 };
 

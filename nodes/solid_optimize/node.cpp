@@ -45,10 +45,10 @@ void take_blocks(Context& c, SolidSettings& s) {
         .parameter("blocks");
   for (int a = 0; a < 3; ++a)
     if (s.size[a] / s.blocks[a] < kLeastBlock)
-      throw Error("bad-value",
-                  fmt::format("{} blocks along {} voxels are thinner than {}", s.blocks[a], s.size[a],
-                              kLeastBlock),
-                  "cut the solid into fewer")
+      throw Error(
+          "bad-value",
+          fmt::format("{} blocks along {} voxels are thinner than {}", s.blocks[a], s.size[a], kLeastBlock),
+          "cut the solid into fewer")
           .parameter("blocks");
   if (s.block >= count)
     throw Error("bad-value", fmt::format("there is no block {} of {}", s.block, count),
@@ -271,27 +271,34 @@ void compute(Context& c) {
   Volume volume;
   volume.resolution = whole ? r.size : Vec3i::Zero().eval();
   const Work last = c.work().part(0.97, 1);
-  volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>("Cd", r.size, voxel, last, [&](std::size_t i) {
-    Vec3f w = Vec3f::Zero();
-    for (std::size_t k = 0; k < r.field.channel.size(); ++k)
-      w[static_cast<Eigen::Index>(k)] = r.field.channel[k][i];
-    const Vec3f v = r.axes.from(w);
-    return openvdb::Vec3s(v.x(), v.y(), v.z());
-  }, r.origin));
+  volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>(
+      "Cd", r.size, voxel, last,
+      [&](std::size_t i) {
+        Vec3f w = Vec3f::Zero();
+        for (std::size_t k = 0; k < r.field.channel.size(); ++k)
+          w[static_cast<Eigen::Index>(k)] = r.field.channel[k][i];
+        const Vec3f v = r.axes.from(w);
+        return openvdb::Vec3s(v.x(), v.y(), v.z());
+      },
+      r.origin));
   r.field = {};
   if (features)
-    volume.grids.push_back(
-        dense_grid<openvdb::Vec3SGrid>("features", r.size, voxel, last.quiet(), [&](std::size_t i) {
+    volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>(
+        "features", r.size, voxel, last.quiet(),
+        [&](std::size_t i) {
           const Vec3f& f = r.sources.features[i];
           return openvdb::Vec3s(f.x(), f.y(), f.z());
-        }, r.origin));
+        },
+        r.origin));
   if (sources)
-    volume.grids.push_back(
-        dense_grid<openvdb::Vec3IGrid>("source", r.size, voxel, last.quiet(), [&](std::size_t i) {
+    volume.grids.push_back(dense_grid<openvdb::Vec3IGrid>(
+        "source", r.size, voxel, last.quiet(),
+        [&](std::size_t i) {
           const SolidExemplar& e = exemplars[r.sources.exemplar[i]];
           const auto at = static_cast<int>(r.sources.texel[i]);
           return openvdb::Vec3i(at % e.width, e.height - 1 - at / e.width, r.sources.exemplar[i]);
-        }, r.origin));
+        },
+        r.origin));
   c.metric("levels", r.levels);
   c.metric("voxel", voxel);
   const auto& m = r.measures;
@@ -370,23 +377,26 @@ NodeType solid_optimize_node() {
                   .doc_(
                       "coherence: neighbours' matches, similar patches and random ones are tried, rare ones "
                       "preferred. local: the finer levels by passes that know of a voxel's surroundings "
-                      "alone, so that they can be made in blocks and on a GPU. papers: the recipe of 2011, for "
+                      "alone, so that they can be made in blocks and on a GPU. papers: the recipe of 2011, "
+                      "for "
                       "comparison; 128³ takes minutes"))
-          .parameter(Parameter::ints("blocks", {1})
-                         .count(1, 3)
-                         .range(1, 256)
-                         .doc_("Into how many a local solid is cut, along all axes or each: what is larger than "
-                               "memory is made one block a run"))
+          .parameter(
+              Parameter::ints("blocks", {1})
+                  .count(1, 3)
+                  .range(1, 256)
+                  .doc_("Into how many a local solid is cut, along all axes or each: what is larger than "
+                        "memory is made one block a run"))
           .parameter(Parameter::integer("block", 0)
                          .range(0, 16777215)
                          .doc_("The one to make, from 0, x fastest and z slowest: the same voxels as of the "
                                "whole, at their place in it"))
           .parameter(
               Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
-                  .doc_("Of method local. cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's "
-                        "software renderer; auto: a GPU where there is one, else cpu. A warning says which it "
-                        "was; who shares a cache between machines should not write auto, since rounding "
-                        "differs"))
+                  .doc_(
+                      "Of method local. cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's "
+                      "software renderer; auto: a GPU where there is one, else cpu. A warning says which it "
+                      "was; who shares a cache between machines should not write auto, since rounding "
+                      "differs"))
           .parameter(Parameter::with_keyword(ParameterKind::Texts, "planes", "auto")
                          .count(1, 3)
                          .doc_("Axes across which slices look like an exemplar: [x, y, z] or fewer. auto: "
@@ -411,10 +421,11 @@ NodeType solid_optimize_node() {
                          .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
                                "standard deviation; "
                                "it starts ten times as wide. 0: plain means, which blur"))
-          .parameter(Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
-                         .range(0, 20)
-                         .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
-                               "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
+          .parameter(
+              Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
+                  .range(0, 20)
+                  .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
+                        "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
           .parameter(Parameter::boolean("sources", false)
                          .doc_("Also give the exemplar's pixel that each voxel comes from"))
           .parameter(Parameter::number("memory", 4000)

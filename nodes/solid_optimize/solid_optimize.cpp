@@ -7,8 +7,8 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/quantiles.h"
-#include "nodes/solid_optimize/finish.h"
 #include "nodes/solid_optimize/blocks.h"
+#include "nodes/solid_optimize/finish.h"
 #include "nodes/solid_optimize/measures.h"
 #include "nodes/solid_optimize/papers.h"
 #include "nodes/solid_optimize/patch_tree.h"

@@ -30,15 +30,15 @@ struct SolidSettings {
   bool lab = true;
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
-  double window = 0.05;  // of the mean shift at the end of each level; it starts ten times as wide
-  int finish = 2;        // rounds of matching the finest bands
-  bool sources = false;  // say where each voxel comes from
-  bool papers = false;   // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
-  bool local = false;    // the finer levels by passes that know of a voxel's surroundings alone
-  int local_iterations = 2;           // of those; 0: as `iterations` says
-  Vec3i blocks = Vec3i::Ones();       // into which a local solid is cut along each axis
+  double window = 0.05;          // of the mean shift at the end of each level; it starts ten times as wide
+  int finish = 2;                // rounds of matching the finest bands
+  bool sources = false;          // say where each voxel comes from
+  bool papers = false;           // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
+  bool local = false;            // the finer levels by passes that know of a voxel's surroundings alone
+  int local_iterations = 2;      // of those; 0: as `iterations` says
+  Vec3i blocks = Vec3i::Ones();  // into which a local solid is cut along each axis
   LocalLimits local_limits;
-  int block = 0;                      // the one to make: (z·blocks.y + y)·blocks.x + x
+  int block = 0;  // the one to make: (z·blocks.y + y)·blocks.x + x
   std::uint64_t seed = 1;
 };
 

@@ -31,7 +31,8 @@ class SolidGl : public ::testing::Test {
   }
   // How many voxels differ by more than 1/1000 of the exemplar's standard deviation, as a share.
   double difference(const std::vector<so::SolidExemplar>& exemplars, const so::SolidSettings& s) {
-    const auto a = so::optimize_solid(exemplars, s, Work()), b = so::optimize_solid(exemplars, s, Work(), gl.get());
+    const auto a = so::optimize_solid(exemplars, s, Work()),
+               b = so::optimize_solid(exemplars, s, Work(), gl.get());
     EXPECT_EQ(a.size, b.size);
     EXPECT_EQ(a.sources.texel.size(), b.sources.texel.size());
     std::size_t count = 0;
