@@ -1,11 +1,8 @@
 #include "nodes/solid_optimize/local_finish.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "graph/diagnostic.h"
 #include "nodes/common/slice_axes.h"
 
 namespace terrazzo::solid_optimize {
@@ -121,11 +118,6 @@ double finest_deviation(const SolidExemplar& e, int channels) {
 }
 
 std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& e, int channels) {
-  if (std::min(e.width, e.height) < kFinishLeast)
-    throw Error(
-        "exemplar-too-small",
-        fmt::format("{} × {} pixels leave nothing between the margins of the finish", e.width, e.height),
-        fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
   std::vector<std::vector<Quantiles>> out;
   Bands bands;
   for (int c = 0; c < channels; ++c) {

@@ -13,7 +13,7 @@ constexpr int kFinishLeast = 24;  // pixels of an exemplar's side, which leave 6
 
 // The finest bands of a picture: it less itself smoothed, and the smoothed one less itself smoothed by the
 // same filter with gaps of a pixel (an à-trous transform; Holschneider et al. 1989). Per channel and band,
-// all but a margin of kFinishReach. Throws Error "exemplar-too-small".
+// all but a margin of kFinishReach.
 std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& working, int channels);
 
 // Root of the mean square of the first of them over all channels, of a picture of 7 × 7 or more.

@@ -80,11 +80,10 @@ LocalLevels::Below LocalLevels::below(int level, const LocalBox& part, const Loc
     return out;
   }
   LocalBox needed = box_below(part, size(level), size(level - 1));
-  if (core)
-    for (int a = 0; a < 3; ++a) {  // it begins at 0
-      needed.lo[a] = std::min(needed.lo[a], 0);
-      needed.hi[a] = std::max(needed.hi[a], core->hi[a]);
-    }
+  if (core) {
+    const LocalBox there = core_below(level, *core);
+    needed.lo = needed.lo.cwiseMin(there.lo), needed.hi = needed.hi.cwiseMax(there.hi);
+  }
   const LevelStatistics& s = statistics_[static_cast<std::size_t>(level) - 1];
   out.made = run(level - 1, needed, core ? Upto::Blend : Upto::Matches, s, nullptr, nullptr, nullptr, work);
   out.lines = out.made.lines;

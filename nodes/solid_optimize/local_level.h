@@ -46,6 +46,7 @@ class LocalLevels {
   };
 
   Vec3i size(int level) const;
+  // A part of a level. Where `core` is not null, `measured` gets what lies there, else it is null, too.
   LocalRegion run(int level, const LocalBox& wanted, Upto, const LevelStatistics&, LevelStatistics* measured,
                   const LocalBox* core, BlendSources* sources, const Work&) const;
   Below below(int level, const LocalBox& part, const LocalBox* core, const Work&) const;
@@ -54,6 +55,8 @@ class LocalLevels {
   struct Targets {
     std::vector<Quantiles> values, finished;
   };
+  // The same place in the level below.
+  LocalBox core_below(int level, const LocalBox& core) const;
   Targets targets_in(int level, const LocalBox& core, const Below&) const;
 
   LocalGl* gl_;

@@ -1,6 +1,7 @@
 // What is fixed before any part is made.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "nodes/solid_optimize/local_level.h"
 
@@ -79,12 +80,17 @@ LocalBox probe_box(const Vec3i& level, const LocalLimits& limits) {
   return box;
 }
 
+LocalBox LocalLevels::core_below(int level, const LocalBox& core) const {
+  LocalBox box;
+  for (int a = 0; a < 3; ++a) box.hi[a] = core.hi[a] * size(level - 1)[a] / size(level)[a];
+  return box;
+}
+
 LocalLevels::Targets LocalLevels::targets_in(int level, const LocalBox& core, const Below& below) const {
   const auto wanted = level_values(level_of(pyramids_, level), settings_, channels_),
              coarse = level_values(level_of(pyramids_, level - 1), settings_, channels_);
-  LocalBox box;
+  const LocalBox box = core_below(level, core);
   const Vec3i from = size(level - 1);
-  for (int a = 0; a < 3; ++a) box.hi[a] = core.hi[a] * from[a] / size(level)[a];
   const bool everywhere = core.closed == std::array{true, true, true};
   Targets out;
   for (int c = 0; c < channels_; ++c) {
@@ -108,6 +114,8 @@ LocalLevels::Targets LocalLevels::targets_in(int level, const LocalBox& core, co
 }
 
 void LocalLevels::measure(const Work& work) {
+  // By the processor, so that what is measured does not depend on the device.
+  LocalGl* const gl = std::exchange(gl_, nullptr);
   const auto coarse = penalties_of(level_of(pyramids_, whole_.level), whole_.families, settings_.overuse);
   for (int level = whole_.level + 1; level < levels_; ++level) {
     LevelStatistics& s = statistics_[static_cast<std::size_t>(level)];
@@ -120,6 +128,7 @@ void LocalLevels::measure(const Work& work) {
         work.part((level - whole_.level - 1) / n, (level - whole_.level) / n));
   }
   whole_.field = {};
+  gl_ = gl;
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -371,7 +371,7 @@ NodeType solid_optimize_node() {
                          .range(1, 1000)
                          .doc_("Of each level, from the coarsest on; the last number counts for all further "
                                "levels. auto: "
-                               "20, 10, 5; with papers 100, 20, 10"))
+                               "20, 10, 5, and 2 of those that are made locally; with papers 100, 20, 10"))
           .parameter(
               Parameter::choice("method", "coherence", {"coherence", "local", "papers"})
                   .doc_(

@@ -167,6 +167,12 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
     throw Error("bad-value", "a solid of one level is not made locally: its only level would be the whole",
                 "take method coherence, or a larger exemplar")
         .parameter("method");
+  for (const auto& e : exemplars)
+    if (s.local && std::min(e.width, e.height) < kFinishLeast)
+      throw Error("exemplar-too-small",
+                  fmt::format("{} × {} pixels leave the finish of a local solid nothing to measure", e.width,
+                              e.height),
+                  fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
   std::vector<Pyramid> pyramids;
   for (auto& e : working)
     pyramids.push_back(s.papers

@@ -215,6 +215,18 @@ TEST(SolidBlocks, SayWhatIsWrong) {
   EXPECT_EQ(wrong({{"size", "2048"}, {"blocks", "2"}}), "too-large size");
 }
 
+TEST(SolidBlocks, ExemplarsLeaveTheFinishSomethingToMeasure) {
+  so::SolidSettings s = settings_of(Vec3i::Constant(32));
+  s.levels = 2;
+  try {
+    so::optimize_solid({test::exemplar_of(test::blobs(23, 40, 8, 1))}, s, Work());
+    ADD_FAILURE() << "23 pixels were enough";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.diagnostic().code, "exemplar-too-small");
+  }
+  EXPECT_EQ(so::optimize_solid({test::exemplar_of(test::blobs(24, 40, 8, 1))}, s, Work()).size, s.size);
+}
+
 TEST(SolidBlocks, PatchesAreNumberedAroundTheTorus) {
   for (const int period : {16, 17, 33})
     for (int q = -40; q < 40; ++q) {
