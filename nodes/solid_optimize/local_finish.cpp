@@ -149,6 +149,8 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
         maps.bands.back().emplace_back(seen[b], wanted[static_cast<std::size_t>(f.exemplar)][c][b]);
     }
   }
+  // A wave is seen by two of three planes, and a mean would need more rounds.
+  const float share = 2.0f / std::max(2.0f, static_cast<float>(region.families.size()));
   const Strides strides(region);
   std::vector<float> sum = region.field.channel[c];
   for (std::size_t k = 0; k < region.families.size(); ++k) {
@@ -174,7 +176,7 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
                           for (int x = 0; x < w; ++x, ++n)
                             first[static_cast<std::size_t>(y) * strides.step[static_cast<std::size_t>(v)] +
                                   static_cast<std::size_t>(x) * strides.step[static_cast<std::size_t>(u)]] +=
-                                mapped[n] - bands.band[b][n];
+                                share * (mapped[n] - bands.band[b][n]);
                       }
                     }
                   });

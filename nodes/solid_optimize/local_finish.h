@@ -21,8 +21,8 @@ double finest_deviation(const SolidExemplar& working, int channels);
 
 // One round on one channel, in `box`; what is stored is right kFinishReach further out. The bands of the
 // slices across each family's axis are given their exemplar's distribution, and what the planes want changed
-// is added up; then the values theirs. Where `measured` holds a box the maps are fixed by what lies in it,
-// else they are taken from `maps`.
+// is added up, two thirds of it where there are three; then the values theirs. Where `measured` holds a box
+// the maps are fixed by what lies in it, else they are taken from `maps`.
 void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
                   int channel, const LocalBox& box, const LocalBox* measured, FinishMaps& maps, LocalRegion&,
                   const Work&);

@@ -19,7 +19,7 @@ namespace so = solid_optimize;
 // Of three levels, the coarsest of which alone is whole; statistics are measured on a corner of the others.
 so::SolidSettings settings_of(const Vec3i& size) {
   so::SolidSettings s;
-  s.size = size, s.levels = 3, s.iterations = {3}, s.local = true, s.finish = 1;
+  s.size = size, s.levels = 3, s.iterations = {2}, s.local = true, s.finish = 1;
   s.local_limits.whole = 1, s.local_limits.probe = 20, s.local_limits.closed = 24;
   return s;
 }

@@ -57,7 +57,7 @@ std::string SolidGl::why;
 
 so::SolidSettings small(const Vec3i& size) {
   so::SolidSettings s;
-  s.size = size, s.levels = 3, s.iterations = {3}, s.local = true, s.finish = 1;
+  s.size = size, s.levels = 3, s.iterations = {2}, s.local = true, s.finish = 1;
   s.local_limits.whole = 1, s.local_limits.probe = 20, s.local_limits.closed = 20;
   return s;
 }
