@@ -9,30 +9,37 @@
 
 namespace terrazzo {
 
-// A grid whose voxels (0, 0, 0) to size − 1 are all active; value(i) gives number (z·ny + y)·nx + x. Made
+// A grid whose voxels from `origin` to origin + size − 1 are all active; value(i) gives number
+// (z·ny + y)·nx + x, counted from there. Made
 // leaf by leaf, so that the array may be freed right after. `voxel` is its edge in mm.
 template <class Grid, class Value>
 typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel, const Work& work,
-                              Value&& value) {
+                              Value&& value, const Vec3i& origin = Vec3i::Zero()) {
   using T = typename Grid::ValueType;
   auto grid = Grid::create(openvdb::zeroVal<T>());
   grid->setName(name);
   grid->setTransform(voxel_transform(voxel));
   using Leaf = typename Grid::TreeType::LeafNodeType;
-  const Vec3i blocks = (size.array() + 7) / 8;
+  // Leaves lie at multiples of 8.
+  const Vec3i first = origin.unaryExpr([](int v) { return v & ~7; }), last = origin + size;
+  const Vec3i blocks = (last - first).array().unaryExpr([](int v) { return (v + 7) / 8; });
   std::vector<std::unique_ptr<Leaf>> leaves(static_cast<std::size_t>(blocks.x()) * blocks.y() * blocks.z());
   work.parallel(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const int b = static_cast<int>(n);
-      const openvdb::Coord lo(8 * (b % blocks.x()), 8 * (b / blocks.x() % blocks.y()),
-                              8 * (b / blocks.x() / blocks.y()));
+      const openvdb::Coord lo(first.x() + 8 * (b % blocks.x()), first.y() + 8 * (b / blocks.x() % blocks.y()),
+                              first.z() + 8 * (b / blocks.x() / blocks.y()));
       auto leaf = std::make_unique<Leaf>(lo, openvdb::zeroVal<T>());
       openvdb::Index at = 0;
       for (int i = lo.x(); i < lo.x() + 8; ++i)
         for (int j = lo.y(); j < lo.y() + 8; ++j)
           for (int k = lo.z(); k < lo.z() + 8; ++k, ++at)
-            if (i < size.x() && j < size.y() && k < size.z())
-              leaf->setValueOn(at, value((static_cast<std::size_t>(k) * size.y() + j) * size.x() + i));
+            if (i >= origin.x() && j >= origin.y() && k >= origin.z() && i < last.x() && j < last.y() &&
+                k < last.z())
+              leaf->setValueOn(
+                  at,
+                  value((static_cast<std::size_t>(k - origin.z()) * size.y() + (j - origin.y())) * size.x() +
+                        (i - origin.x())));
       leaves[n] = std::move(leaf);
     }
   });

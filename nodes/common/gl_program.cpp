@@ -28,13 +28,7 @@ void attach(const EglContext& context, GLuint program, GLenum kind, const char* 
   context.function<PFNGLATTACHSHADERPROC>("glAttachShader")(program, shader);
 }
 
-}  // namespace
-
-unsigned make_gl_program(const EglContext& context, const char* vertex, const char* fragment,
-                         const char* hint) {
-  const GLuint program = context.function<PFNGLCREATEPROGRAMPROC>("glCreateProgram")();
-  attach(context, program, GL_VERTEX_SHADER, vertex, hint);
-  attach(context, program, GL_FRAGMENT_SHADER, fragment, hint);
+unsigned link(const EglContext& context, GLuint program, const char* hint) {
   context.function<PFNGLLINKPROGRAMPROC>("glLinkProgram")(program);
   GLint good = 0;
   context.function<PFNGLGETPROGRAMIVPROC>("glGetProgramiv")(program, GL_LINK_STATUS, &good);
@@ -44,6 +38,22 @@ unsigned make_gl_program(const EglContext& context, const char* vertex, const ch
     refuse(context, log, hint);
   }
   return program;
+}
+
+}  // namespace
+
+unsigned make_gl_program(const EglContext& context, const char* vertex, const char* fragment,
+                         const char* hint) {
+  const GLuint program = context.function<PFNGLCREATEPROGRAMPROC>("glCreateProgram")();
+  attach(context, program, GL_VERTEX_SHADER, vertex, hint);
+  attach(context, program, GL_FRAGMENT_SHADER, fragment, hint);
+  return link(context, program, hint);
+}
+
+unsigned make_gl_program(const EglContext& context, const char* compute, const char* hint) {
+  const GLuint program = context.function<PFNGLCREATEPROGRAMPROC>("glCreateProgram")();
+  attach(context, program, GL_COMPUTE_SHADER, compute, hint);
+  return link(context, program, hint);
 }
 
 }  // namespace terrazzo

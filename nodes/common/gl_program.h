@@ -8,5 +8,7 @@ namespace terrazzo {
 // A linked program of two embedded shaders, by file name. Throws Error "no-gl" with the driver's words,
 // `hint` and the parameter "device" where the driver refuses them.
 unsigned make_gl_program(const EglContext&, const char* vertex, const char* fragment, const char* hint);
+// The same of one compute shader.
+unsigned make_gl_program(const EglContext&, const char* compute, const char* hint);
 
 }  // namespace terrazzo

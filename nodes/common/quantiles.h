@@ -39,10 +39,16 @@ class Remap {
   void finish(const Counts& counts);
   void apply(float* values, std::size_t n) const;
 
- private:
+  // What a shader needs to do the same: x = (value − low())·scale(), clamped to 0 … kBins − 0.001, goes to
+  // value + (x − ⌊x⌋)·rise of bin ⌊x⌋.
   struct Bin {
     float value, rise;
   };
+  float low() const { return lo_; }
+  float scale() const { return scale_; }
+  const std::vector<Bin>& bins() const { return base_; }
+
+ private:
   const Quantiles& target_;
   float lo_, scale_;
   std::vector<Bin> base_;

@@ -18,7 +18,7 @@ constexpr std::array<float, kPatch> kInner = {0.0657285f, 0.2493522f, 0.6065307f
 struct RowTask {
   const std::vector<const ExemplarLevel*>& exemplars;
   const std::vector<MatchFamily>& families;
-  const std::array<std::vector<PatchCover>, 3>& covers;
+  const BlendRange& range;
   SolidField& field;
   float window;
   BlendSources* sources;
@@ -33,17 +33,15 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
   std::uint32_t texel[kMostCovering];
   std::uint8_t from[kMostCovering];
   const float narrow = std::max(t.window * t.window, 1e-8f);
-  for (int x = 0; x < size.x(); ++x) {
+  for (int x = t.range.lo.x(); x < t.range.hi.x(); ++x) {
     const int at[3] = {x, t.y, t.z};
     int n = 0;
     for (const MatchFamily& f : t.families) {
       const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
-      const PatchCover& cu =
-          t.covers[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(f.axis)])]
-                  [static_cast<std::size_t>(at[kSliceColumns[static_cast<std::size_t>(f.axis)]])];
-      const PatchCover& cv =
-          t.covers[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(f.axis)])]
-                  [static_cast<std::size_t>(at[kSliceRows[static_cast<std::size_t>(f.axis)]])];
+      const PatchCover& cu = (*t.range.covers[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(
+          f.axis)])])[static_cast<std::size_t>(at[kSliceColumns[static_cast<std::size_t>(f.axis)]])];
+      const PatchCover& cv = (*t.range.covers[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(
+          f.axis)])])[static_cast<std::size_t>(at[kSliceRows[static_cast<std::size_t>(f.axis)]])];
       const int begin = n;
       float total = 0;
       for (int b = 0; b < cv.count; ++b) {
@@ -179,24 +177,31 @@ void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
                    const std::vector<MatchFamily>& families, const BlendSettings& settings, SolidField& field,
                    BlendSources* sources, const std::vector<const std::vector<Vec3f>*>* features,
                    const Work& work) {
+  const std::array<std::vector<PatchCover>, 3> cover = {
+      patch_covers(field.size.x()), patch_covers(field.size.y()), patch_covers(field.size.z())};
+  blend_patches(exemplars, families, settings, {{&cover[0], &cover[1], &cover[2]}, Vec3i::Zero(), field.size},
+                field, sources, features, work);
+}
+
+void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
+                   const std::vector<MatchFamily>& families, const BlendSettings& settings,
+                   const BlendRange& range, SolidField& field, BlendSources* sources,
+                   const std::vector<const std::vector<Vec3f>*>* features, const Work& work) {
   static const bool avx2 = has_avx2();
   using Row = void (*)(const RowTask&);
   static const Row rows[2][3] = {{blend_plain<1>, blend_plain<2>, blend_plain<3>},
                                  {blend_avx2<1>, blend_avx2<2>, blend_avx2<3>}};
   const Row row = rows[avx2][field.channel.size() - 1];
-  const std::array<std::vector<PatchCover>, 3> cover = {
-      patch_covers(field.size.x()), patch_covers(field.size.y()), patch_covers(field.size.z())};
-  const int ny = field.size.y();
   // Squares of 8 × 8 rows share their patches in the cache.
-  const int by = (ny + 7) / 8, bz = (field.size.z() + 7) / 8;
+  const int by = (range.hi.y() - range.lo.y() + 7) / 8, bz = (range.hi.z() - range.lo.z() + 7) / 8;
   work.parallel(static_cast<std::size_t>(by) * static_cast<std::size_t>(bz), 1,
                 [&](std::size_t begin, std::size_t end) {
                   for (std::size_t i = begin; i < end; ++i) {
-                    const int y0 = 8 * static_cast<int>(i % static_cast<std::size_t>(by)),
-                              z0 = 8 * static_cast<int>(i / static_cast<std::size_t>(by));
-                    for (int z = z0; z < std::min(z0 + 8, field.size.z()); ++z)
-                      for (int y = y0; y < std::min(y0 + 8, ny); ++y)
-                        row({exemplars, families, cover, field, settings.window, sources, features, y, z});
+                    const int y0 = range.lo.y() + 8 * static_cast<int>(i % static_cast<std::size_t>(by)),
+                              z0 = range.lo.z() + 8 * static_cast<int>(i / static_cast<std::size_t>(by));
+                    for (int z = z0; z < std::min(z0 + 8, range.hi.z()); ++z)
+                      for (int y = y0; y < std::min(y0 + 8, range.hi.y()); ++y)
+                        row({exemplars, families, range, field, settings.window, sources, features, y, z});
                   }
                 });
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/solid_optimize/local_box.h"
 #include "runtime/random.h"
 
 namespace terrazzo::solid_optimize {
@@ -33,53 +34,84 @@ MatchFamily random_matches(const Vec3i& size, int axis, int exemplar, const Exem
   return f;
 }
 
-MatchFamily carry_up(const MatchFamily& old, const Vec3i& from, const Vec3i& to, const ExemplarLevel& coarse,
-                     const ExemplarLevel& fine, std::uint64_t seed, const Work& work) {
-  MatchFamily f = family_of(to, old.axis, old.exemplar);
+int patch_below(int start, int period, int below, double& miss) {
+  const int place = wrapped(start, period);
+  const double by = static_cast<double>(below) / period;
+  const double wanted = (place + kPatch / 2.0) * by - kPatch / 2.0;
+  const int i = static_cast<int>(std::floor(wanted / 2 + 0.5));
+  miss = wanted - 2 * i;
+  return i + floor_divide(start, period) * patches_around(below);
+}
+
+std::array<int, 2> slices_below(int slice, int period, int below) {
+  const int place = wrapped(slice, period), turn = floor_divide(slice, period) * below;
+  const double by = static_cast<double>(below) / period;
+  return {static_cast<int>(std::floor(place * by)) + turn,
+          static_cast<int>(std::floor((place + 1.0) * by)) + turn};
+}
+
+void carry_matches(const MatchFamily& old, const CarriedPatches& columns, const CarriedPatches& rows,
+                   const std::vector<std::array<int, 2>>& slices, const std::vector<int>& number,
+                   const ExemplarLevel& coarse, const ExemplarLevel& fine, std::uint64_t seed, MatchFamily& f,
+                   const Work& work) {
   const double in_x = static_cast<double>(fine.width) / coarse.width,
                in_y = static_cast<double>(fine.height) / coarse.height;
-  const double by_slice = static_cast<double>(from[f.axis]) / to[f.axis];
-  const double by_x = static_cast<double>(old.width) / f.width,
-               by_y = static_cast<double>(old.height) / f.height;
-  // A patch of the old level whose centre is nearest, and by how much it misses.
-  const auto nearest = [](int start, double by, int patches, double& miss) {
-    const double wanted = (start + kPatch / 2.0) * by - kPatch / 2.0;
-    const int i = static_cast<int>(std::floor(wanted / 2 + 0.5));
-    miss = wanted - 2 * i;
-    return (i % patches + patches) % patches;
-  };
   const auto place = [](double start, double miss, double scale, int size) {
     const double p = (start + miss + kPatch / 2.0) * scale - kPatch / 2.0;
     return std::clamp(static_cast<int>(std::floor(p + 0.5)), 0, size - kPatch);
   };
   work.parallel(static_cast<std::size_t>(f.slices), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const auto from_slice = [&](double at) {
-        return (static_cast<int>(std::floor(at * by_slice)) + old.slices) % old.slices;
-      };
-      const int slices[2] = {from_slice(static_cast<double>(s)), from_slice(static_cast<double>(s) + 1)};
-      for (int j = 0; j < f.rows; ++j)
-        for (int i = 0; i < f.columns; ++i) {
+    for (std::size_t s = begin; s < end; ++s)
+      for (std::size_t j = 0; j < rows.number.size(); ++j)
+        for (std::size_t i = 0; i < columns.number.size(); ++i) {
           // In half of all blocks slices 2k and 2k + 1 come from one, in the other half 2k − 1 and 2k: always
           // the same pairs would stay more alike than others, and the wrap is never within a pair.
-          const auto block = static_cast<std::uint64_t>((j / kBlock) * f.columns + i / kBlock);
-          const int slice = slices[Random(seed, 0x70 + static_cast<std::uint64_t>(f.axis), block).below(2)];
-          double miss_x, miss_y;
-          const int oi = nearest(2 * i, by_x, old.columns, miss_x),
-                    oj = nearest(2 * j, by_y, old.rows, miss_y);
-          const std::size_t o = (static_cast<std::size_t>(slice) * old.rows + oj) * old.columns + oi;
-          const std::size_t n = (s * f.rows + j) * f.columns + i;
-          const int x = place(old.at[o] % coarse.width, miss_x, in_x, fine.width),
-                    y = place(old.at[o] / coarse.width, miss_y, in_y, fine.height);
+          const auto block = static_cast<std::uint64_t>((rows.number[j] / kBlock) * columns.around +
+                                                        columns.number[i] / kBlock);
+          const int slice =
+              slices[s][Random(seed, 0x70 + static_cast<std::uint64_t>(f.axis), block).below(2)];
+          const std::size_t o =
+              (static_cast<std::size_t>(slice) * old.rows + rows.from[j]) * old.columns + columns.from[i];
+          const std::size_t n = (s * rows.number.size() + j) * columns.number.size() + i;
+          const int x = place(old.at[o] % coarse.width, columns.miss[i], in_x, fine.width),
+                    y = place(old.at[o] / coarse.width, rows.miss[j], in_y, fine.height);
           f.at[n] = static_cast<std::uint32_t>(y * fine.width + x);
           // A mask may be finer than the coarse level knew.
-          if (!fine.usable[f.at[n]])
-            f.at[n] = fine.starts[Random(seed, 0x60 + static_cast<std::uint64_t>(f.axis), n)
+          if (!fine.usable[f.at[n]]) {
+            const auto item =
+                (static_cast<std::uint64_t>(number[s]) * rows.around + rows.number[j]) * columns.around +
+                columns.number[i];
+            f.at[n] = fine.starts[Random(seed, 0x60 + static_cast<std::uint64_t>(f.axis), item)
                                       .below(fine.starts.size())];
+          }
           f.weight[n] = old.weight[o];
         }
-    }
   });
+}
+
+MatchFamily carry_up(const MatchFamily& old, const Vec3i& from, const Vec3i& to, const ExemplarLevel& coarse,
+                     const ExemplarLevel& fine, std::uint64_t seed, const Work& work) {
+  MatchFamily f = family_of(to, old.axis, old.exemplar);
+  const auto carried = [](int patches, int period, int below) {
+    CarriedPatches c;
+    c.around = patches;
+    c.miss.resize(static_cast<std::size_t>(patches));
+    for (int i = 0; i < patches; ++i) {
+      c.number.push_back(i);
+      c.from.push_back(wrapped(patch_below(2 * i, period, below, c.miss[static_cast<std::size_t>(i)]),
+                               patches_around(below)));
+    }
+    return c;
+  };
+  std::vector<std::array<int, 2>> slices;
+  std::vector<int> number;
+  for (int s = 0; s < f.slices; ++s) {
+    slices.push_back(slices_below(s, to[f.axis], from[f.axis]));
+    for (int& k : slices.back()) k = wrapped(k, from[f.axis]);
+    number.push_back(s);
+  }
+  carry_matches(old, carried(f.columns, f.width, old.width), carried(f.rows, f.height, old.height), slices,
+                number, coarse, fine, seed, f, work);
   return f;
 }
 

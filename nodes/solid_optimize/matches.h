@@ -26,6 +26,25 @@ struct MatchFamily {
 // A family of random matches.
 MatchFamily random_matches(const Vec3i& size, int axis, int exemplar, const ExemplarLevel&,
                            std::uint64_t seed);
+// Where the patches along one axis of slices come from, one level up: each from the one whose centre is
+// nearest.
+struct CarriedPatches {
+  std::vector<int> number;   // on the torus
+  std::vector<int> from;     // index among the patches below
+  std::vector<double> miss;  // voxels below by which its centre lies off
+  int around = 0;            // patches along the torus
+};
+// A patch that starts at `start` of an axis of `period` voxels: the number of the patch below, where the axis
+// has `below` voxels, before any wrapping, and by how much it misses.
+int patch_below(int start, int period, int below, double& miss);
+// A slice's two candidates below, before any wrapping.
+std::array<int, 2> slices_below(int slice, int period, int below);
+// The matches of `old` in the places told, into `f`, which has its shape already: `slices` are the two
+// candidates of each, indices among those of `old`; `number` of each slice is that on the torus.
+void carry_matches(const MatchFamily& old, const CarriedPatches& columns, const CarriedPatches& rows,
+                   const std::vector<std::array<int, 2>>& slices, const std::vector<int>& number,
+                   const ExemplarLevel& coarse, const ExemplarLevel& fine, std::uint64_t seed, MatchFamily& f,
+                   const Work&);
 // The same matches one level up: each patch takes what stood at its place, at its exemplar's place.
 MatchFamily carry_up(const MatchFamily&, const Vec3i& from, const Vec3i& to, const ExemplarLevel& coarse,
                      const ExemplarLevel& fine, std::uint64_t seed, const Work&);

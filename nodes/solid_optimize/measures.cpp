@@ -7,6 +7,7 @@
 #include "nodes/common/slice_family.h"
 #include "nodes/common/steerable_pyramid.h"
 #include "nodes/common/texture_measures.h"
+#include "nodes/solid_optimize/local_finish.h"
 
 namespace terrazzo::solid_optimize {
 namespace {
@@ -61,12 +62,55 @@ double step_across(const SolidField& field, int axis, int slice) {
   return sum / static_cast<double>(a.pixels.size());
 }
 
+// Every band of slices that tile.
+void measure_all_bands(const BandStatistics& wanted, int scales, const SolidField& field, PlaneMeasures& m,
+                       SliceFamily::Workspace& space, const Work& work) {
+  const int axis = m.axis, channels = static_cast<int>(field.channel.size());
+  const SliceFamily family(field.size, axis, scales);
+  std::vector<double> have(static_cast<std::size_t>(scales) + 2, 0), want(have);
+  for (int c = 0; c < channels; ++c) {
+    const auto ratio = family.deviations(field.channel[c], wanted.bands[c], space, work.quiet());
+    for (std::size_t b = 0; b < ratio.size(); ++b) {
+      const auto scale = static_cast<std::size_t>(family.bands()[b].scale);
+      const double d = wanted.bands[c][b].deviation;
+      have[scale] += ratio[b] * ratio[b] * d * d, want[scale] += d * d;
+    }
+  }
+  for (std::size_t b = 0; b < have.size(); ++b)
+    m.bands.push_back(want[b] > 0 ? std::sqrt(have[b] / want[b]) : 1);
+}
+
+// The finest band of slices that need not tile, by a filter that ends within them.
+void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
+  const int channels = static_cast<int>(field.channel.size());
+  const double want = finest_deviation(e, channels);
+  double have = 0;
+  for (int k = 0; k < field.size[m.axis]; ++k) {
+    work.check();
+    Picture p = slice_picture(field, m.axis, k);
+    SolidExemplar slice;
+    slice.width = p.width, slice.height = p.height, slice.pixels = std::move(p.pixels);
+    const double d = finest_deviation(slice, channels);
+    have += d * d / field.size[m.axis];
+  }
+  m.bands.push_back(want > 0 ? std::sqrt(have) / want : 1);
+}
+
+void measure_values(const BandStatistics& wanted, const SolidField& field, PlaneMeasures& m) {
+  const std::size_t channels = field.channel.size();
+  for (std::size_t c = 0; c < channels; ++c) {
+    const Quantiles got = quantiles_of(field.channel[c]);
+    double sum = 0;
+    for (std::size_t i = 0; i < got.at.size(); ++i) sum += std::abs(got.at[i] - wanted.values[c].at[i]);
+    m.histogram += sum / static_cast<double>(got.at.size()) / static_cast<double>(channels);
+  }
+}
+
 }  // namespace
 
 void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettings& s,
                     const SolidField& field, std::vector<PlaneMeasures>& out, const Work& work) {
   SliceFamily::Workspace space;
-  const int channels = static_cast<int>(field.channel.size());
   for (PlaneMeasures& m : out) {
     const int axis = m.axis;
     const SolidExemplar& e = working[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)])];
@@ -74,24 +118,14 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
     image.pixels = e.pixels;
     const int scales = pyramid_scales(
         std::min({e.width, e.height, field.size[kSliceColumns[axis]], field.size[kSliceRows[axis]]}));
-    const BandStatistics wanted = measure_bands(image, channels, scales, work.quiet());
-    const SliceFamily family(field.size, axis, scales);
-    std::vector<double> have(static_cast<std::size_t>(scales) + 2, 0), want(have);
-    for (int c = 0; c < channels; ++c) {
-      const auto ratio = family.deviations(field.channel[c], wanted.bands[c], space, work.quiet());
-      for (std::size_t b = 0; b < ratio.size(); ++b) {
-        const auto scale = static_cast<std::size_t>(family.bands()[b].scale);
-        const double d = wanted.bands[c][b].deviation;
-        have[scale] += ratio[b] * ratio[b] * d * d, want[scale] += d * d;
-      }
-      std::vector<float> values = field.channel[c];
-      const Quantiles got = quantiles_of(values);
-      double sum = 0;
-      for (std::size_t i = 0; i < got.at.size(); ++i) sum += std::abs(got.at[i] - wanted.values[c].at[i]);
-      m.histogram += sum / static_cast<double>(got.at.size()) / channels;
-    }
-    for (std::size_t b = 0; b < have.size(); ++b)
-      m.bands.push_back(want[b] > 0 ? std::sqrt(have[b] / want[b]) : 1);
+    const BandStatistics wanted =
+        measure_bands(image, static_cast<int>(field.channel.size()), scales, work.quiet());
+    const bool tiles = s.blocks == Vec3i::Ones();
+    if (tiles)
+      measure_all_bands(wanted, scales, field, m, space, work);
+    else
+      measure_finest(e, field, m, work);
+    measure_values(wanted, field, m);
 
     const Picture whole = part_of(e, 0, 0, e.width, e.height);
     const Eigen::Array3d g = gradients(whole);
@@ -113,6 +147,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
                                                half(e.width / 2, 0, e.width, e.height), 0, work.quiet()),
                                 patch_distance(half(0, 0, e.width, e.height / 2),
                                                half(0, e.height / 2, e.width, e.height), 0, work.quiet())});
+    if (!tiles) continue;
     double inside = 0;
     for (int k = 0; k + 1 < n; ++k) inside += step_across(field, axis, k) / (n - 1);
     m.seam = inside > 0 ? step_across(field, axis, n - 1) / inside : 1;

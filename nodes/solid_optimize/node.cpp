@@ -8,6 +8,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
+#include "nodes/solid_optimize/local_gl.h"
 #include "nodes/solid_optimize/measures.h"
 #include "nodes/solid_optimize/solid_optimize.h"
 #include "runtime/context.h"
@@ -18,6 +19,7 @@ using namespace solid_optimize;
 
 constexpr const char* kPorts[3] = {"exemplar", "exemplar_y", "exemplar_z"};
 constexpr const char* kAxes[3] = {"x", "y", "z"};
+constexpr int kLeastBlock = 16;  // voxels
 
 Vec3i solid_size(const Context& c) {
   const auto written = c.ints("size");
@@ -26,6 +28,56 @@ Vec3i solid_size(const Context& c) {
   Vec3i size;
   for (int a = 0; a < 3; ++a) size[a] = static_cast<int>(written.size() == 1 ? written[0] : written[a]);
   return size;
+}
+
+// How a local solid is cut, and which block of it is wanted.
+void take_blocks(Context& c, SolidSettings& s) {
+  const auto blocks = c.ints("blocks");
+  if (blocks.size() == 2)
+    throw Error("bad-value", "two numbers", "write one number of blocks, or three").parameter("blocks");
+  for (int a = 0; a < 3; ++a)
+    s.blocks[a] = static_cast<int>(blocks.size() == 1 ? blocks[0] : blocks[static_cast<std::size_t>(a)]);
+  s.block = static_cast<int>(c.integer("block"));
+  const int count = s.blocks.prod();
+  if (count > 1 && !s.local)
+    throw Error("bad-value", fmt::format("by method {} a solid is not made in blocks", c.text("method")),
+                "set method: local")
+        .parameter("blocks");
+  for (int a = 0; a < 3; ++a)
+    if (s.size[a] / s.blocks[a] < kLeastBlock)
+      throw Error(
+          "bad-value",
+          fmt::format("{} blocks along {} voxels are thinner than {}", s.blocks[a], s.size[a], kLeastBlock),
+          "cut the solid into fewer")
+          .parameter("blocks");
+  if (s.block >= count)
+    throw Error("bad-value", fmt::format("there is no block {} of {}", s.block, count),
+                fmt::format("count from 0 to {}, x fastest, z slowest", count - 1))
+        .parameter("block");
+}
+
+// What makes a local solid's finer levels: a GPU, Mesa's software renderer, or nothing, which means the
+// processor itself.
+std::unique_ptr<LocalGl> local_gl(Context& c, const SolidSettings& s) {
+  const std::string device = c.text("device");
+  if (!s.local && device == "gl")
+    throw Error("bad-value", fmt::format("method {} has no shaders", c.text("method")),
+                "set method: local, or device: cpu")
+        .parameter("device");
+  if (!s.local || device == "cpu") return nullptr;
+  std::unique_ptr<LocalGl> gl;
+  try {
+    gl = std::make_unique<LocalGl>(GlDevice::Gpu);
+  } catch (const Error& e) {
+    if (device == "auto") {
+      c.warn("made on the CPU: " + e.diagnostic().message);
+      return nullptr;
+    }
+    if (e.diagnostic().code != "no-gl") throw;
+    gl = std::make_unique<LocalGl>(GlDevice::Cpu);
+  }
+  c.warn("made by OpenGL on " + gl->renderer());
+  return gl;
 }
 
 // Rows upwards, the first section.
@@ -175,7 +227,9 @@ void compute(Context& c) {
                          exemplars[0].width, exemplars[0].height, exemplars[e].width, exemplars[e].height));
   s.plane = planes_of(c, exemplars, source);
   s.iterations.clear();
-  s.papers = c.text("method") == "papers";
+  s.papers = c.text("method") == "papers", s.local = c.text("method") == "local";
+  take_blocks(c, s);
+  s.local_iterations = c.keyword("iterations").empty() ? 0 : SolidSettings().local_iterations;
   if (!c.keyword("iterations").empty())
     s.iterations = s.papers ? std::vector<int>{100, 20, 10} : std::vector<int>{20, 10, 5};
   else
@@ -183,7 +237,7 @@ void compute(Context& c) {
   s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
   s.lab = c.text("color") == "lab";
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.window = c.number("window");
-  s.finish = static_cast<int>(c.integer("finish"));
+  s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
   const bool features = !c.list("features").empty(), sources = c.boolean("sources");
   s.sources = features || sources;
   if (s.papers && s.sources)
@@ -205,34 +259,46 @@ void compute(Context& c) {
         "few of them to tell how they lie in space",
         100 * coarse));
 
-  SolidResult r = optimize_solid(exemplars, s, c.work().part(0, 0.97));
+  SolidResult r;
+  {
+    const auto gl = local_gl(c, s);
+    r = optimize_solid(exemplars, s, c.work().part(0, 0.97), gl.get());
+  }
 
   initialize_openvdb();
   const double voxel = pixel * grown;
+  const bool whole = s.blocks == Vec3i::Ones();
   Volume volume;
-  volume.resolution = s.size;
+  volume.resolution = whole ? r.size : Vec3i::Zero().eval();
   const Work last = c.work().part(0.97, 1);
-  volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>("Cd", s.size, voxel, last, [&](std::size_t i) {
-    Vec3f w = Vec3f::Zero();
-    for (std::size_t k = 0; k < r.field.channel.size(); ++k)
-      w[static_cast<Eigen::Index>(k)] = r.field.channel[k][i];
-    const Vec3f v = r.axes.from(w);
-    return openvdb::Vec3s(v.x(), v.y(), v.z());
-  }));
+  volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>(
+      "Cd", r.size, voxel, last,
+      [&](std::size_t i) {
+        Vec3f w = Vec3f::Zero();
+        for (std::size_t k = 0; k < r.field.channel.size(); ++k)
+          w[static_cast<Eigen::Index>(k)] = r.field.channel[k][i];
+        const Vec3f v = r.axes.from(w);
+        return openvdb::Vec3s(v.x(), v.y(), v.z());
+      },
+      r.origin));
   r.field = {};
   if (features)
-    volume.grids.push_back(
-        dense_grid<openvdb::Vec3SGrid>("features", s.size, voxel, last.quiet(), [&](std::size_t i) {
+    volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>(
+        "features", r.size, voxel, last.quiet(),
+        [&](std::size_t i) {
           const Vec3f& f = r.sources.features[i];
           return openvdb::Vec3s(f.x(), f.y(), f.z());
-        }));
+        },
+        r.origin));
   if (sources)
-    volume.grids.push_back(
-        dense_grid<openvdb::Vec3IGrid>("source", s.size, voxel, last.quiet(), [&](std::size_t i) {
+    volume.grids.push_back(dense_grid<openvdb::Vec3IGrid>(
+        "source", r.size, voxel, last.quiet(),
+        [&](std::size_t i) {
           const SolidExemplar& e = exemplars[r.sources.exemplar[i]];
           const auto at = static_cast<int>(r.sources.texel[i]);
           return openvdb::Vec3i(at % e.width, e.height - 1 - at / e.width, r.sources.exemplar[i]);
-        }));
+        },
+        r.origin));
   c.metric("levels", r.levels);
   c.metric("voxel", voxel);
   const auto& m = r.measures;
@@ -248,8 +314,9 @@ void compute(Context& c) {
                                m, [](const auto& p) { return p.copied_worst; }, 0));
   c.metric("stripes_worst", worst(
                                 m, [](const auto& p) { return p.stripes_worst; }, 1));
-  c.metric("seam_ratio", worst(
-                             m, [](const auto& p) { return p.seam; }, 1));
+  if (whole)
+    c.metric("seam_ratio", worst(
+                               m, [](const auto& p) { return p.seam; }, 1));
   c.output("table", table_of(m));
   c.output("volume", std::move(volume));
 }
@@ -304,14 +371,32 @@ NodeType solid_optimize_node() {
                          .range(1, 1000)
                          .doc_("Of each level, from the coarsest on; the last number counts for all further "
                                "levels. auto: "
-                               "20, 10, 5; with papers 100, 20, 10"))
+                               "20, 10, 5, and 2 of those that are made locally; with papers 100, 20, 10"))
           .parameter(
-              Parameter::choice("method", "coherence", {"coherence", "papers"})
+              Parameter::choice("method", "coherence", {"coherence", "local", "papers"})
                   .doc_(
                       "coherence: neighbours' matches, similar patches and random ones are tried, rare ones "
-                      "preferred. papers: the recipe of 2011, for comparison; 128³ takes minutes"))
+                      "preferred. local: the finer levels by passes that know of a voxel's surroundings "
+                      "alone, so that they can be made in blocks and on a GPU. papers: the recipe of 2011, "
+                      "for "
+                      "comparison; 128³ takes minutes"))
           .parameter(
-              Parameter::choice("device", "auto", {"auto", "cpu"}).doc_("Where it runs: auto takes the cpu"))
+              Parameter::ints("blocks", {1})
+                  .count(1, 3)
+                  .range(1, 256)
+                  .doc_("Into how many a local solid is cut, along all axes or each: what is larger than "
+                        "memory is made one block a run"))
+          .parameter(Parameter::integer("block", 0)
+                         .range(0, 16777215)
+                         .doc_("The one to make, from 0, x fastest and z slowest: the same voxels as of the "
+                               "whole, at their place in it"))
+          .parameter(
+              Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
+                  .doc_(
+                      "Of method local. cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's "
+                      "software renderer; auto: a GPU where there is one, else cpu. A warning says which it "
+                      "was; who shares a cache between machines should not write auto, since rounding "
+                      "differs"))
           .parameter(Parameter::with_keyword(ParameterKind::Texts, "planes", "auto")
                          .count(1, 3)
                          .doc_("Axes across which slices look like an exemplar: [x, y, z] or fewer. auto: "
@@ -336,10 +421,11 @@ NodeType solid_optimize_node() {
                          .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
                                "standard deviation; "
                                "it starts ten times as wide. 0: plain means, which blur"))
-          .parameter(Parameter::integer("finish", 2)
-                         .range(0, 20)
-                         .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
-                               "at the end"))
+          .parameter(
+              Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
+                  .range(0, 20)
+                  .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
+                        "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
           .parameter(Parameter::boolean("sources", false)
                          .doc_("Also give the exemplar's pixel that each voxel comes from"))
           .parameter(Parameter::number("memory", 4000)

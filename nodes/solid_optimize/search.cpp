@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
-#include "nodes/solid_optimize/wide.h"
+#include "nodes/solid_optimize/candidates.h"
 #include "runtime/random.h"
 
 namespace terrazzo::solid_optimize {
@@ -44,27 +43,10 @@ struct SliceTask {
   float* features;       // of one row of patches
 };
 
-// Squared distance of two points; anything above `limit` where it exceeds that.
-TERRAZZO_INLINE float distance2(const float* a, const float* b, int dims, float limit) {
-  Eight d = *reinterpret_cast<const Eight*>(a) - *reinterpret_cast<const Eight*>(b);
-  Eight sum = d * d;
-  d = *reinterpret_cast<const Eight*>(a + 8) - *reinterpret_cast<const Eight*>(b + 8);
-  sum += d * d;
-  if (dims > 16) {
-    const float part = sum_of(sum);
-    if (part > limit) return part;
-    for (int k = 16; k < dims; k += 8) {
-      d = *reinterpret_cast<const Eight*>(a + k) - *reinterpret_cast<const Eight*>(b + k);
-      sum += d * d;
-    }
-  }
-  return sum_of(sum);
-}
-
 TERRAZZO_INLINE void search_body(const SliceTask& t) {
   const ExemplarLevel& e = t.e;
   MatchFamily& f = t.f;
-  const int dims = e.space.dims, w = e.width;
+  const int dims = e.space.dims;
   const std::size_t pitch =
       static_cast<std::size_t>(f.width + kPatch - 1) * static_cast<std::size_t>(e.channels);
   const std::size_t plane = static_cast<std::size_t>(f.columns) * static_cast<std::size_t>(f.rows);
@@ -72,7 +54,6 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   const std::uint32_t* below = &f.at[static_cast<std::size_t>((t.slice + f.slices - 1) % f.slices) * plane];
   const std::uint32_t* above = &f.at[static_cast<std::size_t>((t.slice + 1) % f.slices) * plane];
   float* weight = &f.weight[static_cast<std::size_t>(t.slice) * plane];
-  const int last_x = e.width - kPatch, last_y = e.height - kPatch;
   const bool forwards = t.settings.iteration % 2 == 0;
   // Each sweep starts somewhere else: what it makes coherent along its way does not fit where it ends, which
   // must not always be the wrap.
@@ -91,61 +72,36 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
       const std::size_t n =
           static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + static_cast<std::size_t>(i);
       const float* query = t.features + static_cast<std::ptrdiff_t>(i) * dims;
-      std::uint32_t best = at[n];
-      float best_distance = distance2(query, e.feature(best), dims, std::numeric_limits<float>::infinity());
-      float best_score = best_distance * t.penalty[best];
-      const auto consider = [&](std::uint32_t c) __attribute__((always_inline)) {
-        if (c == best) return;
-        const float p = t.penalty[c];
-        const float d = distance2(query, e.feature(c), dims, best_score / p);
-        const float s = d * p;
-        if (s < best_score) best = c, best_score = s, best_distance = d;
-      };
+      Best best(e, t.penalty, query, at[n]);
       if (t.settings.exhaustive) {
-        for (const auto c : e.starts) consider(c);
+        for (const auto c : e.starts) best.consider(c);
       } else {
-        const auto shifted = [&](std::uint32_t c, int dx, int dy) __attribute__((always_inline)) {
-          const int x = static_cast<int>(c) % w + dx, y = static_cast<int>(c) / w + dy;
-          if (x < 0 || y < 0 || x > last_x || y > last_y) return;
-          const auto s = static_cast<std::uint32_t>(y * w + x);
-          if (e.usable[s]) consider(s);
-        };
         const std::size_t row = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns);
         const std::size_t left = row + static_cast<std::size_t>(i > 0 ? i - 1 : f.columns - 1),
                           right = row + static_cast<std::size_t>(i + 1 < f.columns ? i + 1 : 0);
         const std::size_t down = static_cast<std::size_t>(j > 0 ? j - 1 : f.rows - 1) * f.columns + i,
                           up = static_cast<std::size_t>(j + 1 < f.rows ? j + 1 : 0) * f.columns + i;
         // Across the wrap of an odd width the step is 1, not 2.
-        shifted(at[left], i > 0 || f.width % 2 == 0 ? 2 : 1, 0);
-        shifted(at[right], i + 1 < f.columns || f.width % 2 == 0 ? -2 : -1, 0);
-        shifted(at[down], 0, j > 0 || f.height % 2 == 0 ? 2 : 1);
-        shifted(at[up], 0, j + 1 < f.rows || f.height % 2 == 0 ? -2 : -1);
-        consider(below[n]);
-        consider(above[n]);
-        const std::uint32_t* similar = &e.similar[static_cast<std::size_t>(best) * ExemplarLevel::kSimilar];
-        for (int k = 0; k < ExemplarLevel::kSimilar; ++k) consider(similar[k]);
+        best.shifted(at[left], i > 0 || f.width % 2 == 0 ? 2 : 1, 0);
+        best.shifted(at[right], i + 1 < f.columns || f.width % 2 == 0 ? -2 : -1, 0);
+        best.shifted(at[down], 0, j > 0 || f.height % 2 == 0 ? 2 : 1);
+        best.shifted(at[up], 0, j + 1 < f.rows || f.height % 2 == 0 ? -2 : -1);
+        best.consider(below[n]);
+        best.consider(above[n]);
+        best.similar();
         Random random(t.settings.seed,
                       0x1000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 +
                           static_cast<std::uint64_t>(f.axis),
                       static_cast<std::uint64_t>(t.slice) * plane + n);
-        for (int reach = std::max(last_x, last_y); reach >= 2; reach = reach * 2 / 5) {
+        for (int reach = best.widest(); reach >= 2; reach = reach * 2 / 5) {
           const std::uint64_t bits = random.bits();
-          const int x0 = static_cast<int>(best) % w, y0 = static_cast<int>(best) / w;
-          const int lo_x = std::max(0, x0 - reach), lo_y = std::max(0, y0 - reach);
-          const int hi_x = std::min(last_x, x0 + reach), hi_y = std::min(last_y, y0 + reach);
-          const int x =
-              lo_x +
-              static_cast<int>(((bits & 0xffffffffu) * static_cast<std::uint64_t>(hi_x - lo_x + 1)) >> 32);
-          const int y =
-              lo_y + static_cast<int>(((bits >> 32) * static_cast<std::uint64_t>(hi_y - lo_y + 1)) >> 32);
-          const auto c = static_cast<std::uint32_t>(y * w + x);
-          if (e.usable[c]) consider(c);
+          best.within(reach, bits & 0xffffffffu, bits >> 32, 32);
         }
       }
-      weight[n] = best_distance;
-      if (best != at[n]) {
-        t.usage.move(at[n], best);
-        at[n] = best;
+      weight[n] = best.distance;
+      if (best.at != at[n]) {
+        t.usage.move(at[n], best.at);
+        at[n] = best.at;
       }
     }
   }

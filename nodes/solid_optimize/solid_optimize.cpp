@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/quantiles.h"
+#include "nodes/solid_optimize/blocks.h"
 #include "nodes/solid_optimize/finish.h"
 #include "nodes/solid_optimize/measures.h"
 #include "nodes/solid_optimize/papers.h"
@@ -17,37 +18,6 @@ namespace terrazzo::solid_optimize {
 namespace {
 
 constexpr int kExhaustiveEvery = 3;
-
-Vec3i box_at(const Vec3i& full, int level, int levels) {
-  Vec3i s;
-  for (int a = 0; a < 3; ++a) s[a] = level_size(full[a], level, levels);
-  return s;
-}
-
-// Per channel, the values of all exemplars that are seen, each plane with equal weight.
-std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exemplars,
-                                    const SolidSettings& s, int channels) {
-  std::vector<Quantiles> out;
-  for (int c = 0; c < channels; ++c) {
-    std::vector<Quantiles> each;
-    for (const auto* e : exemplars) {
-      // What usable patches cover.
-      std::vector<std::uint8_t> seen(e->usable.size(), 0);
-      for (const auto start : e->starts)
-        for (int v = 0; v < kPatch; ++v)
-          std::fill_n(seen.begin() + start + v * e->width, kPatch, std::uint8_t{1});
-      std::vector<float> values;
-      for (std::size_t i = 0; i < seen.size(); ++i)
-        if (seen[i]) values.push_back(e->texels[4 * i + static_cast<std::size_t>(c)]);
-      each.push_back(quantiles_of(values));
-    }
-    std::vector<const Quantiles*> planes;
-    for (const int p : s.plane)
-      if (p >= 0) planes.push_back(&each[static_cast<std::size_t>(p)]);
-    out.push_back(mixture(planes));
-  }
-  return out;
-}
 
 void match_all(SolidField& field, const std::vector<Quantiles>& targets, const Work& work) {
   for (std::size_t c = 0; c < targets.size(); ++c) match_values(field.channel[c], targets[c], work.quiet());
@@ -61,19 +31,6 @@ void random_texels(SolidField& field, const ExemplarLevel& e, std::uint64_t seed
   }
 }
 
-using Pyramid = std::vector<ExemplarLevel>;
-
-std::vector<const ExemplarLevel*> level_of(const std::vector<Pyramid>& pyramids, int level) {
-  std::vector<const ExemplarLevel*> out;
-  for (const auto& p : pyramids) out.push_back(&p[static_cast<std::size_t>(level)]);
-  return out;
-}
-
-std::size_t voxels(const Vec3i& size) {
-  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-         static_cast<std::size_t>(size.z());
-}
-
 std::vector<MatchFamily> random_families(const Vec3i& size,
                                          const std::vector<const ExemplarLevel*>& exemplars,
                                          const SolidSettings& s) {
@@ -84,7 +41,7 @@ std::vector<MatchFamily> random_families(const Vec3i& size,
   return out;
 }
 
-// Iterations of each level, and where each level's share of the work ends, by voxels visited.
+// Iterations of the first levels, and where each level's share of the work ends, by voxels visited.
 struct Schedule {
   std::vector<int> iterations;
   std::vector<double> end;
@@ -104,14 +61,16 @@ struct Schedule {
   }
 };
 
-void by_coherence(const std::vector<SolidExemplar>& exemplars, std::vector<Pyramid>& pyramids,
-                  const SolidSettings& s, SolidResult& out, const Work& work) {
-  const int levels = out.levels, channels = out.axes.channels;
-  const Schedule schedule(s, levels);
+// All levels up to and including the finest that is made whole.
+std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplars,
+                                      std::vector<Pyramid>& pyramids, const SolidSettings& s,
+                                      SolidResult& out, const Work& work) {
+  const int levels = out.levels, channels = out.axes.channels, made = whole_level(s, levels) + 1;
+  const Schedule schedule(s, made);
   std::vector<MatchFamily> families;
   SolidField& field = out.field;
   int iteration = 0;
-  for (int level = 0; level < levels; ++level) {
+  for (int level = 0; level < made; ++level) {
     const Vec3i size = box_at(s.size, level, levels);
     for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(level)], work.quiet());
     const auto at_level = level_of(pyramids, level);
@@ -156,7 +115,7 @@ void by_coherence(const std::vector<SolidExemplar>& exemplars, std::vector<Pyram
       step.progress(1);
     }
   }
-  out.measures = measure_copies(families);
+  return families;
 }
 
 void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, SolidResult& out,
@@ -189,17 +148,8 @@ void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, Sol
 
 }  // namespace
 
-int natural_levels(const std::vector<SolidExemplar>& exemplars, const Vec3i& size) {
-  int side = 1 << 20;
-  for (const auto& e : exemplars) side = std::min({side, e.width, e.height});
-  int levels = 1;
-  while (level_size(side, 0, levels + 1) >= 24 && level_size(size.minCoeff(), 0, levels + 1) >= kPatch)
-    ++levels;
-  return levels;
-}
-
 SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
-                           const Work& work) {
+                           const Work& work, LocalGl* gl) {
   SolidResult out;
   out.size = s.size;
   std::vector<const std::vector<Vec3f>*> pictures;
@@ -213,6 +163,16 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
     for (auto& p : e.pixels) p = out.axes.to(p);
 
   const int levels = out.levels = s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
+  if (s.local && levels < 2)
+    throw Error("bad-value", "a solid of one level is not made locally: its only level would be the whole",
+                "take method coherence, or a larger exemplar")
+        .parameter("method");
+  for (const auto& e : exemplars)
+    if (s.local && std::min(e.width, e.height) < kFinishLeast)
+      throw Error("exemplar-too-small",
+                  fmt::format("{} × {} pixels leave the finish of a local solid nothing to measure", e.width,
+                              e.height),
+                  fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
   std::vector<Pyramid> pyramids;
   for (auto& e : working)
     pyramids.push_back(s.papers
@@ -220,26 +180,16 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
                            : exemplar_levels(e, channels, levels, 0.98, 32, work.quiet()));
   if (s.papers)
     by_papers(pyramids, s, out, work.part(0, 0.97));
+  else if (s.local)
+    by_blocks(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, gl, out,
+              work.part(0.3, 0.97));
   else
-    by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97));
+    out.measures =
+        measure_copies(by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97)));
   pyramids.clear();
-  if (s.finish > 0 && !s.papers) finish_bands(working, s, out.field, work.part(0.85, 0.97));
+  if (s.finish > 0 && !s.papers && !s.local) finish_bands(working, s, out.field, work.part(0.85, 0.97));
   measure_planes(working, s, out.field, out.measures, work.part(0.97, 1));
   return out;
-}
-
-double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
-  const double voxels = s.size.cast<double>().prod();
-  double planes = 0, pixels = 0;
-  for (const int p : s.plane) planes += p >= 0;
-  for (const auto& e : exemplars) pixels += static_cast<double>(e.width) * e.height;
-  const double channels = 3;
-  // Patches' features, similar ones, texels; of all levels together a third more.
-  const double exemplar = pixels * (32 * 4 + ExemplarLevel::kSimilar * 4 + 16 + 40) * 4 / 3;
-  const double optimizing = voxels * (4 * channels + planes * 2) + exemplar;
-  const double finishing = voxels * (4 * channels + 4 + 4);  // the sum of changes and the slices' spectra
-  const double handing_over = voxels * (4 * channels + 14);
-  return std::max({optimizing, finishing, handing_over}) + voxels * (s.sources ? 5 : 0);
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -11,6 +11,17 @@
 
 namespace terrazzo::solid_optimize {
 
+class LocalGl;
+
+// Sizes that decide how a local solid is made, and what it becomes; tests make them small.
+struct LocalLimits {
+  double whole = 128.0 * 128 * 128;  // voxels of the finest level that is made whole, unless the coarsest has
+                                     // more: as long as a block, since each run makes it anew
+  int probe = 80;    // voxels along each axis on which a level's statistics are measured: with 48 patch
+                     // distances were a third larger
+  int closed = 128;  // along axes of at most so many all are, since a part needs as much around itself
+};
+
 struct SolidSettings {
   Vec3i size = Vec3i::Constant(64);
   std::array<int, 3> plane = {0, 0, 0};       // the exemplar seen on slices across x, y, z; −1: none
@@ -19,10 +30,15 @@ struct SolidSettings {
   bool lab = true;
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
-  double window = 0.05;  // of the mean shift at the end of each level; it starts ten times as wide
-  int finish = 2;        // rounds of matching the finest bands
-  bool sources = false;  // say where each voxel comes from
-  bool papers = false;   // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
+  double window = 0.05;          // of the mean shift at the end of each level; it starts ten times as wide
+  int finish = 2;                // rounds of matching the finest bands
+  bool sources = false;          // say where each voxel comes from
+  bool papers = false;           // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
+  bool local = false;            // the finer levels by passes that know of a voxel's surroundings alone
+  int local_iterations = 2;      // of those; 0: as `iterations` says
+  Vec3i blocks = Vec3i::Ones();  // into which a local solid is cut along each axis
+  LocalLimits local_limits;
+  int block = 0;  // the one to make: (z·blocks.y + y)·blocks.x + x
   std::uint64_t seed = 1;
 };
 
@@ -42,7 +58,8 @@ struct PlaneMeasures {
 };
 
 struct SolidResult {
-  Vec3i size = Vec3i::Zero();
+  Vec3i size = Vec3i::Zero();    // of the field: the solid's, or the block's
+  Vec3i origin = Vec3i::Zero();  // of the field in the solid
   ColorAxes axes;
   SolidField field;      // in the working axes
   BlendSources sources;  // of the last blending, before the finish
@@ -50,9 +67,11 @@ struct SolidResult {
   std::vector<PlaneMeasures> measures;  // of each constrained axis
 };
 
-// Exemplars at the scale of the solid: a pixel is a voxel. The result tiles. Throws Error
-// "exemplar-too-small", "one-color".
-SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&);
+// Exemplars at the scale of the solid: a pixel is a voxel. The whole solid tiles. Throws Error
+// "exemplar-too-small", "one-color", "bad-value" where a local solid has one level only.
+// A local solid's finer levels are made by `gl` where there is one, which lives on this thread.
+SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&,
+                           LocalGl* gl = nullptr);
 
 // Levels that optimize_solid takes for `levels` = 0.
 int natural_levels(const std::vector<SolidExemplar>&, const Vec3i& size);

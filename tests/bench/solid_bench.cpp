@@ -46,12 +46,13 @@ struct Made {
   double seconds, patches = 0, histogram = 0, finest = 1;
 };
 
-Made make(int side, bool papers) {
+Made make(int side, bool papers, bool local = false) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   so::SolidSettings s;
   s.size = Vec3i::Constant(side);
   s.papers = papers;
   if (papers) s.iterations = {100, 20, 10};
+  if (local) s.local = true, s.finish = 1;
   const double start = cpu_seconds();
   const auto r = so::optimize_solid({blobs(side)}, s, Work());
   Made m{cpu_seconds() - start};
@@ -86,6 +87,14 @@ void solid_coherence(benchmark::State& state) {
   tell(state, m);
 }
 BENCHMARK(solid_coherence)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
+
+// The same by passes that know of a voxel's surroundings alone.
+void solid_local(benchmark::State& state) {
+  Made m{0};
+  for (auto _ : state) m = make(static_cast<int>(state.range(0)), false, true);
+  tell(state, m);
+}
+BENCHMARK(solid_local)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
 
 // The residual of grain of several sizes, one colour axis, on all cores.
 void solid_residual(benchmark::State& state) {

@@ -1,0 +1,91 @@
+#include "nodes/solid_optimize/blocks.h"
+
+#include "nodes/common/slice_axes.h"
+#include "nodes/solid_optimize/measures.h"
+
+namespace terrazzo::solid_optimize {
+namespace {
+
+// The part of the families that lies in a box, in slices of it.
+std::vector<MatchFamily> families_in(const LocalBox& box, const LocalRegion& region) {
+  std::vector<MatchFamily> out;
+  for (const MatchFamily& f : region.families) {
+    const auto axis = static_cast<std::size_t>(f.axis);
+    const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+    const LocalLine &u = region.lines[static_cast<std::size_t>(ua)],
+                    &v = region.lines[static_cast<std::size_t>(va)];
+    const int i = first_patch(box.lo[ua], u.period) - u.first,
+              j = first_patch(box.lo[va], v.period) - v.first;
+    MatchFamily part;
+    part.axis = f.axis, part.exemplar = f.exemplar, part.slices = box.hi[f.axis] - box.lo[f.axis];
+    part.columns = first_patch(box.hi[ua], u.period) - u.first - i;
+    part.rows = first_patch(box.hi[va], v.period) - v.first - j;
+    for (int s = 0; s < part.slices; ++s)
+      for (int y = 0; y < part.rows; ++y) {
+        const auto row =
+            f.at.begin() +
+            ((static_cast<std::ptrdiff_t>(s) + box.lo[f.axis] - region.lines[axis].from) * f.rows + j + y) *
+                f.columns;
+        part.at.insert(part.at.end(), row + i, row + i + part.columns);
+      }
+    out.push_back(std::move(part));
+  }
+  return out;
+}
+
+// What lies in a box of a dense array of a region's voxels.
+template <class T>
+std::vector<T> crop(const LocalBox& box, const LocalRegion& region, const std::vector<T>& all) {
+  std::vector<T> out;
+  if (all.empty()) return out;
+  out.reserve(voxels(box.size()));
+  for (int z = box.lo.z(); z < box.hi.z(); ++z)
+    for (int y = box.lo.y(); y < box.hi.y(); ++y) {
+      const auto row =
+          all.begin() + ((static_cast<std::ptrdiff_t>(z) - region.lines[2].from) * region.field.size.y() + y -
+                         region.lines[1].from) *
+                            region.field.size.x();
+      out.insert(out.end(), row + (box.lo.x() - region.lines[0].from),
+                 row + (box.hi.x() - region.lines[0].from));
+    }
+  return out;
+}
+
+}  // namespace
+
+LocalBox block_box(const SolidSettings& s) {
+  const Vec3i at(s.block % s.blocks.x(), s.block / s.blocks.x() % s.blocks.y(),
+                 s.block / s.blocks.x() / s.blocks.y());
+  LocalBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.lo[a] = at[a] * s.size[a] / s.blocks[a], box.hi[a] = (at[a] + 1) * s.size[a] / s.blocks[a];
+    box.closed[static_cast<std::size_t>(a)] = s.blocks[a] == 1;
+  }
+  return box;
+}
+
+void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
+               std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl, SolidResult& out,
+               const Work& work) {
+  const std::vector<int> iterations = iterations_of(s, out.levels);
+  WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};
+  for (int l = whole.level + 1; l < out.levels; ++l)
+    for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(l)], work.quiet());
+  LocalLevels local(working, pyramids, s, iterations, std::move(whole), gl);
+  local.measure(work.part(0, 0.2));
+  const LocalBox box = block_box(s);
+  LocalRegion region = local.make(box, s.sources ? &out.sources : nullptr, work.part(0.2, 1));
+  out.size = box.size(), out.origin = box.lo;
+  out.measures = measure_copies(families_in(box, region));
+  region.families.clear();
+  out.field = {out.size, {}};
+  for (auto& c : region.field.channel) {
+    out.field.channel.push_back(crop(box, region, c));
+    c = {};
+  }
+  out.sources.texel = crop(box, region, out.sources.texel);
+  out.sources.exemplar = crop(box, region, out.sources.exemplar);
+  out.sources.features = crop(box, region, out.sources.features);
+}
+
+}  // namespace terrazzo::solid_optimize

@@ -1,0 +1,139 @@
+#include "nodes/solid_optimize/local_passes.h"
+
+#include <algorithm>
+
+#include "nodes/common/slice_axes.h"
+#include "nodes/solid_optimize/local_finish.h"
+#include "nodes/solid_optimize/weights.h"
+
+namespace terrazzo::solid_optimize {
+namespace {
+
+// As many of the patches as start in a box, in slices of it.
+template <class Use>
+void each_patch(const LocalLines& lines, const MatchFamily& f, const LocalBox& box, Use&& use) {
+  const std::size_t axis = static_cast<std::size_t>(f.axis);
+  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+  const LocalLine &u = lines[static_cast<std::size_t>(ua)], &v = lines[static_cast<std::size_t>(va)];
+  const int i0 = first_patch(box.lo[ua], u.period) - u.first,
+            i1 = first_patch(box.hi[ua], u.period) - u.first,
+            j0 = first_patch(box.lo[va], v.period) - v.first,
+            j1 = first_patch(box.hi[va], v.period) - v.first;
+  for (int s = box.lo[f.axis]; s < box.hi[f.axis]; ++s)
+    for (int j = j0; j < j1; ++j)
+      for (int i = i0; i < i1; ++i)
+        use((static_cast<std::size_t>(s - lines[axis].from) * static_cast<std::size_t>(f.rows) +
+             static_cast<std::size_t>(j)) *
+                static_cast<std::size_t>(f.columns) +
+            static_cast<std::size_t>(i));
+}
+
+// Per family, of the patches in a box.
+std::vector<float> mean_distances(const LocalRegion& region, const LocalBox& box) {
+  std::vector<float> out;
+  for (const MatchFamily& f : region.families) {
+    double sum = 0, n = 0;
+    each_patch(region.lines, f, box, [&](std::size_t p) { sum += f.weight[p], ++n; });
+    out.push_back(static_cast<float>(std::max(sum / n, 1e-12)));
+  }
+  return out;
+}
+
+// Squared distances of the patches over a box become weights.
+void weigh_box(const LocalLines& lines, const LocalBox& box, const WeightTable& table, float floor,
+               MatchFamily& f, const Work& work) {
+  const std::size_t axis = static_cast<std::size_t>(f.axis);
+  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+  const auto columns = lines[static_cast<std::size_t>(ua)].patches_over(box, ua),
+             rows = lines[static_cast<std::size_t>(va)].patches_over(box, va);
+  const float inverse = 1 / floor;
+  work.parallel(
+      static_cast<std::size_t>(box.hi[f.axis] - box.lo[f.axis]), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t s = begin; s < end; ++s)
+          for (int j = rows[0]; j < rows[1]; ++j) {
+            float* w = &f.weight[((s + static_cast<std::size_t>(box.lo[f.axis] - lines[axis].from)) *
+                                      static_cast<std::size_t>(f.rows) +
+                                  static_cast<std::size_t>(j)) *
+                                 static_cast<std::size_t>(f.columns)];
+            for (int i = columns[0]; i < columns[1]; ++i) w[i] = table.of(w[i] * inverse);
+          }
+      });
+}
+
+}  // namespace
+
+LocalPlan local_plan(const LocalBox& wanted, int iterations, int finish_rounds) {
+  LocalPlan plan;
+  for (int r = finish_rounds - 1; r >= 0; --r) plan.finish.push_back(wanted.grown(r * kFinishReach));
+  const LocalBox blended = wanted.grown(finish_rounds * kFinishReach);
+  for (int i = iterations; i >= 0; --i) plan.blend.push_back(blended.grown(i * (kPatch - 1)));
+  return plan;
+}
+
+std::vector<float> values_in(const LocalBox& box, const LocalRegion& region, int channel) {
+  std::vector<float> out;
+  out.reserve(static_cast<std::size_t>(box.size().cast<double>().prod()));
+  const Vec3i& size = region.field.size;
+  for (int z = box.lo.z(); z < box.hi.z(); ++z)
+    for (int y = box.lo.y(); y < box.hi.y(); ++y) {
+      const auto row =
+          region.field.channel[static_cast<std::size_t>(channel)].begin() +
+          ((static_cast<std::ptrdiff_t>(z) - region.lines[2].from) * size.y() + y - region.lines[1].from) *
+              size.x() -
+          region.lines[0].from;
+      out.insert(out.end(), row + box.lo.x(), row + box.hi.x());
+    }
+  return out;
+}
+
+void blend_pass(const LocalPasses& passes, std::size_t blend, LocalProbe* probe, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion& region,
+                const Work& work) {
+  const LocalBox& box = passes.plan.blend[blend];
+  BlendRange range;
+  for (int a = 0; a < 3; ++a) {
+    const LocalLine& l = region.lines[static_cast<std::size_t>(a)];
+    range.covers[static_cast<std::size_t>(a)] = &l.cover;
+    range.lo[a] = box.lo[a] - l.from, range.hi[a] = box.hi[a] - l.from;
+  }
+  blend_patches(passes.exemplars, region.families, {passes.windows[blend]}, range, region.field, sources,
+                &features, work);
+  auto& channels = region.field.channel;
+  if (probe) {
+    probe->measured.values.emplace_back();
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      probe->measured.values.back().emplace_back(values_in(probe->box, region, static_cast<int>(c)),
+                                                 probe->values[c]);
+  }
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    work.quiet().parallel(channels[c].size(), 1 << 16, [&](std::size_t b, std::size_t e) {
+      passes.statistics.values[blend][c].apply(channels[c].data() + b, e - b);
+    });
+    copy_beyond(region.lines, channels[c], work.quiet());
+  }
+}
+
+void run_passes(const LocalPasses& passes, bool to_blend, LocalProbe* probe, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion& region,
+                const Work& work) {
+  const WeightTable weights(passes.power);
+  blend_pass(passes, 0, probe, nullptr, features, region, work.part(0, 0.1));
+  const int rounds = static_cast<int>(passes.plan.blend.size()) - 1;
+  for (int i = 0; i < rounds; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Work step = work.part(0.1 + 0.9 * i / rounds, 0.1 + 0.9 * (i + 1) / rounds);
+    const LocalBox& box = passes.plan.blend[k + 1];
+    search_locally(passes.exemplars, passes.statistics.penalty, box, passes.seed, passes.first_iteration + i,
+                   region, step.part(0, 0.6));
+    if (probe) probe->measured.floor.push_back(mean_distances(region, probe->box));
+    for (std::size_t f = 0; f < region.families.size(); ++f) {
+      weigh_box(region.lines, box, weights, passes.statistics.floor[k][f], region.families[f], work.quiet());
+      copy_beyond(region.lines, region.families[f], work.quiet());
+    }
+    const bool last = i + 1 == rounds;
+    if (last && !to_blend) return;
+    blend_pass(passes, k + 1, probe, last ? sources : nullptr, features, region, step.part(0.6, 1));
+  }
+}
+
+}  // namespace terrazzo::solid_optimize

@@ -1,0 +1,48 @@
+// What makes a part of a level of the matches that were carried up to it.
+#pragma once
+
+#include <vector>
+
+#include "nodes/solid_optimize/blend.h"
+#include "nodes/solid_optimize/local_search.h"
+#include "nodes/solid_optimize/local_statistics.h"
+
+namespace terrazzo::solid_optimize {
+
+// Which voxels each step of a part has to make for the voxels wanted in the end.
+struct LocalPlan {
+  std::vector<LocalBox> blend;   // after the matches are carried up, and after each iteration
+  std::vector<LocalBox> finish;  // after each round
+};
+LocalPlan local_plan(const LocalBox& wanted, int iterations, int finish_rounds);
+// Blend 0, then searches and blends in turn.
+struct LocalPasses {
+  const std::vector<const ExemplarLevel*>& exemplars;
+  const LevelStatistics& statistics;
+  const LocalPlan& plan;
+  const std::vector<float>& windows;  // of each blend's mean shift
+  std::uint64_t seed;
+  int first_iteration;  // of those of all levels
+  double power;         // of weights
+};
+
+// Where statistics are measured while the passes run, what the values there should be distributed as, and
+// where it is put: what `statistics` of the passes refers to.
+struct LocalProbe {
+  const LocalBox& box;
+  const std::vector<Quantiles>& values;  // per channel
+  LevelStatistics& measured;
+};
+
+// All passes on the processor, from the carried matches of a region; the last blend if `to_blend`, with
+// `sources` (may be null, of the field's shape) and `features`, per exemplar, as blend_patches takes them.
+void run_passes(const LocalPasses&, bool to_blend, LocalProbe*, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
+// One blend and the map of values after it.
+void blend_pass(const LocalPasses&, std::size_t blend, LocalProbe*, BlendSources* sources,
+                const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
+
+// The values of one channel that lie in a box.
+std::vector<float> values_in(const LocalBox&, const LocalRegion&, int channel);
+
+}  // namespace terrazzo::solid_optimize

@@ -1,0 +1,125 @@
+// New voxel values from the matched patches that overlap there: blend_patches() of nodes/solid_optimize and the
+// map of values after it. An invocation has one voxel.
+#version 450
+layout(local_size_x = 8, local_size_y = 8) in;
+
+const int kPatch = 8, kMost = 80, kBins = 4096;
+const float kInner[kPatch] = float[](0.0657285, 0.2493522, 0.6065307, 0.9459595,
+                                     0.9459595, 0.6065307, 0.2493522, 0.0657285);
+
+layout(std430, binding = 0) writeonly buffer Field { float field[]; };  // channel by channel
+layout(std430, binding = 1) readonly buffer Matches { uint matches[]; };
+layout(std430, binding = 3) readonly buffer Weights { float weights[]; };
+layout(std430, binding = 4) readonly buffer Lines { int lines[]; };
+layout(std430, binding = 5) readonly buffer Texels { vec4 texels[]; };  // exemplar by exemplar
+layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };      // value and rise, channel by channel
+
+uniform int channels, families, voxels;
+uniform ivec3 size, first, last;  // voxels stored; to do
+uniform int axis_u[3], axis_v[3], axis_s[3];
+uniform int first_match[3], columns[3], rows[3], first_texel[3], exemplar_width[3];
+uniform int starts_at[3], covers_at[3];  // in lines, per axis; covers are first patch and count
+uniform int from[3];                     // first stored voxel, per axis
+uniform float window;
+uniform float map_low[3], map_scale[3];
+
+vec4 value[3][kMost / 4], weight[kMost / 4];
+
+float sum_of(vec4 low, vec4 high) {
+  precise float s = ((low.x + high.x) + (low.z + high.z)) + ((low.y + high.y) + (low.w + high.w));
+  return s;
+}
+
+float mapped(int c, float v) {
+  precise float x = (v - map_low[c]) * map_scale[c];
+  x = clamp(x, 0.0, float(kBins) - 0.001);
+  int bin = int(x);
+  vec2 b = maps[c * kBins + bin];
+  precise float y = b.x + (x - float(bin)) * b.y;
+  return y;
+}
+
+void main() {
+  ivec3 at = first + ivec3(gl_GlobalInvocationID);
+  if (at.x >= last.x || at.y >= last.y || at.z >= last.z) return;
+  int n = 0;
+  for (int f = 0; f < families; ++f) {
+    int u = axis_u[f], v = axis_v[f], s = axis_s[f];
+    int pu = lines[covers_at[u] + 2 * at[u]], cu = lines[covers_at[u] + 2 * at[u] + 1];
+    int pv = lines[covers_at[v] + 2 * at[v]], cv = lines[covers_at[v] + 2 * at[v] + 1];
+    int begin = n;
+    precise float total = 0;
+    for (int b = 0; b < cv; ++b) {
+      int row = first_match[f] + (at[s] * rows[f] + pv + b) * columns[f];
+      int down = at[v] + from[v] - lines[starts_at[v] + pv + b];
+      precise float four = 0, pair = 0;
+      for (int a = 0; a < cu; ++a, ++n) {
+        int right = at[u] + from[u] - lines[starts_at[u] + pu + a];
+        vec4 texel = texels[first_texel[f] + int(matches[row + pu + a]) + down * exemplar_width[f] + right];
+        for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = texel[c];
+        precise float w = weights[row + pu + a] * kInner[right] * kInner[down];
+        weight[n >> 2][n & 3] = w;
+        if (cu != 4) total += w;
+        // Four patches are summed in pairs.
+        if (a == 0 || a == 2) pair = w;
+        if (a == 1) four = pair + w;
+        if (a == 3) four += pair + w;
+      }
+      if (cu == 4) total += four;
+    }
+    float equal = 1.0 / total;
+    for (int k = begin; k < n; ++k) {
+      precise float w = weight[k >> 2][k & 3] * equal;
+      weight[k >> 2][k & 3] = w;
+    }
+  }
+  for (; n % 8 != 0; ++n) {
+    weight[n >> 2][n & 3] = 0;
+    for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = 0;
+  }
+  // The weighted mean and the spread about it; then the mean shift.
+  precise vec4 w_low = vec4(0), w_high = vec4(0), square_low = vec4(0), square_high = vec4(0);
+  precise vec4 low[3], high[3];
+  for (int c = 0; c < 3; ++c) low[c] = high[c] = vec4(0);
+  for (int k = 0; k < n / 4; k += 2) {
+    w_low += weight[k], w_high += weight[k + 1];
+    for (int c = 0; c < channels; ++c) {
+      low[c] += weight[k] * value[c][k], high[c] += weight[k + 1] * value[c][k + 1];
+      square_low += weight[k] * value[c][k] * value[c][k];
+      square_high += weight[k + 1] * value[c][k + 1] * value[c][k + 1];
+    }
+  }
+  float all = 1.0 / sum_of(w_low, w_high);
+  precise float spread = 0;
+  precise float mean[3];
+  for (int c = 0; c < channels; ++c) {
+    mean[c] = sum_of(low[c], high[c]) * all;
+    spread -= mean[c] * mean[c];
+  }
+  spread = max(0.0, spread + sum_of(square_low, square_high) * all);
+  if (window > 0 && spread > 1e-12) {
+    float root = min(1.0, sqrt(max(window * window, 1e-8) / spread));
+    precise float width = spread;
+    for (int step = 0; step < 3; ++step) {
+      float inverse = 1.0 / width;
+      w_low = w_high = vec4(0);
+      for (int c = 0; c < 3; ++c) low[c] = high[c] = vec4(0);
+      for (int k = 0; k < n / 4; k += 2) {
+        precise vec4 far_low = vec4(0), far_high = vec4(0);
+        for (int c = 0; c < channels; ++c) {
+          precise vec4 a = value[c][k] - mean[c], b = value[c][k + 1] - mean[c];
+          far_low += a * a, far_high += b * b;
+        }
+        precise vec4 close_low = 1.0 + far_low * inverse, close_high = 1.0 + far_high * inverse;
+        precise vec4 a = weight[k] / (close_low * close_low), b = weight[k + 1] / (close_high * close_high);
+        w_low += a, w_high += b;
+        for (int c = 0; c < channels; ++c) low[c] += a * value[c][k], high[c] += b * value[c][k + 1];
+      }
+      float norm = 1.0 / sum_of(w_low, w_high);
+      for (int c = 0; c < channels; ++c) mean[c] = sum_of(low[c], high[c]) * norm;
+      width = max(width * root, 1e-8);
+    }
+  }
+  int voxel = (at.z * size.y + at.y) * size.x + at.x;
+  for (int c = 0; c < channels; ++c) field[c * voxels + voxel] = mapped(c, mean[c]);
+}
