@@ -35,8 +35,11 @@ double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox&
   const LocalBox box = local_plan(wanted, rounds, finished ? s.finish : 0).blend[0];
   const PartSize part(box, size);
   const double matches = 8 * part.patches * planes(s);
-  const double own = part.voxels * (4 * kChannels + (finished && s.sources ? 5 : 0)) + matches +
-                     std::max(4 * part.patches, finished ? 4 * part.voxels : 0);
+  // A plane's second copy in the search, a channel's in the finish, and one of what is wanted are there one
+  // after the other, but what is freed is not always given back at once.
+  const double copies =
+      4 * part.patches + (finished ? 4 * part.voxels + 4 * wanted.size().cast<double>().prod() : 0);
+  const double own = part.voxels * (4 * kChannels + (finished && s.sources ? 5 : 0)) + matches + copies;
   if (level - 1 == whole) return own;
   const Vec3i size_below = box_at(s.size, level - 1, levels);
   const LocalBox below = box_below(box, size, size_below);
