@@ -67,9 +67,15 @@ LevelField enlarged(const LevelField& from, const Vec3i& size, bool periodic, st
 
 }  // namespace
 
-bool tells_enough(const Cooccurrence& c) {
-  const std::int64_t least = static_cast<std::int64_t>(kEachPair) * c.levels * c.levels;
-  return std::all_of(c.pairs.begin(), c.pairs.end(), [&](std::int64_t pairs) { return pairs >= least; });
+std::optional<Cooccurrence> measure_apart(const std::vector<LevelField>& sections, int levels,
+                                          const std::vector<Vec3i>& offsets, int stride, const Work& work) {
+  std::vector<Vec3i> apart;
+  for (const Vec3i& o : offsets) apart.push_back(stride * o);
+  Cooccurrence c = measure_cooccurrence(sections, levels, apart, work);
+  const std::int64_t least = static_cast<std::int64_t>(kEachPair) * levels * levels;
+  for (const std::int64_t pairs : c.pairs)
+    if (stride > 1 && pairs < least) return std::nullopt;
+  return c;
 }
 
 DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size,

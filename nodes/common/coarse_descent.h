@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "nodes/common/level_descent.h"
@@ -15,8 +16,10 @@ namespace terrazzo {
 // ones in the source; none where the source is too small to tell.
 using PairTargets = std::function<std::vector<PairTarget>(int stride, const Vec3i& size)>;
 
-// Whether the source has four pairs of pixels for every pair of levels, at every offset.
-bool tells_enough(const Cooccurrence&);
+// Of sections at offsets `stride` times as long; nothing where, with a stride above 1, some offset has fewer
+// than four pairs of pixels for every pair of levels.
+std::optional<Cooccurrence> measure_apart(const std::vector<LevelField>& sections, int levels,
+                                          const std::vector<Vec3i>& offsets, int stride, const Work&);
 
 struct DescentSettings {
   int levels = 8;
@@ -41,8 +44,8 @@ struct DescentResult {
 };
 
 // From noise of the histogram of `source` at the coarsest resolution, 2^k times coarser, at which the field
-// is four times as long as the offsets reach and `targets` are known; each finer one starts as a copy of the
-// coarser one. A coarse pixel stands for one of its source pixels, not for their mean, so that its targets
+// is four times as long as the offsets reach and `targets` are known; each finer one starts as the coarser
+// one enlarged. A coarse pixel stands for one of its source pixels, not for their mean, so that its targets
 // are the source's own counts at longer offsets.
 DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size, const PairTargets&,
                       const DescentSettings&, const Work& = {});

@@ -1,6 +1,7 @@
 #include "nodes/common/gl_program.h"
 
 #include <GL/glcorearb.h>
+#include <fmt/format.h>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/shader_source.h"
@@ -54,6 +55,18 @@ unsigned make_gl_program(const EglContext& context, const char* compute, const c
   const GLuint program = context.function<PFNGLCREATEPROGRAMPROC>("glCreateProgram")();
   attach(context, program, GL_COMPUTE_SHADER, compute, hint);
   return link(context, program, hint);
+}
+
+void check_gl(const EglContext& context, const char* what, const char* smaller_hint) {
+  const GLenum code = context.function<PFNGLGETERRORPROC>("glGetError")();
+  if (code == GL_NO_ERROR) return;
+  if (code == GL_OUT_OF_MEMORY)
+    throw Error("too-large-for-gl",
+                fmt::format("{} does not fit into the memory of {}", what, context.renderer()), smaller_hint)
+        .parameter("device");
+  throw Error("no-gl", fmt::format("the driver {} failed with error {}", context.renderer(), code),
+              "set device: cpu")
+      .parameter("device");
 }
 
 }  // namespace terrazzo

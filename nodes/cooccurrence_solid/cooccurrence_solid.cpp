@@ -44,16 +44,13 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
   std::array<Cooccurrence, 3> wanted;  // at full resolution
   const PairTargets targets = [&](int stride, const Vec3i& size) {
     std::vector<PairTarget> out;
-    std::vector<Vec3i> apart;
-    for (const Vec3i& o : flat) apart.push_back(stride * o);
     const std::int64_t voxels = static_cast<std::int64_t>(size.x()) * size.y() * size.z();
     for (int axis = 0; axis < 3; ++axis) {
-      Cooccurrence own =
-          measure_cooccurrence(sections[static_cast<std::size_t>(axis)], levels, apart, work.quiet());
-      if (stride > 1 && !tells_enough(own)) return std::vector<PairTarget>();
+      auto own = measure_apart(sections[static_cast<std::size_t>(axis)], levels, flat, stride, work.quiet());
+      if (!own) return std::vector<PairTarget>();
       for (std::size_t d = 0; d < flat.size(); ++d)
-        out.push_back({offset_across(axis, flat[d]), scaled_counts(own, d, voxels)});
-      if (stride == 1) wanted[static_cast<std::size_t>(axis)] = std::move(own);
+        out.push_back({offset_across(axis, flat[d]), scaled_counts(*own, d, voxels)});
+      if (stride == 1) wanted[static_cast<std::size_t>(axis)] = *std::move(own);
     }
     return out;
   };

@@ -33,21 +33,16 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   for (int k = 0; k < source.sections; ++k)
     sections.push_back(levels_of(source, k, r.levels, mask, work.quiet()));
   const auto offsets = cooccurrence_offsets(s.extent, s.scales);
-  const Cooccurrence wanted = measure_cooccurrence(sections, levels, offsets, work.quiet());
+  Cooccurrence wanted;  // at full resolution
   const PairTargets targets = [&](int stride, const Vec3i& size) {
     std::vector<PairTarget> out;
-    Cooccurrence coarse;
-    if (stride > 1) {
-      std::vector<Vec3i> apart;
-      for (const Vec3i& o : offsets) apart.push_back(stride * o);
-      coarse = measure_cooccurrence(sections, levels, apart, work.quiet());
-      if (!tells_enough(coarse)) return out;
-    }
+    auto here = measure_apart(sections, levels, offsets, stride, work.quiet());
+    if (!here) return out;
     for (std::size_t d = 0; d < offsets.size(); ++d) {
       const Vec3i free = s.tileable ? size : Vec3i(size - offsets[d].cwiseAbs());
-      out.push_back({offsets[d], scaled_counts(stride > 1 ? coarse : wanted, d,
-                                               static_cast<std::int64_t>(free.x()) * free.y())});
+      out.push_back({offsets[d], scaled_counts(*here, d, static_cast<std::int64_t>(free.x()) * free.y())});
     }
+    if (stride == 1) wanted = *std::move(here);
     return out;
   };
   std::vector<const LevelField*> all;

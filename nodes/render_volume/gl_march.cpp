@@ -39,7 +39,6 @@ struct GlMarcher::Gl {
   TERRAZZO_GL(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC);
   TERRAZZO_GL(GenTextures, PFNGLGENTEXTURESPROC);
   TERRAZZO_GL(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
-  TERRAZZO_GL(GetError, PFNGLGETERRORPROC);
   TERRAZZO_GL(GetIntegerv, PFNGLGETINTEGERVPROC);
   TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
   TERRAZZO_GL(PixelStorei, PFNGLPIXELSTOREIPROC);
@@ -89,17 +88,7 @@ struct GlMarcher::Gl {
           .parameter("device");
     TexImage3D(GL_TEXTURE_3D, index, stored, size.x(), size.y(), size.z(), 0, format, type, data);
   }
-  void check() const {
-    const GLenum code = GetError();
-    if (code == GL_NO_ERROR) return;
-    if (code == GL_OUT_OF_MEMORY)
-      throw Error("too-large-for-gl", "the scene does not fit into the memory of " + context.renderer(),
-                  "set device: cpu")
-          .parameter("device");
-    throw Error("no-gl", fmt::format("the driver {} failed with error {}", context.renderer(), code),
-                "set device: cpu")
-        .parameter("device");
-  }
+  void check() const { check_gl(context, "the scene", "set device: cpu"); }
 };
 
 GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)

@@ -38,7 +38,6 @@ struct LocalGl::Gl {
   TERRAZZO_GL(Finish, PFNGLFINISHPROC);
   TERRAZZO_GL(GenBuffers, PFNGLGENBUFFERSPROC);
   TERRAZZO_GL(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC);
-  TERRAZZO_GL(GetError, PFNGLGETERRORPROC);
   TERRAZZO_GL(GetInteger64v, PFNGLGETINTEGER64VPROC);
   TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
   TERRAZZO_GL(MemoryBarrier, PFNGLMEMORYBARRIERPROC);
@@ -56,17 +55,7 @@ struct LocalGl::Gl {
   void set(const std::string& name, float v) const { Uniform1f(at(name), v); }
   void set(const std::string& name, const Vec3i& v) const { Uniform3i(at(name), v.x(), v.y(), v.z()); }
 
-  void check() const {
-    const GLenum code = GetError();
-    if (code == GL_NO_ERROR) return;
-    if (code == GL_OUT_OF_MEMORY)
-      throw Error("too-large-for-gl", "the part does not fit into the memory of " + context.renderer(),
-                  "cut the solid into more blocks, or set device: cpu")
-          .parameter("device");
-    throw Error("no-gl", fmt::format("the driver {} failed with error {}", context.renderer(), code),
-                "set device: cpu")
-        .parameter("device");
-  }
+  void check() const { check_gl(context, "the part", "cut the solid into more blocks, or set device: cpu"); }
 
   // Runs the program over a box, some slices at a time so that cancelling need not wait for all of them; `go`
   // sets where they begin.
