@@ -31,16 +31,23 @@ void Work::parallel(std::size_t n, std::size_t grain,
   const std::size_t ranges = (n + grain - 1) / grain;
   std::atomic<std::size_t> done{0};
   ThreadMark start, end;
+  // Also where a range throws.
+  const struct Joined {
+    ThreadMark& mark;
+    ~Joined() { mark.after(); }
+  } joined{end};
   start.before();
   tbb::parallel_for(std::size_t{0}, ranges, [&](std::size_t r) {
     start.after();
+    const struct Leaves {
+      ThreadMark& mark;
+      ~Leaves() { mark.before(); }
+    } leaves{end};
     check();
     body(r * grain, std::min(n, (r + 1) * grain));
-    end.before();
     const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
     if (report_ && ranges > 1) progress(static_cast<double>(k) / static_cast<double>(ranges));
   });
-  end.after();
   // Within a loop of which another range failed, TBB ends this one early and says nothing: going on with half
   // of the results would be worse than the failure, which the outer loop reports.
   if (done.load() != ranges) throw Cancelled();
