@@ -105,7 +105,7 @@ class Deformed : public BodyFamily {
   Deformed(Mesh start, std::uint64_t seed)
       : body_(std::move(start)), planes_(spread_directions(seed, kPlanes)) {
     normalise(body_);
-    split_edges(body_, 0.22);
+    split_edges(body_, 0.12);
     const auto soft = smoothed(body_, 6);
     const std::size_t n = body_.vertices.size();
     const Fields fields(seed);

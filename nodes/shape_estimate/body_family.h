@@ -16,8 +16,6 @@ class BodyFamily {
   virtual ~BodyFamily() = default;
   virtual int dimensions() const = 0;
   virtual Mesh body(const Eigen::VectorXd& x) const = 0;
-  // The same in finer triangles where the family has them.
-  virtual Mesh fine_body(const Eigen::VectorXd& x) const { return body(x); }
 };
 
 // A body deformed by maps that do not fold space, so that what does not pass through itself does not begin
@@ -27,7 +25,7 @@ class BodyFamily {
 //   roughness: the same with fixed random fields of shorter waves,
 //   flattening: what sticks out of planes of well spread directions pressed to a twentieth,
 // and, before those, smoothing and sharpening of the surface (a share of the step to its smoothed self),
-// which is no map of space and kept within bounds. Edges longer than a fifth of the radius are split first,
+// which is no map of space and kept within bounds. Edges longer than an eighth of the radius are split first,
 // so that there is something to deform.
 std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed);
 

@@ -17,7 +17,7 @@ namespace {
 using std::numbers::pi;
 
 constexpr int kDegrees = 5, kHarmonics = harmonic_count(kDegrees), kPlanes = 8, kFields = Fields::kCount;
-constexpr int kLevel = 3, kFineLevel = 4;  // of the ball's triangles
+constexpr int kLevel = 4;  // of the ball's triangles: three edges to the shortest wave
 
 // Numbers 0…1 of a low-discrepancy sequence (Roberts 2018), `k` of 6.
 double spread(int index, int k) {
@@ -29,7 +29,7 @@ double spread(int index, int k) {
 struct Ball {
   Mesh mesh;
   Eigen::MatrixXd swells;  // [vertex][harmonic, then field]
-  Ball(int level, const Fields& fields) : mesh(geodesic_sphere(level)) {
+  explicit Ball(const Fields& fields) : mesh(geodesic_sphere(kLevel)) {
     swells.resize(static_cast<Eigen::Index>(mesh.vertices.size()), kHarmonics + kFields);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const auto row = static_cast<Eigen::Index>(v);
@@ -70,7 +70,7 @@ void bend(Mesh& mesh, double turn, double to) {
 class Modelled : public BodyFamily {
  public:
   Modelled(std::uint64_t seed, int guess)
-      : fields_(seed), ball_(kLevel, fields_), planes_(spread_directions(seed, kPlanes)) {
+      : fields_(seed), ball_(fields_), planes_(spread_directions(seed, kPlanes)) {
     const auto u = [&](int k) { return spread(guess, k); };
     const auto half = [&](int k) { return std::max(0.0, 2 * u(k) - 1); };  // of half of all nothing
     const double turn = u(2) > 0.5 ? 0.6 + 2 * half(2) : 0;
@@ -85,12 +85,8 @@ class Modelled : public BodyFamily {
         lump_[static_cast<std::size_t>(k)] = lumps * r.normal() / (n * n);
   }
   int dimensions() const override { return 2 + kHarmonics + kFields + 3 * kPlanes + 1 + 1 + 2; }
-  Mesh body(const Eigen::VectorXd& x) const override { return model(ball_, x); }
-  Mesh fine_body(const Eigen::VectorXd& x) const override { return model(Ball(kFineLevel, fields_), x); }
-
- private:
-  Mesh model(const Ball& ball, const Eigen::VectorXd& x) const {
-    Mesh mesh = ball.mesh;
+  Mesh body(const Eigen::VectorXd& x) const override {
+    Mesh mesh = ball_.mesh;
     int at = 0;
     const double l = bounded(long_ + 0.4 * x[at], 2), f = bounded(flat_ + 0.4 * x[at + 1], 1.4);
     at += 2;
@@ -101,7 +97,7 @@ class Modelled : public BodyFamily {
     at += kHarmonics;
     for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
     at += kFields;
-    const Eigen::VectorXd swell = ball.swells * c;
+    const Eigen::VectorXd swell = ball_.swells * c;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       mesh.vertices[v] *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
     const double soft = 0.015 * std::exp(bounded(1.2 * x[at + 3 * kPlanes], 3));
@@ -132,6 +128,7 @@ class Modelled : public BodyFamily {
     return mesh;
   }
 
+ private:
   Fields fields_;
   Ball ball_;
   std::vector<Vec3> planes_;

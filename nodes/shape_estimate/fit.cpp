@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kPlanes = 192, kMostPlanes = 320;  // of each trial: as many as there are profiles
 constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
 constexpr std::size_t kHands = 4;
-constexpr int kPoints = 96;
+constexpr int kPoints = 128;  // as ShapeMetrics has it
 constexpr std::size_t kGuesses = 96;  // modelled bodies that one of may be near
 
 struct Start {
@@ -134,7 +134,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   // be smoothed, as much as hides the fray that segmentation leaves, from observed and made sections alike;
   // and the tenth that is least convex stays out, for it is what ran together.
   const double pixels = blur[blur.size() / 2];
-  measuring.blur = pixels > 0 ? std::clamp(3 * pixels, 0.012, 0.03) : 0.006;
+  measuring.blur = pixels > 0 ? std::clamp(3 * pixels, 0.012, 0.03) : 0.0045;
   std::sort(convexity.begin(), convexity.end());
   const double least_convex = pixels > 0 ? convexity[convexity.size() / 10] : 0;
 
@@ -255,7 +255,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     if (k == 0) kind = best.kind;
     // Not the same again.
     if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
-    bodies.push_back(best.family->fine_body(best.at.x));
+    bodies.push_back(best.family->body(best.at.x));
     fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
     // Those so far have equal shares of the profiles.
     FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));

@@ -47,7 +47,7 @@ void harmonics(const Vec3& u, int degrees, double* out) {
 }
 
 Fields::Fields(std::uint64_t seed) {
-  constexpr double kLength[kCount][2] = {{1.0, 1.6}, {0.55, 0.9}, {0.35, 0.55}};
+  constexpr double kLength[kCount][2] = {{1.0, 1.6}, {0.55, 0.9}, {0.35, 0.55}, {0.22, 0.35}};
   for (int k = 0; k < kCount; ++k) {
     Random r(seed, 207, static_cast<std::uint64_t>(k));
     for (int w = 0; w < kWaves; ++w) {

@@ -14,12 +14,12 @@ constexpr int harmonic_count(int degrees) { return (degrees + 1) * (degrees + 1)
 // sphere: harmonic_count(degrees) numbers, of degree n those from harmonic_count(n − 1) on.
 void harmonics(const Vec3& unit, int degrees, double* out);
 
-// Random functions of the direction, each of unit mean square, of ever shorter waves: 1 to 1.6, .55 to .9 and
-// .35 to .55 of the radius.
+// Random functions of the direction, each of unit mean square, of ever shorter waves: 1 to 1.6, .55 to .9, .35
+// to .55 and .22 to .35 of the radius.
 class Fields {
  public:
-  static constexpr int kCount = 3;
-  static constexpr double kAmplitude[kCount] = {0.05, 0.03, 0.015};  // what one sees
+  static constexpr int kCount = 4;
+  static constexpr double kAmplitude[kCount] = {0.05, 0.03, 0.015, 0.008};  // what one sees
   explicit Fields(std::uint64_t seed);
   double operator()(int k, const Vec3& unit) const;
 
