@@ -17,7 +17,7 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-constexpr std::size_t kPlanes = 192, kMostPlanes = 320;  // of each trial: as many as there are profiles
+constexpr std::size_t kPlanes = 192, kMostPlanes = 512;  // of each trial: as many as there are profiles
 constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
 constexpr std::size_t kHands = 4;
 constexpr int kPoints = 128;  // as ShapeMetrics has it
