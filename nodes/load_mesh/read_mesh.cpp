@@ -10,6 +10,7 @@
 #include <OpenMesh/Core/IO/reader/STLReader.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <set>
@@ -142,6 +143,42 @@ std::string ply_header_fault(std::istream& in, std::uintmax_t file_size) {
   return "its header does not end";
 }
 
+bool is_count(const std::string& word, std::uintmax_t most) {
+  return !word.empty() && word.find_first_not_of("0123456789") == std::string::npos && word.size() < 16 &&
+         std::stoull(word) <= most;
+}
+
+bool is_number(const std::string& word) {
+  char* end = nullptr;
+  std::strtod(word.c_str(), &end);
+  return end == word.c_str() + word.size();
+}
+
+// What OpenMesh, which expects a vertex and a face a line, would take for a number of corners though it
+// cannot be: it reads -1 as four thousand million, and what slipped out of place as whatever stands there.
+std::string off_body_fault(std::istream& in, const std::string& kind, std::uintmax_t vertices,
+                           std::uintmax_t faces, std::uintmax_t file_size) {
+  const std::size_t least =
+      3 + (kind.find('N') != std::string::npos ? 3 : 0) + (kind.find("ST") != std::string::npos ? 2 : 0);
+  const std::uintmax_t most = std::max<std::uintmax_t>(file_size, 255);  // of a colour
+  std::string line, word;
+  for (std::uintmax_t read = 0; read < vertices + faces && std::getline(in, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::size_t numbers = 0;
+    for (; words >> word; ++numbers) {
+      if (!is_number(word)) return fmt::format("\"{}\" is not a number", word);
+      if (read >= vertices && word[0] != '.' && !is_count(word.substr(0, word.find('.')), most))
+        return fmt::format("face {} has \"{}\" for a number of corners, a vertex or a colour",
+                           read - vertices, word);
+    }
+    if (numbers == 0) continue;
+    if (read < vertices && numbers < least)
+      return fmt::format("vertex {} has {} numbers of {}", read, numbers, least);
+    ++read;
+  }
+  return {};
+}
+
 // Likewise OFF counts that no file of this size can meet: the reader would loop for as long as they say.
 std::string off_header_fault(std::istream& in, std::uintmax_t file_size) {
   std::string line, all;
@@ -155,13 +192,11 @@ std::string off_header_fault(std::istream& in, std::uintmax_t file_size) {
     std::string counts[2];
     if (!(words >> counts[0])) continue;
     if (counts[0] == "BINARY") return {};
-    if (!(words >> counts[1])) continue;
-    for (const auto& c : counts) {
-      const bool digits = c.find_first_not_of("0123456789") == std::string::npos && c.size() < 16;
-      if (!digits || std::stoull(c) > file_size)
-        return "its counts \"" + counts[0] + ' ' + counts[1] + "\" cannot be";
-    }
-    return {};
+    std::string edges;
+    if (!(words >> counts[1] >> edges)) continue;
+    for (const auto& c : counts)
+      if (!is_count(c, file_size)) return "its counts \"" + counts[0] + ' ' + counts[1] + "\" cannot be";
+    return off_body_fault(in, word, std::stoull(counts[0]), std::stoull(counts[1]), file_size);
   }
   return "its header does not end";
 }

@@ -230,6 +230,17 @@ TEST(LoadMesh, BadFilesAreNamed) {
   EXPECT_EQ(refusal(file("mesh.xyz", cube())).code, "unknown-format");
   EXPECT_EQ(refusal(file("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")).code, "bad-mesh");
   EXPECT_EQ(refusal(file("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n")).code, "unreadable-mesh");
+  // OpenMesh reads -1 corners as four thousand million, and so it does what slipped out of place.
+  const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", four = "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
+  for (const std::string& off :
+       {"OFF\n4 4 0\n" + corners + four + "-1 1 2 3\n",
+        "OFF\n4 4 0\n" + corners + four + "4294967295 1 2 3\n",
+        "OFF\n4 4 0\n0 0 0-1\n1 0 0\n0 1 0\n0 0 1\n" + four + "3 1 2 3\n",
+        "NOFF\n4 4 0\n" + corners + four + "3 1 2 3\n", "OFF\n4 4 0\n" + corners + four + "3 1 2 -3\n"})
+    EXPECT_EQ(refusal(file("count.off", off)).code, "unreadable-mesh") << off;
+  for (const std::string& off :
+       {"OFF\n4 4 0\n" + corners + four + "3 1 2 3\n", "OFF\n4 4 0\n" + corners + four + "3 1 2 3 255 0 0\n"})
+    EXPECT_EQ(refusal(file("tetrahedron.off", off)).code, "accepted") << off;
   EXPECT_NE(refusal(file("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")).code, "accepted");
   Mesh flat = cube_mesh();
   for (auto& v : flat.vertices) v.z() = 0;
