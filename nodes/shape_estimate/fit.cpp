@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kPlanes = 192, kMostPlanes = 512;  // of each trial: as many as there are profiles
 constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
 constexpr std::size_t kHands = 4;
-constexpr int kPoints = 128;  // as ShapeMetrics has it
+constexpr int kPoints = 128;          // as ShapeMetrics has it
 constexpr std::size_t kGuesses = 96;  // modelled bodies that one of may be near
 
 struct Start {

@@ -232,7 +232,7 @@ Parameter method_parameter() {
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 5)
+  return NodeType("ShapeEstimate", 6)
       .doc_(
           "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
           "sections of "

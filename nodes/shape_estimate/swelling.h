@@ -14,8 +14,8 @@ constexpr int harmonic_count(int degrees) { return (degrees + 1) * (degrees + 1)
 // sphere: harmonic_count(degrees) numbers, of degree n those from harmonic_count(n − 1) on.
 void harmonics(const Vec3& unit, int degrees, double* out);
 
-// Random functions of the direction, each of unit mean square, of ever shorter waves: 1 to 1.6, .55 to .9, .35
-// to .55 and .22 to .35 of the radius.
+// Random functions of the direction, each of unit mean square, of ever shorter waves: 1 to 1.6, .55 to .9,
+// .35 to .55 and .22 to .35 of the radius.
 class Fields {
  public:
   static constexpr int kCount = 4;

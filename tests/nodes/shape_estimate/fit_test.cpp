@@ -18,6 +18,7 @@
 #include "nodes/shape_estimate/least_squares.h"
 #include "nodes/shape_estimate/section_sample.h"
 #include "nodes/shape_estimate/self_intersections.h"
+#include "nodes/shape_estimate/swelling.h"
 #include "runtime/random.h"
 #include "tests/nodes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/code_of.h"
@@ -146,15 +147,43 @@ TEST(ShapeEstimateFit, ModelledBodiesBendBeyondStars) {
   }
 }
 
-// The finer triangles of a fitted body are the same body.
-TEST(ShapeEstimateFit, FineBodiesAreTheSame) {
-  const auto family = modelled_bodies(1, 5);
-  const Eigen::VectorXd x = Eigen::VectorXd::Constant(family->dimensions(), 0.2);
-  const Mesh coarse = family->body(x), fine = family->fine_body(x);
-  EXPECT_EQ(fine.triangles.size(), 4 * coarse.triangles.size());
-  for (std::size_t v = 0; v < coarse.vertices.size();
-       ++v)  // the ball's first vertices are the coarser ball's
-    EXPECT_LT((fine.vertices[v] - coarse.vertices[v]).norm(), 0.05) << v;
+// Each of a family's random fields makes sections turn more, the shortest waves too: triangles are fine
+// enough.
+TEST(ShapeEstimateFit, RoughnessOfAllWavesTurnsSections) {
+  const auto family = deformed_bodies(ellipsoid_mesh({1, 1, 1}, 2), 1);
+  const auto turning = [&](const Eigen::VectorXd& x) {
+    const auto sample = sample_sections(family->body(x), 60, {});
+    double sum = 0;
+    for (std::size_t i = 0; i < sample.features.size(); ++i)
+      sum += sample.weight[i] / total_weight(sample) * sample.features[i][OutlineFeature::TotalCurvature];
+    return sum;
+  };
+  const int fields = 2 + harmonic_count(4);
+  const double smooth = turning(Eigen::VectorXd::Zero(family->dimensions()));
+  EXPECT_NEAR(smooth, 2 * std::numbers::pi, 0.01);
+  for (int k = 0; k < Fields::kCount; ++k) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(family->dimensions());
+    x[fields + k] = 2;
+    EXPECT_GT(turning(x), smooth + 2) << k;
+  }
+}
+
+// Of particles of one size it shows which features go with large sections, be their distribution the same.
+TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
+  FeatureSample a;
+  Random r(1, 3);
+  for (int i = 0; i < 400; ++i) {
+    OutlineFeatures f;
+    f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
+    const double t = r.normal();
+    f.values[1] += t;
+    a.features.push_back(f), a.root_area.push_back(1 + 0.2 * std::tanh(t)), a.weight.push_back(1);
+  }
+  FeatureSample turned = a;  // the same areas, the other way round
+  for (double& area : turned.root_area) area = 2 - area;
+  const FeatureTarget one_size(a, true, 1), any(a, false, 1);
+  EXPECT_LT(any.distance(turned), 1e-3 + any.distance(a));
+  EXPECT_GT(one_size.distance(turned), 0.5 + one_size.distance(a));
 }
 
 // Means that lie within each feature's spread and yet break how features vary together count.
