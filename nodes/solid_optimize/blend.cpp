@@ -73,6 +73,8 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
             const Four hi01 = __builtin_shufflevector(t0, t1, 2, 6, 3, 7),
                        hi23 = __builtin_shufflevector(t2, t3, 2, 6, 3, 7);
             *reinterpret_cast<Four*>(value[2] + n) = __builtin_shufflevector(hi01, hi23, 0, 1, 4, 5);
+            if constexpr (C > 3)
+              *reinterpret_cast<Four*>(value[3] + n) = __builtin_shufflevector(hi01, hi23, 2, 3, 6, 7);
           }
           if (t.sources)
             for (int k = 0; k < 4; ++k)
@@ -189,8 +191,8 @@ void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
                    const std::vector<const std::vector<Vec3f>*>* features, const Work& work) {
   static const bool avx2 = has_avx2();
   using Row = void (*)(const RowTask&);
-  static const Row rows[2][3] = {{blend_plain<1>, blend_plain<2>, blend_plain<3>},
-                                 {blend_avx2<1>, blend_avx2<2>, blend_avx2<3>}};
+  static const Row rows[2][4] = {{blend_plain<1>, blend_plain<2>, blend_plain<3>, blend_plain<4>},
+                                 {blend_avx2<1>, blend_avx2<2>, blend_avx2<3>, blend_avx2<4>}};
   const Row row = rows[avx2][field.channel.size() - 1];
   // Squares of 8 × 8 rows share their patches in the cache.
   const int by = (range.hi.y() - range.lo.y() + 7) / 8, bz = (range.hi.z() - range.lo.z() + 7) / 8;

@@ -51,6 +51,11 @@ SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
   out.width = width, out.height = height;
   out.pixels = shrink(e.pixels, e.width, e.height, width, height);
   if (!e.features.empty()) out.features = shrink(e.features, e.width, e.height, width, height);
+  if (!e.guide.empty()) {
+    std::vector<Vec3f> guide;
+    for (const float g : e.guide) guide.push_back(Vec3f::Constant(g));
+    for (const auto& g : shrink(guide, e.width, e.height, width, height)) out.guide.push_back(g[0]);
+  }
   if (!e.usable.empty()) {
     std::vector<Vec3f> mask;
     for (const auto u : e.usable) mask.push_back(Vec3f(u ? 1.0f : 0.0f, 0, 0));
@@ -59,7 +64,7 @@ SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
   return out;
 }
 
-std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int levels,
+std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int guided, int levels,
                                            double share, int most, const Work& work) {
   std::vector<ExemplarLevel> out(static_cast<std::size_t>(levels));
   for (int l = levels - 1; l >= 0; --l) {
@@ -69,10 +74,13 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
     const bool full = l == levels - 1;
     const SolidExemplar small = full ? SolidExemplar{} : shrink(working, w, h);
     const SolidExemplar& s = full ? working : small;
-    e.width = w, e.height = h, e.channels = channels;
+    e.width = w, e.height = h, e.channels = channels + (l < guided && !s.guide.empty());
     e.texels.assign(4 * s.pixels.size(), 0.0f);
     for (std::size_t i = 0; i < s.pixels.size(); ++i)
       for (int c = 0; c < channels; ++c) e.texels[4 * i + static_cast<std::size_t>(c)] = s.pixels[i][c];
+    if (e.channels > channels)
+      for (std::size_t i = 0; i < s.guide.size(); ++i)
+        e.texels[4 * i + static_cast<std::size_t>(channels)] = s.guide[i];
     e.usable.assign(s.pixels.size(), 0);
     // Pixels that are not usable up to and including each, so that a patch is tested by four of them.
     std::vector<int> bad(static_cast<std::size_t>(w + 1) * static_cast<std::size_t>(h + 1), 0);

@@ -15,16 +15,18 @@ struct SolidExemplar {
   std::vector<Vec3f> pixels;
   std::vector<std::uint8_t> usable;  // per pixel; empty: all
   std::vector<Vec3f> features;       // carried along, per pixel; empty: none
+  std::vector<float> guide;          // one more channel for patches to be matched by; empty: none
 };
 
 // Averages over each new pixel's footprint; a mask keeps what is usable through and through. Sizes may only
 // shrink.
 SolidExemplar shrink(const SolidExemplar&, int width, int height);
 
-// `working` holds values of which the first `channels` count. Level 0 is the coarsest, the last one full
+// `working` holds values of which the first `channels` count, and after them the guide on the first `guided`
+// levels. Level 0 is the coarsest, the last one full
 // size. Patch spaces keep `share` of the variance and `most` dimensions. Throws Error "exemplar-too-small"
 // where no patch fits that is usable throughout.
-std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int levels,
+std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int guided, int levels,
                                            double share, int most, const Work&);
 
 // Size of level `level` of `levels`, of which the last has `full`.

@@ -23,7 +23,7 @@ struct PartSize {
 
 // A level that is made whole, with the exemplars' features.
 double whole_bytes(const SolidSettings& s, const Vec3i& size) {
-  return size.cast<double>().prod() * (4 * kChannels + planes(s) * 2);
+  return size.cast<double>().prod() * (4 * (kChannels + (s.guide > 0 && !s.papers)) + planes(s) * 2);
 }
 
 // A part of level `level`, at the peak: what is there while the matches below are made, while they are

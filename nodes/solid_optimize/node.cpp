@@ -237,6 +237,7 @@ void compute(Context& c) {
   s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
   s.lab = c.text("color") == "lab";
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.window = c.number("window");
+  s.guide = s.papers ? 0 : c.number("guide");
   s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
   const bool features = !c.list("features").empty(), sources = c.boolean("sources");
   s.sources = features || sources;
@@ -325,7 +326,7 @@ void compute(Context& c) {
 
 NodeType solid_optimize_node() {
   NodeType type =
-      NodeType("SolidOptimize", 4)
+      NodeType("SolidOptimize", 5)
           .doc_(
               "Synthesises a tileable solid texture whose slices look like the exemplars: wood, marble, meat "
               "and other "
@@ -416,6 +417,11 @@ NodeType solid_optimize_node() {
                          .range(0, 100)
                          .doc_("How much further an exemplar patch counts that is in use more often than the "
                                "mean: 0 lets one motif repeat"))
+          .parameter(Parameter::number("guide", 1)
+                         .range(0, 10)
+                         .doc_("How much the distance to the border between dark and light counts beside "
+                               "colours, of which all count 1: keeps veins and joints in one piece. Not with "
+                               "papers, and of local the levels that are made whole"))
           .parameter(Parameter::number("window", 0.05)
                          .range(0, 10)
                          .doc_("Of the mean shift at the end of each level, in units of the exemplars' "

@@ -9,6 +9,7 @@
 #include "nodes/common/quantiles.h"
 #include "nodes/solid_optimize/blocks.h"
 #include "nodes/solid_optimize/finish.h"
+#include "nodes/solid_optimize/guide.h"
 #include "nodes/solid_optimize/measures.h"
 #include "nodes/solid_optimize/papers.h"
 #include "nodes/solid_optimize/patch_tree.h"
@@ -18,6 +19,7 @@ namespace terrazzo::solid_optimize {
 namespace {
 
 constexpr int kExhaustiveEvery = 3;
+constexpr int kGuideReach = 10;  // pixels
 
 void match_all(SolidField& field, const std::vector<Quantiles>& targets, const Work& work) {
   for (std::size_t c = 0; c < targets.size(); ++c) match_values(field.channel[c], targets[c], work.quiet());
@@ -65,7 +67,7 @@ struct Schedule {
 std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplars,
                                       std::vector<Pyramid>& pyramids, const SolidSettings& s,
                                       SolidResult& out, const Work& work) {
-  const int levels = out.levels, channels = out.axes.channels, made = whole_level(s, levels) + 1;
+  const int levels = out.levels, made = whole_level(s, levels) + 1;
   const Schedule schedule(s, made);
   std::vector<MatchFamily> families;
   SolidField& field = out.field;
@@ -74,6 +76,7 @@ std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplar
     const Vec3i size = box_at(s.size, level, levels);
     for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(level)], work.quiet());
     const auto at_level = level_of(pyramids, level);
+    const int channels = at_level[0]->channels;
     const auto targets = level_values(at_level, s, channels);
     field.size = size;
     field.channel.assign(static_cast<std::size_t>(channels), std::vector<float>(voxels(size)));
@@ -115,6 +118,7 @@ std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplar
       step.progress(1);
     }
   }
+  field.channel.resize(static_cast<std::size_t>(out.axes.channels));
   return families;
 }
 
@@ -173,11 +177,14 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
                   fmt::format("{} × {} pixels leave the finish of a local solid nothing to measure", e.width,
                               e.height),
                   fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
+  // Where lines run is settled on the coarser levels; local ones go by colour alone.
+  const int guided = s.papers || s.guide <= 0 ? 0 : whole_level(s, levels) + 1;
+  if (guided > 0) guide_by_phases(working, s.guide, kGuideReach);
   std::vector<Pyramid> pyramids;
   for (auto& e : working)
     pyramids.push_back(s.papers
-                           ? exemplar_levels(e, channels, levels, 0.95, PatchTree::kMostDims, work.quiet())
-                           : exemplar_levels(e, channels, levels, 0.98, 32, work.quiet()));
+                           ? exemplar_levels(e, channels, 0, levels, 0.95, PatchTree::kMostDims, work.quiet())
+                           : exemplar_levels(e, channels, guided, levels, 0.98, 32, work.quiet()));
   if (s.papers)
     by_papers(pyramids, s, out, work.part(0, 0.97));
   else if (s.local)

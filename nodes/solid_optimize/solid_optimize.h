@@ -30,6 +30,7 @@ struct SolidSettings {
   bool lab = true;
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
+  double guide = 1;              // weight of the distance to borders (guide.h), on levels that are made whole
   double window = 0.05;          // of the mean shift at the end of each level; it starts ten times as wide
   int finish = 2;                // rounds of matching the finest bands
   bool sources = false;          // say where each voxel comes from
