@@ -10,8 +10,10 @@
 #include <OpenMesh/Core/IO/reader/STLReader.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <set>
 #include <sstream>
@@ -148,10 +150,13 @@ bool is_count(const std::string& word, std::uintmax_t most) {
          std::stoull(word) <= most;
 }
 
+// As a stream reads floats: neither nan nor hexadecimal, and not beyond their range.
 bool is_number(const std::string& word) {
   char* end = nullptr;
-  std::strtod(word.c_str(), &end);
-  return end == word.c_str() + word.size();
+  const double v = std::strtod(word.c_str(), &end);
+  return end == word.c_str() + word.size() &&
+         word.find_first_not_of("0123456789+-.eE") == std::string::npos &&
+         std::abs(v) <= std::numeric_limits<float>::max();
 }
 
 // What OpenMesh, which expects a vertex and a face a line, would take for a number of corners though it

@@ -11,7 +11,9 @@ namespace {
 double threshold_of(const std::vector<SolidExemplar>& working) {
   std::vector<float> values;
   for (const auto& e : working)
-    for (const auto& p : e.pixels) values.push_back(p[0]);
+    for (std::size_t i = 0; i < e.pixels.size(); ++i)
+      if (e.usable.empty() || e.usable[i]) values.push_back(e.pixels[i][0]);
+  if (values.empty()) return 0;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   cv::Mat bytes(1, static_cast<int>(values.size()), CV_8U);
   const float from = *low, span = std::max(1e-6f, *high - *low);

@@ -236,7 +236,9 @@ TEST(LoadMesh, BadFilesAreNamed) {
        {"OFF\n4 4 0\n" + corners + four + "-1 1 2 3\n",
         "OFF\n4 4 0\n" + corners + four + "4294967295 1 2 3\n",
         "OFF\n4 4 0\n0 0 0-1\n1 0 0\n0 1 0\n0 0 1\n" + four + "3 1 2 3\n",
-        "NOFF\n4 4 0\n" + corners + four + "3 1 2 3\n", "OFF\n4 4 0\n" + corners + four + "3 1 2 -3\n"})
+        "NOFF\n4 4 0\n" + corners + four + "3 1 2 3\n", "OFF\n4 4 0\n" + corners + four + "3 1 2 -3\n",
+        "OFF\n4 4 0\n0 0 nan\n1 0 0\n0 1 0\n0 0 1\n" + four + "3 1 2 3\n",
+        "OFF\n4 4 0\n0 0 1e99\n1 0 0\n0 1 0\n0 0 1\n" + four + "3 1 2 3\n"})
     EXPECT_EQ(refusal(file("count.off", off)).code, "unreadable-mesh") << off;
   for (const std::string& off :
        {"OFF\n4 4 0\n" + corners + four + "3 1 2 3\n", "OFF\n4 4 0\n" + corners + four + "3 1 2 3 255 0 0\n"})
