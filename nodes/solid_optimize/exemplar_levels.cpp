@@ -65,7 +65,7 @@ SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
 }
 
 std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int guided, int levels,
-                                           double share, int most, const Work& work) {
+                                           double share, int most, int most_last, const Work& work) {
   std::vector<ExemplarLevel> out(static_cast<std::size_t>(levels));
   for (int l = levels - 1; l >= 0; --l) {
     work.check();
@@ -103,7 +103,7 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
                   fmt::format("at a scale of {} × {} pixels the exemplar holds {} usable patches of {} × {}",
                               w, h, e.starts.size(), kPatch, kPatch),
                   "take a larger exemplar, a mask that leaves more of it, or fewer levels");
-    e.space = principal_axes(e, share, most);
+    e.space = principal_axes(e, share, full ? most_last : most);
     measure_patches(e, work.quiet());
   }
   return out;

@@ -24,9 +24,10 @@ SolidExemplar shrink(const SolidExemplar&, int width, int height);
 
 // `working` holds values of which the first `channels` count, and after them the guide on the first `guided`
 // levels. Level 0 is the coarsest, the last one full size. Patch spaces keep `share` of the variance and
-// `most` dimensions. Throws Error "exemplar-too-small" where no patch fits that is usable throughout.
+// `most` dimensions, on the last level `most_last`. Throws Error "exemplar-too-small" where no patch fits
+// that is usable throughout.
 std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int guided, int levels,
-                                           double share, int most, const Work&);
+                                           double share, int most, int most_last, const Work&);
 
 // Size of level `level` of `levels`, of which the last has `full`.
 inline int level_size(int full, int level, int levels) {

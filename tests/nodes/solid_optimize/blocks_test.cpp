@@ -82,7 +82,7 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
   so::SolidExemplar working = exemplar();
   for (auto& p : working.pixels) p = whole.axes.to(p);
   const int channels = whole.axes.channels;
-  pyramids.push_back(so::exemplar_levels(working, channels, 0, 3, 0.98, 32, Work()));
+  pyramids.push_back(so::exemplar_levels(working, channels, 0, 3, 0.98, 32, 16, Work()));
   for (auto& level : pyramids[0]) so::find_similar(level, Work());
   // Any whole level will do: what is made of it in one piece and across the corner must agree.
   so::WholeLevel coarse;

@@ -50,7 +50,7 @@ TEST(SolidGuide, OnePhaseGuidesNowhere) {
 TEST(SolidGuide, IsShrunkWithItsPicture) {
   std::vector<so::SolidExemplar> e{half_plane(32)};
   so::guide_by_phases(e, 1, 10);
-  const auto levels = so::exemplar_levels(e[0], 1, 1, 2, 0.98, 32, Work());
+  const auto levels = so::exemplar_levels(e[0], 1, 1, 2, 0.98, 32, 16, Work());
   ASSERT_EQ(levels[0].channels, 2);
   EXPECT_EQ(levels[1].channels, 1);  // beyond the levels that were asked for
   const auto& g = e[0].guide;
