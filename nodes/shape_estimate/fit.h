@@ -19,7 +19,7 @@ struct FitRequest {
   bool one_size = false;  // the particles are known to be of one size: areas count too
   int rounds = 8;         // of the search for each body
   int subdivision = 1;
-  std::size_t planes = 0;  // sections of each trial; 0: as many as profiles, 192 to 320
+  std::size_t planes = 0;  // sections of each trial; 0: as many as profiles, 192 to 512
   std::uint64_t seed = 1;
 };
 

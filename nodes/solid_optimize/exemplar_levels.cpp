@@ -28,15 +28,16 @@ std::vector<Footprint> footprints(int from, int to) {
   return out;
 }
 
-std::vector<Vec3f> shrink(const std::vector<Vec3f>& in, int w0, int h0, int w, int h) {
+template <class T>
+std::vector<T> shrink(const std::vector<T>& in, int w0, int h0, int w, int h, const T& zero) {
   const auto fx = footprints(w0, w), fy = footprints(h0, h);
-  std::vector<Vec3f> rows(static_cast<std::size_t>(w) * static_cast<std::size_t>(h0), Vec3f::Zero());
+  std::vector<T> rows(static_cast<std::size_t>(w) * static_cast<std::size_t>(h0), zero);
   for (int y = 0; y < h0; ++y)
     for (int x = 0; x < w; ++x)
       for (std::size_t k = 0; k < fx[x].weight.size(); ++k)
         rows[static_cast<std::size_t>(y) * w + x] +=
             fx[x].weight[k] * in[static_cast<std::size_t>(y) * w0 + fx[x].first + k];
-  std::vector<Vec3f> out(static_cast<std::size_t>(w) * h, Vec3f::Zero());
+  std::vector<T> out(static_cast<std::size_t>(w) * h, zero);
   for (int y = 0; y < h; ++y)
     for (std::size_t k = 0; k < fy[y].weight.size(); ++k)
       for (int x = 0; x < w; ++x)
@@ -49,18 +50,16 @@ std::vector<Vec3f> shrink(const std::vector<Vec3f>& in, int w0, int h0, int w, i
 SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
   SolidExemplar out;
   out.width = width, out.height = height;
-  out.pixels = shrink(e.pixels, e.width, e.height, width, height);
-  if (!e.features.empty()) out.features = shrink(e.features, e.width, e.height, width, height);
-  if (!e.guide.empty()) {
-    std::vector<Vec3f> guide;
-    for (const float g : e.guide) guide.push_back(Vec3f::Constant(g));
-    for (const auto& g : shrink(guide, e.width, e.height, width, height)) out.guide.push_back(g[0]);
-  }
-  if (!e.usable.empty()) {
-    std::vector<Vec3f> mask;
-    for (const auto u : e.usable) mask.push_back(Vec3f(u ? 1.0f : 0.0f, 0, 0));
-    for (const auto& m : shrink(mask, e.width, e.height, width, height)) out.usable.push_back(m[0] > 0.999f);
-  }
+  const auto small = [&](const auto& all, const auto& zero) {
+    return shrink(all, e.width, e.height, width, height, zero);
+  };
+  const Vec3f black = Vec3f::Zero();
+  out.pixels = small(e.pixels, black);
+  if (!e.features.empty()) out.features = small(e.features, black);
+  if (!e.guide.empty()) out.guide = small(e.guide, 0.0f);
+  if (!e.usable.empty())
+    for (const float share : small(std::vector<float>(e.usable.begin(), e.usable.end()), 0.0f))
+      out.usable.push_back(share > 0.999f);
   return out;
 }
 

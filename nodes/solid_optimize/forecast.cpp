@@ -22,8 +22,8 @@ struct PartSize {
 };
 
 // A level that is made whole, with the exemplars' features.
-double whole_bytes(const SolidSettings& s, const Vec3i& size) {
-  return size.cast<double>().prod() * (4 * (kChannels + (s.guide > 0 && !s.papers)) + planes(s) * 2);
+double whole_bytes(const SolidSettings& s, int levels, const Vec3i& size) {
+  return size.cast<double>().prod() * (4 * (kChannels + (guided_levels(s, levels) > 0)) + planes(s) * 2);
 }
 
 // A part of level `level`, at the peak: what is there while the matches below are made, while they are
@@ -68,9 +68,9 @@ double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidS
       most = std::max(most, part_bytes(s, l, levels, probe_box(box_at(s.size, l, levels), s.local_limits),
                                        l + 1 == levels));
     most = std::max(most, part_bytes(s, levels - 1, levels, block_box(s), true));
-    optimizing = exemplar + whole_bytes(s, box_at(s.size, whole_level(s, levels), levels)) + most;
+    optimizing = exemplar + whole_bytes(s, levels, box_at(s.size, whole_level(s, levels), levels)) + most;
   } else {
-    optimizing = whole_bytes(s, s.size) + exemplar;
+    optimizing = whole_bytes(s, levels, s.size) + exemplar;
   }
   // The sum of changes and the slices' spectra: of a block there are none.
   const double finishing = s.blocks == Vec3i::Ones() ? voxels * (4 * kChannels + 4 + 4) : 0;

@@ -52,6 +52,10 @@ int whole_level(const SolidSettings& s, int levels) {
   return level;
 }
 
+int guided_levels(const SolidSettings& s, int levels) {
+  return s.papers || s.guide <= 0 ? 0 : whole_level(s, levels) + 1;
+}
+
 std::vector<int> iterations_of(const SolidSettings& s, int levels) {
   std::vector<int> out;
   for (int l = 0; l < levels; ++l)

@@ -19,6 +19,9 @@ std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>&, co
                                     int channels);
 // Of a solid's levels the finest that is made whole: the last one, unless the solid is local.
 int whole_level(const SolidSettings&, int levels);
+// Levels, from the coarsest on, on which patches are matched by the guide too. Where lines run is settled on
+// those that are made whole; local ones go by colour alone, and so does the recipe of 2011.
+int guided_levels(const SolidSettings&, int levels);
 // Iterations of each level.
 std::vector<int> iterations_of(const SolidSettings&, int levels);
 

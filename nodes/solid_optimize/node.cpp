@@ -237,7 +237,7 @@ void compute(Context& c) {
   s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
   s.lab = c.text("color") == "lab";
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.window = c.number("window");
-  s.guide = s.papers ? 0 : c.number("guide");
+  s.guide = c.number("guide");
   s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
   const bool features = !c.list("features").empty(), sources = c.boolean("sources");
   s.sources = features || sources;

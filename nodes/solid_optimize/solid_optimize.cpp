@@ -180,14 +180,13 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
                   fmt::format("{} × {} pixels leave the finish of a local solid nothing to measure", e.width,
                               e.height),
                   fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
-  // Where lines run is settled on the coarser levels; local ones go by colour alone.
-  const int guided = s.papers || s.guide <= 0 ? 0 : whole_level(s, levels) + 1;
+  const int guided = guided_levels(s, levels);
   if (guided > 0) guide_by_phases(working, s.guide, kGuideReach);
   std::vector<Pyramid> pyramids;
   for (auto& e : working)
     pyramids.push_back(
-        s.papers ? exemplar_levels(e, channels, 0, levels, 0.95, PatchTree::kMostDims, PatchTree::kMostDims,
-                                   work.quiet())
+        s.papers ? exemplar_levels(e, channels, guided, levels, 0.95, PatchTree::kMostDims,
+                                   PatchTree::kMostDims, work.quiet())
                  : exemplar_levels(e, channels, guided, levels, 0.98, kDims, kLastDims, work.quiet()));
   if (s.papers)
     by_papers(pyramids, s, out, work.part(0, 0.97));

@@ -168,17 +168,26 @@ TEST(ShapeEstimateFit, RoughnessOfAllWavesTurnsSections) {
   }
 }
 
-// Of particles of one size it shows which features go with large sections, be their distribution the same.
-TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
+// Outlines that differ by what `change` makes of a normal variate and of the √area.
+template <class Change>
+FeatureSample sample_of(std::uint64_t seed, Change&& change) {
   FeatureSample a;
-  Random r(1, 3);
+  Random r(1, seed);
   for (int i = 0; i < 400; ++i) {
     OutlineFeatures f;
     f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
-    const double t = r.normal();
-    f.values[1] += t;
-    a.features.push_back(f), a.root_area.push_back(1 + 0.2 * std::tanh(t)), a.weight.push_back(1);
+    double root_area = 1;
+    change(r.normal(), f, root_area);
+    a.features.push_back(f), a.root_area.push_back(root_area), a.weight.push_back(1);
   }
+  return a;
+}
+
+// Of particles of one size it shows which features go with large sections, be their distribution the same.
+TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
+  const FeatureSample a = sample_of(3, [](double t, OutlineFeatures& f, double& root_area) {
+    f.values[1] += t, root_area += 0.2 * std::tanh(t);
+  });
   FeatureSample turned = a;  // the same areas, the other way round
   for (double& area : turned.root_area) area = 2 - area;
   const FeatureTarget one_size(a, true, 1), any(a, false, 1);
@@ -188,15 +197,9 @@ TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
 
 // Means that lie within each feature's spread and yet break how features vary together count.
 TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
-  FeatureSample a;
-  Random r(1, 2);
-  for (int i = 0; i < 400; ++i) {
-    OutlineFeatures f;
-    f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
-    const double t = r.normal();
+  const FeatureSample a = sample_of(2, [](double t, OutlineFeatures& f, double&) {
     f.values[2] += 0.2 * t, f.values[7] += 0.2 * t;  // one goes with the other
-    a.features.push_back(f), a.root_area.push_back(1), a.weight.push_back(1);
-  }
+  });
   const FeatureTarget target(a, false, 1);
   FeatureSample along = a, across = a;
   for (auto& f : along.features) f.values[2] += 0.06, f.values[7] += 0.06;
