@@ -3,7 +3,7 @@
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
-const int kPatch = 8, kMost = 80, kBins = 4096;
+const int kPatch = 8, kMost = 84, kBins = 4096;
 const float kInner[kPatch] = float[](0.0657285, 0.2493522, 0.6065307, 0.9459595,
                                      0.9459595, 0.6065307, 0.2493522, 0.0657285);
 
@@ -25,8 +25,8 @@ uniform float map_low[3], map_scale[3];
 
 vec4 value[3][kMost / 4], weight[kMost / 4];
 
-float sum_of(vec4 low, vec4 high) {
-  precise float s = ((low.x + high.x) + (low.z + high.z)) + ((low.y + high.y) + (low.w + high.w));
+float sum_of(vec4 v) {
+  precise float s = (v.x + v.z) + (v.y + v.w);
   return s;
 }
 
@@ -48,75 +48,68 @@ void main() {
     int pu = lines[covers_at[u] + 2 * at[u]], cu = lines[covers_at[u] + 2 * at[u] + 1];
     int pv = lines[covers_at[v] + 2 * at[v]], cv = lines[covers_at[v] + 2 * at[v] + 1];
     int begin = n;
-    precise float total = 0;
     for (int b = 0; b < cv; ++b) {
       int row = first_match[f] + (at[s] * rows[f] + pv + b) * columns[f];
       int down = at[v] + from[v] - lines[starts_at[v] + pv + b];
-      precise float four = 0, pair = 0;
       for (int a = 0; a < cu; ++a, ++n) {
         int right = at[u] + from[u] - lines[starts_at[u] + pu + a];
         vec4 texel = texels[first_texel[f] + int(matches[row + pu + a]) + down * exemplar_width[f] + right];
         for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = texel[c];
         precise float w = weights[row + pu + a] * kInner[right] * kInner[down];
         weight[n >> 2][n & 3] = w;
-        if (cu != 4) total += w;
-        // Four patches are summed in pairs.
-        if (a == 0 || a == 2) pair = w;
-        if (a == 1) four = pair + w;
-        if (a == 3) four += pair + w;
       }
-      if (cu == 4) total += four;
     }
-    float equal = 1.0 / total;
-    for (int k = begin; k < n; ++k) {
-      precise float w = weight[k >> 2][k & 3] * equal;
-      weight[k >> 2][k & 3] = w;
+    for (; n % 4 != 0; ++n) {
+      weight[n >> 2][n & 3] = 0;
+      for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = 0;
     }
-  }
-  for (; n % 8 != 0; ++n) {
-    weight[n >> 2][n & 3] = 0;
-    for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = 0;
+    precise vec4 total = vec4(0);
+    for (int k = begin / 4; k < n / 4; ++k) total += weight[k];
+    precise float equal = 1.0 / sum_of(total);
+    for (int k = begin / 4; k < n / 4; ++k) {
+      precise vec4 w = weight[k] * equal;
+      weight[k] = w;
+    }
   }
   // The weighted mean and the spread about it; then the mean shift.
-  precise vec4 w_low = vec4(0), w_high = vec4(0), square_low = vec4(0), square_high = vec4(0);
-  precise vec4 low[3], high[3];
-  for (int c = 0; c < 3; ++c) low[c] = high[c] = vec4(0);
-  for (int k = 0; k < n / 4; k += 2) {
-    w_low += weight[k], w_high += weight[k + 1];
+  precise vec4 w_sum = vec4(0), squares = vec4(0);
+  precise vec4 sum[3];
+  for (int c = 0; c < 3; ++c) sum[c] = vec4(0);
+  for (int k = 0; k < n / 4; ++k) {
+    w_sum += weight[k];
     for (int c = 0; c < channels; ++c) {
-      low[c] += weight[k] * value[c][k], high[c] += weight[k + 1] * value[c][k + 1];
-      square_low += weight[k] * value[c][k] * value[c][k];
-      square_high += weight[k + 1] * value[c][k + 1] * value[c][k + 1];
+      sum[c] += weight[k] * value[c][k];
+      squares += weight[k] * value[c][k] * value[c][k];
     }
   }
-  float all = 1.0 / sum_of(w_low, w_high);
+  float all = 1.0 / sum_of(w_sum);
   precise float spread = 0;
   precise float mean[3];
   for (int c = 0; c < channels; ++c) {
-    mean[c] = sum_of(low[c], high[c]) * all;
+    mean[c] = sum_of(sum[c]) * all;
     spread -= mean[c] * mean[c];
   }
-  spread = max(0.0, spread + sum_of(square_low, square_high) * all);
+  spread += sum_of(squares) * all;
   if (window > 0 && spread > 1e-12) {
     float root = min(1.0, sqrt(max(window * window, 1e-8) / spread));
     precise float width = spread;
     for (int step = 0; step < 3; ++step) {
       float inverse = 1.0 / width;
-      w_low = w_high = vec4(0);
-      for (int c = 0; c < 3; ++c) low[c] = high[c] = vec4(0);
-      for (int k = 0; k < n / 4; k += 2) {
-        precise vec4 far_low = vec4(0), far_high = vec4(0);
+      w_sum = vec4(0);
+      for (int c = 0; c < 3; ++c) sum[c] = vec4(0);
+      for (int k = 0; k < n / 4; ++k) {
+        precise vec4 far = vec4(0);
         for (int c = 0; c < channels; ++c) {
-          precise vec4 a = value[c][k] - mean[c], b = value[c][k + 1] - mean[c];
-          far_low += a * a, far_high += b * b;
+          precise vec4 d = value[c][k] - mean[c];
+          far += d * d;
         }
-        precise vec4 close_low = 1.0 + far_low * inverse, close_high = 1.0 + far_high * inverse;
-        precise vec4 a = weight[k] / (close_low * close_low), b = weight[k + 1] / (close_high * close_high);
-        w_low += a, w_high += b;
-        for (int c = 0; c < channels; ++c) low[c] += a * value[c][k], high[c] += b * value[c][k + 1];
+        precise vec4 close = 1.0 + far * inverse;
+        precise vec4 w = weight[k] / (close * close);
+        w_sum += w;
+        for (int c = 0; c < channels; ++c) sum[c] += w * value[c][k];
       }
-      float norm = 1.0 / sum_of(w_low, w_high);
-      for (int c = 0; c < channels; ++c) mean[c] = sum_of(low[c], high[c]) * norm;
+      float norm = 1.0 / sum_of(w_sum);
+      for (int c = 0; c < channels; ++c) mean[c] = sum_of(sum[c]) * norm;
       width = max(width * root, 1e-8);
     }
   }

@@ -41,7 +41,8 @@ float sum_of(vec4 low, vec4 high) {
   return s;
 }
 
-float distance2(uint start, float limit) {
+// Squared distance times `penalty`; anything above `limit` where it exceeds that. Leaves the squared distance.
+float score_of(uint start, float penalty, float limit, out float whole) {
   int at = int(start) * dims;
   precise vec4 low = vec4(0), high = vec4(0);
   for (int k = 0; k < dims; k += 8) {
@@ -51,19 +52,20 @@ float distance2(uint start, float limit) {
                      vec4(features[at + k + 4], features[at + k + 5], features[at + k + 6], features[at + k + 7]);
     low += a * a, high += b * b;
     if (k == 8 && dims > 16) {
-      float part = sum_of(low, high);
+      precise float part = sum_of(low, high) * penalty;
       if (part > limit) return part;
     }
   }
-  return sum_of(low, high);
+  whole = sum_of(low, high);
+  precise float score = whole * penalty;
+  return score;
 }
 
 // A penalty of 0 marks texels at which no patch may start.
 void consider(uint c) {
   if (c == best) return;
-  float p = model[penalty_at + int(c)];
-  float d = distance2(c, best_score / p);
-  precise float s = d * p;
+  float d = 0;
+  float s = score_of(c, model[penalty_at + int(c)], best_score, d);
   if (s < best_score) {
     best = c;
     best_score = s;
@@ -82,12 +84,18 @@ void shifted(uint c, int dx, int dy) {
   consider_usable(x, y);
 }
 
-void within(int reach, uint bits) {
+// All are drawn about the best there is before any is tried.
+void around_best(uint draw) {
   int x0 = int(best) % exemplar_width, y0 = int(best) / exemplar_width;
-  int lo_x = max(0, x0 - reach), hi_x = min(exemplar_width - kPatch, x0 + reach);
-  int lo_y = max(0, y0 - reach), hi_y = min(exemplar_height - kPatch, y0 + reach);
-  consider_usable(lo_x + int(((bits & 0xffffu) * uint(hi_x - lo_x + 1)) >> 16),
-                  lo_y + int(((bits >> 16) * uint(hi_y - lo_y + 1)) >> 16));
+  int last_x = exemplar_width - kPatch, last_y = exemplar_height - kPatch;
+  for (int reach = max(last_x, last_y); reach >= 2; reach = reach * 2 / 5) {
+    draw += 0x9e3779b9u;
+    uint bits = mix32(draw);
+    int lo_x = max(0, x0 - reach), hi_x = min(last_x, x0 + reach);
+    int lo_y = max(0, y0 - reach), hi_y = min(last_y, y0 + reach);
+    consider_usable(lo_x + int(((bits & 0xffffu) * uint(hi_x - lo_x + 1)) >> 16),
+                    lo_y + int(((bits >> 16) * uint(hi_y - lo_y + 1)) >> 16));
+  }
 }
 
 // The table's entry for 1 + x, linear between.
@@ -120,10 +128,7 @@ void main() {
 
   int plane = columns * rows, n = first_match + at.z * plane + at.y * columns + at.x;
   best = matches[n];
-  best_score = 0;
-  best_distance = distance2(best, 3.4e38);
-  precise float score = best_distance * model[penalty_at + int(best)];
-  best_score = score;
+  best_score = score_of(best, model[penalty_at + int(best)], 3.4e38, best_distance);
   for (int r = 1; r <= kReach; ++r) {
     shifted(matches[n - r], start_u - lines[starts_at.x + at.x - r], 0);
     shifted(matches[n + r], start_u - lines[starts_at.x + at.x + r], 0);
@@ -136,11 +141,7 @@ void main() {
   for (int i = 0; i < kSimilar; ++i) consider(similar[known + i]);
   uint place = mix32(uint((number.z + at.z) % around.z) ^ key);
   place = mix32(uint((number.y + at.y) % around.y) ^ place);
-  uint draw = mix32(uint((number.x + at.x) % around.x) ^ place);
-  for (int reach = max(exemplar_width, exemplar_height) - kPatch; reach >= 2; reach = reach * 2 / 5) {
-    draw += 0x9e3779b9u;
-    within(reach, mix32(draw));
-  }
+  around_best(mix32(uint((number.x + at.x) % around.x) ^ place));
   next[n - first_match] = best;
   weights[n] = weight_of(best_distance * inverse_floor);
 }

@@ -26,140 +26,202 @@ struct RowTask {
   int y, z;
 };
 
+// What the patches over two voxels show, in groups of eight: four of the first voxel, four of the second.
+// Where one has fewer, and after a family's last, groups are filled up with weight 0.
+template <int C>
+struct Samples {
+  int groups = 0;
+  alignas(32) float value[C][2 * kMostCovering], weight[2 * kMostCovering];
+  std::uint32_t texel[2 * kMostCovering];
+  std::uint8_t from[2 * kMostCovering];
+};
+
+TERRAZZO_INLINE Eight load8(const float* p) { return *reinterpret_cast<const Eight*>(p); }
+TERRAZZO_INLINE void store8(float* p, const Eight& v) { *reinterpret_cast<Eight*>(p) = v; }
+
+// The patches of one family over voxels (x0, y, z) and (x1, y, z). x runs along a family's columns or across
+// its slices, never along its rows.
+template <int C>
+TERRAZZO_INLINE void gather(const RowTask& t, const MatchFamily& f, const int (&x)[2], Samples<C>& s) {
+  const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
+  const auto axis = static_cast<std::size_t>(f.axis);
+  const auto& columns = *t.range.covers[static_cast<std::size_t>(kSliceColumns[axis])];
+  const bool along = kSliceColumns[axis] == 0;
+  const PatchCover& c0 = columns[static_cast<std::size_t>(along ? x[0] : t.y)];
+  const PatchCover& c1 = columns[static_cast<std::size_t>(along ? x[1] : t.y)];
+  const int v = kSliceRows[axis] == 2 ? t.z : t.y, across = f.axis == 1 ? t.y : t.z;
+  const PatchCover& cv =
+      (*t.range.covers[static_cast<std::size_t>(kSliceRows[axis])])[static_cast<std::size_t>(v)];
+  const std::size_t slice0 = static_cast<std::size_t>(f.axis == 0 ? x[0] : across) * f.rows,
+                    slice1 = static_cast<std::size_t>(f.axis == 0 ? x[1] : across) * f.rows;
+  const bool keep = t.sources != nullptr;
+  const int begin = s.groups;
+  Eight total{};
+  if (c0.even && c1.even) {  // four patches a row, at once
+    const FourInts in0 = *reinterpret_cast<const FourInts*>(c0.offset.data()),
+                   in1 = *reinterpret_cast<const FourInts*>(c1.offset.data());
+    Eight inner{};
+    for (int k = 0; k < 4; ++k)
+      inner[k] = kInner[static_cast<std::size_t>(in0[k])],
+      inner[4 + k] = kInner[static_cast<std::size_t>(in1[k])];
+    // The same patches over both: their texels lie side by side.
+    const bool beside = along && c0.patch[0] == c1.patch[0] && c0.offset[0] + 1 == c1.offset[0];
+    for (int b = 0; b < cv.count; ++b, ++s.groups) {
+      const auto row = static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)]);
+      const std::size_t p0 = (slice0 + row) * f.columns + c0.patch[0],
+                        p1 = (slice1 + row) * f.columns + c1.patch[0];
+      const auto down = static_cast<std::uint32_t>(cv.offset[static_cast<std::size_t>(b)] * e.width);
+      const FourInts s0 = *reinterpret_cast<const FourInts*>(&f.at[p0]) + in0 + down,
+                     s1 = *reinterpret_cast<const FourInts*>(&f.at[p1]) + in1 + down;
+      const Four w0 = *reinterpret_cast<const Four*>(&f.weight[p0]),
+                 w1 = *reinterpret_cast<const Four*>(&f.weight[p1]);
+      const Eight w = __builtin_shufflevector(w0, w1, 0, 1, 2, 3, 4, 5, 6, 7) * inner *
+                      kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
+      const int at = 8 * s.groups;
+      store8(s.weight + at, w);
+      total += w;
+      const auto load = [&](int k) __attribute__((always_inline)) {
+        const float* first = &e.texels[4 * static_cast<std::size_t>(s0[k])];
+        if (beside) return load8(first);
+        return __builtin_shufflevector(
+            *reinterpret_cast<const Four*>(first),
+            *reinterpret_cast<const Four*>(&e.texels[4 * static_cast<std::size_t>(s1[k])]), 0, 1, 2, 3, 4, 5,
+            6, 7);
+      };
+      const Eight t0 = load(0), t1 = load(1), t2 = load(2), t3 = load(3);
+      const Eight lo01 = __builtin_shufflevector(t0, t1, 0, 8, 1, 9, 4, 12, 5, 13),
+                  lo23 = __builtin_shufflevector(t2, t3, 0, 8, 1, 9, 4, 12, 5, 13);
+      store8(s.value[0] + at, __builtin_shufflevector(lo01, lo23, 0, 1, 8, 9, 4, 5, 12, 13));
+      if constexpr (C > 1)
+        store8(s.value[1] + at, __builtin_shufflevector(lo01, lo23, 2, 3, 10, 11, 6, 7, 14, 15));
+      if constexpr (C > 2) {
+        const Eight hi01 = __builtin_shufflevector(t0, t1, 2, 10, 3, 11, 6, 14, 7, 15),
+                    hi23 = __builtin_shufflevector(t2, t3, 2, 10, 3, 11, 6, 14, 7, 15);
+        store8(s.value[2] + at, __builtin_shufflevector(hi01, hi23, 0, 1, 8, 9, 4, 5, 12, 13));
+        if constexpr (C > 3)
+          store8(s.value[3] + at, __builtin_shufflevector(hi01, hi23, 2, 3, 10, 11, 6, 7, 14, 15));
+      }
+      if (keep)
+        for (int k = 0; k < 4; ++k) s.texel[at + k] = s0[k], s.texel[at + 4 + k] = s1[k];
+    }
+  } else {
+    s.groups += (cv.count * std::max(c0.count, c1.count) + 3) / 4;
+    for (int k = 8 * begin; k < 8 * s.groups; ++k) {
+      s.weight[k] = 0;
+      for (int c = 0; c < C; ++c) s.value[c][k] = 0;
+    }
+    for (int h = 0; h < 2; ++h) {
+      const PatchCover& cu = h == 0 ? c0 : c1;
+      int n = 0;
+      for (int b = 0; b < cv.count; ++b)
+        for (int a = 0; a < cu.count; ++a, ++n) {
+          const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+          const std::size_t patch = ((h == 0 ? slice0 : slice1) + cv.patch[j]) * f.columns + cu.patch[i];
+          const std::uint32_t source =
+              f.at[patch] + static_cast<std::uint32_t>(cv.offset[j] * e.width + cu.offset[i]);
+          const int at = 8 * (begin + n / 4) + 4 * h + n % 4;
+          for (int c = 0; c < C; ++c)
+            s.value[c][at] = e.texels[4 * static_cast<std::size_t>(source) + static_cast<std::size_t>(c)];
+          s.weight[at] = f.weight[patch] * kInner[static_cast<std::size_t>(cu.offset[i])] *
+                         kInner[static_cast<std::size_t>(cv.offset[j])];
+          s.texel[at] = source;
+        }
+    }
+    for (int g = begin; g < s.groups; ++g) total += load8(s.weight + 8 * g);
+  }
+  const Eight equal = 1.0f / half_sums(total);
+  for (int g = begin; g < s.groups; ++g) store8(s.weight + 8 * g, load8(s.weight + 8 * g) * equal);
+  if (keep) std::fill(s.from + 8 * begin, s.from + 8 * s.groups, static_cast<std::uint8_t>(f.exemplar));
+}
+
 template <int C>
 TERRAZZO_INLINE void blend_body(const RowTask& t) {
   const Vec3i& size = t.field.size;
-  alignas(32) float value[C][kMostCovering], weight[kMostCovering];
-  std::uint32_t texel[kMostCovering];
-  std::uint8_t from[kMostCovering];
   const float narrow = std::max(t.window * t.window, 1e-8f);
-  for (int x = t.range.lo.x(); x < t.range.hi.x(); ++x) {
-    const int at[3] = {x, t.y, t.z};
-    int n = 0;
-    for (const MatchFamily& f : t.families) {
-      const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
-      const PatchCover& cu = (*t.range.covers[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(
-          f.axis)])])[static_cast<std::size_t>(at[kSliceColumns[static_cast<std::size_t>(f.axis)]])];
-      const PatchCover& cv = (*t.range.covers[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(
-          f.axis)])])[static_cast<std::size_t>(at[kSliceRows[static_cast<std::size_t>(f.axis)]])];
-      const int begin = n;
-      float total = 0;
-      for (int b = 0; b < cv.count; ++b) {
-        const std::size_t row = (static_cast<std::size_t>(at[f.axis]) * static_cast<std::size_t>(f.rows) +
-                                 static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)])) *
-                                static_cast<std::size_t>(f.columns);
-        const auto down = static_cast<std::uint32_t>(cv.offset[static_cast<std::size_t>(b)] * e.width);
-        const float inner = kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
-        if (cu.even) {  // four patches in a row, at once
-          const std::size_t patch = row + static_cast<std::size_t>(cu.patch[0]);
-          const auto* at4 = reinterpret_cast<const FourInts*>(&f.at[patch]);
-          const FourInts source = *at4 + *reinterpret_cast<const FourInts*>(cu.offset.data()) + down;
-          const Four inner_u = {
-              kInner[static_cast<std::size_t>(cu.offset[0])], kInner[static_cast<std::size_t>(cu.offset[1])],
-              kInner[static_cast<std::size_t>(cu.offset[2])], kInner[static_cast<std::size_t>(cu.offset[3])]};
-          const Four w = *reinterpret_cast<const Four*>(&f.weight[patch]) * inner_u * inner;
-          *reinterpret_cast<Four*>(weight + n) = w;
-          total += (w[0] + w[1]) + (w[2] + w[3]);
-          const auto load = [&](int k) __attribute__((always_inline)) {
-            return *reinterpret_cast<const Four*>(&e.texels[4 * static_cast<std::size_t>(source[k])]);
-          };
-          const Four t0 = load(0), t1 = load(1), t2 = load(2), t3 = load(3);
-          const Four lo01 = __builtin_shufflevector(t0, t1, 0, 4, 1, 5),
-                     lo23 = __builtin_shufflevector(t2, t3, 0, 4, 1, 5);
-          *reinterpret_cast<Four*>(value[0] + n) = __builtin_shufflevector(lo01, lo23, 0, 1, 4, 5);
-          if constexpr (C > 1)
-            *reinterpret_cast<Four*>(value[1] + n) = __builtin_shufflevector(lo01, lo23, 2, 3, 6, 7);
-          if constexpr (C > 2) {
-            const Four hi01 = __builtin_shufflevector(t0, t1, 2, 6, 3, 7),
-                       hi23 = __builtin_shufflevector(t2, t3, 2, 6, 3, 7);
-            *reinterpret_cast<Four*>(value[2] + n) = __builtin_shufflevector(hi01, hi23, 0, 1, 4, 5);
-            if constexpr (C > 3)
-              *reinterpret_cast<Four*>(value[3] + n) = __builtin_shufflevector(hi01, hi23, 2, 3, 6, 7);
-          }
-          if (t.sources)
-            for (int k = 0; k < 4; ++k)
-              texel[n + k] = source[k], from[n + k] = static_cast<std::uint8_t>(f.exemplar);
-          n += 4;
-          continue;
-        }
-        for (int a = 0; a < cu.count; ++a, ++n) {
-          const std::size_t patch = row + static_cast<std::size_t>(cu.patch[static_cast<std::size_t>(a)]);
-          const std::uint32_t source =
-              f.at[patch] + down + static_cast<std::uint32_t>(cu.offset[static_cast<std::size_t>(a)]);
-          for (int c = 0; c < C; ++c)
-            value[c][n] = e.texels[4 * static_cast<std::size_t>(source) + static_cast<std::size_t>(c)];
-          weight[n] = f.weight[patch] *
-                      kInner[static_cast<std::size_t>(cu.offset[static_cast<std::size_t>(a)])] * inner;
-          total += weight[n];
-          texel[n] = source, from[n] = static_cast<std::uint8_t>(f.exemplar);
-        }
-      }
-      const float equal = 1 / total;
-      for (int k = begin; k < n; ++k) weight[k] *= equal;
-    }
-    const int used = n;
-    for (; n % 8 != 0; ++n) {
-      weight[n] = 0;
-      for (int c = 0; c < C; ++c) value[c][n] = 0;
-    }
+  Samples<C> s;
+  for (int x0 = t.range.lo.x(); x0 < t.range.hi.x(); x0 += 2) {
+    const int x[2] = {x0, std::min(x0 + 1, t.range.hi.x() - 1)};
+    s.groups = 0;
+    for (const MatchFamily& f : t.families) gather<C>(t, f, x, s);
+    const int n = 8 * s.groups;
     // The weighted mean and the spread about it; then the mean shift.
-    float mean[C], spread = 0, all;
+    Eight mean[C], spread{};
     {
       Eight w_sum{}, sum[C] = {}, squares{};
       for (int k = 0; k < n; k += 8) {
-        const Eight w = *reinterpret_cast<const Eight*>(weight + k);
+        const Eight w = load8(s.weight + k);
         w_sum += w;
+#pragma GCC unroll 4
         for (int c = 0; c < C; ++c) {
-          const Eight v = *reinterpret_cast<const Eight*>(value[c] + k);
+          const Eight v = load8(s.value[c] + k);
           sum[c] += w * v, squares += w * v * v;
         }
       }
-      all = 1 / sum_of(w_sum);
-      for (int c = 0; c < C; ++c) mean[c] = sum_of(sum[c]) * all, spread -= mean[c] * mean[c];
-      spread = std::max(0.0f, spread + sum_of(squares) * all);
+      const Eight all = 1.0f / half_sums(w_sum);
+#pragma GCC unroll 4
+      for (int c = 0; c < C; ++c) mean[c] = half_sums(sum[c]) * all, spread -= mean[c] * mean[c];
+      spread += half_sums(squares) * all;
     }
-    if (t.window > 0 && spread > 1e-12f) {
+    if (t.window > 0) {
       // Three steps, the squared window falling geometrically from the spread to its own size.
-      const float root = std::min(1.0f, std::sqrt(narrow / spread));
-      float width = spread;
+      Eight width{}, root{};
+      const auto spreads = spread > 1e-12f;
+      for (int h = 0; h < 8; h += 4) {
+        const float from = spreads[h] ? spread[h] : 1, fall = std::min(1.0f, std::sqrt(narrow / from));
+        for (int k = h; k < h + 4; ++k) width[k] = from, root[k] = fall;
+      }
+      Eight shifted[C];
+#pragma GCC unroll 4
+      for (int c = 0; c < C; ++c) shifted[c] = mean[c];
       for (int step = 0; step < 3; ++step) {
-        const float inverse = 1 / width;
+        const Eight inverse = 1.0f / width;
         Eight w_sum{}, sum[C] = {};
         for (int k = 0; k < n; k += 8) {
-          Eight far{};
+          Eight far{}, v[C];
+#pragma GCC unroll 4
           for (int c = 0; c < C; ++c) {
-            const Eight d = *reinterpret_cast<const Eight*>(value[c] + k) - mean[c];
+            v[c] = load8(s.value[c] + k);
+            const Eight d = v[c] - shifted[c];
             far += d * d;
           }
           const Eight close = 1.0f + far * inverse;
-          const Eight w = *reinterpret_cast<const Eight*>(weight + k) / (close * close);
+          const Eight w = load8(s.weight + k) / (close * close);
           w_sum += w;
-          for (int c = 0; c < C; ++c) sum[c] += w * *reinterpret_cast<const Eight*>(value[c] + k);
+#pragma GCC unroll 4
+          for (int c = 0; c < C; ++c) sum[c] += w * v[c];
         }
-        const float norm = 1 / sum_of(w_sum);
-        for (int c = 0; c < C; ++c) mean[c] = sum_of(sum[c]) * norm;
-        width = std::max(width * root, 1e-8f);
+        const Eight norm = 1.0f / half_sums(w_sum);
+#pragma GCC unroll 4
+        for (int c = 0; c < C; ++c) shifted[c] = half_sums(sum[c]) * norm;
+        width *= root;
+        width = width > 1e-8f ? width : Eight{} + 1e-8f;
       }
+#pragma GCC unroll 4
+      for (int c = 0; c < C; ++c) mean[c] = spreads ? shifted[c] : mean[c];
     }
-    const std::size_t voxel =
+    const std::size_t first =
         (static_cast<std::size_t>(t.z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(t.y)) *
-            static_cast<std::size_t>(size.x()) +
-        static_cast<std::size_t>(x);
-    for (int c = 0; c < C; ++c) t.field.channel[static_cast<std::size_t>(c)][voxel] = mean[c];
-    if (!t.sources) continue;
-    const float inverse = 1 / std::max(narrow, 1e-4f);
-    int best = 0;
-    float most = -1;
-    for (int k = 0; k < used; ++k) {
-      float far = 0;
-      for (int c = 0; c < C; ++c) far += (value[c][k] - mean[c]) * (value[c][k] - mean[c]);
-      const float w = weight[k] / ((1 + far * inverse) * (1 + far * inverse));
-      if (w > most) most = w, best = k;
-    }
-    t.sources->texel[voxel] = texel[best], t.sources->exemplar[voxel] = from[best];
-    if (t.features && !t.sources->features.empty()) {
-      const auto* carried = (*t.features)[from[best]];
-      if (carried && !carried->empty()) t.sources->features[voxel] = (*carried)[texel[best]];
+        static_cast<std::size_t>(size.x());
+    for (int h = 0; h < 2; ++h) {
+      const std::size_t voxel = first + static_cast<std::size_t>(x[h]);
+      for (int c = 0; c < C; ++c) t.field.channel[static_cast<std::size_t>(c)][voxel] = mean[c][4 * h];
+      if (!t.sources) continue;
+      const float inverse = 1 / std::max(narrow, 1e-4f);
+      int best = 4 * h;
+      float most = 0;
+      for (int i = 0; i < n / 2; ++i) {
+        const int k = i / 4 * 8 + 4 * h + i % 4;
+        float far = 0;
+        for (int c = 0; c < C; ++c)
+          far += (s.value[c][k] - mean[c][4 * h]) * (s.value[c][k] - mean[c][4 * h]);
+        const float w = s.weight[k] / ((1 + far * inverse) * (1 + far * inverse));
+        if (w > most) most = w, best = k;
+      }
+      t.sources->texel[voxel] = s.texel[best], t.sources->exemplar[voxel] = s.from[best];
+      if (t.features && !t.sources->features.empty()) {
+        const auto* carried = (*t.features)[s.from[best]];
+        if (carried && !carried->empty()) t.sources->features[voxel] = (*carried)[s.texel[best]];
+      }
     }
   }
 }

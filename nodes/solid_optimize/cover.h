@@ -14,7 +14,7 @@ struct PatchCover {
   bool even = false;                     // four patches, one after the other
   std::array<int, 5> patch{}, offset{};  // 4 where the size is even; the wrap of an odd one may have 5
 };
-constexpr int kMostCovering = 80;  // 3 planes of 5 × 5, rounded up to whole vectors
+constexpr int kMostCovering = 84;  // 3 planes of 5 × 5, each rounded up to whole groups of four
 
 inline std::vector<PatchCover> patch_covers(int size) {
   std::vector<PatchCover> out(static_cast<std::size_t>(size));

@@ -107,9 +107,9 @@ struct Buffer {
     gl.BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(n), data, GL_DYNAMIC_COPY);
     gl.check();
   }
-  template <class T>
-  void fill(const std::vector<T>& v) {
-    resize(v.size() * sizeof(T), v.data());
+  template <class Vector>
+  void fill(const Vector& v) {
+    resize(v.size() * sizeof(v[0]), v.data());
   }
   template <class T>
   void write(std::size_t at, const std::vector<T>& v) const {
@@ -163,7 +163,7 @@ struct ExemplarBuffers {
       : features(gl), similar(gl), model(gl) {
     features.fill(e.features);
     similar.fill(e.similar);
-    std::vector<float> m = e.space.basis;
+    std::vector<float> m(e.space.basis.begin(), e.space.basis.end());
     bias_at = static_cast<int>(m.size());
     for (const float b : e.space.bias) m.push_back(-b);
     penalty_at = static_cast<int>(m.size());

@@ -57,11 +57,10 @@ TERRAZZO_INLINE void search_body(const LocalTask& t) {
       best.similar();
       std::uint32_t draw =
           mix32(static_cast<std::uint32_t>(wrapped(t.u.first + i, patches_around(t.u.period))) ^ row);
-      for (int reach = best.widest(); reach >= 2; reach = reach * 2 / 5) {
-        draw += 0x9e3779b9u;
-        const std::uint32_t bits = mix32(draw);
-        best.within(reach, bits & 0xffffu, bits >> 16, 16);
-      }
+      best.around(16, [&] {
+        const std::uint32_t bits = mix32(draw += 0x9e3779b9u);
+        return std::array<std::uint64_t, 2>{bits & 0xffffu, bits >> 16};
+      });
       t.next[n] = best.at;
       t.weight[n] = best.distance;
     }

@@ -1,6 +1,8 @@
 // 8 × 8 patches of a picture as points of few dimensions.
 #pragma once
 
+#include <tbb/cache_aligned_allocator.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,10 +13,13 @@ namespace terrazzo::solid_optimize {
 
 constexpr int kPatch = 8;
 
+// From the start of a cache line on: a patch of 16 dimensions has one of its own.
+using AlignedFloats = std::vector<float, tbb::cache_aligned_allocator<float>>;
+
 // Principal axes of patches of interleaved channels.
 struct PatchSpace {
   int channels = 0, dims = 0;  // dims is a multiple of 16
-  std::vector<float> basis;    // [64·channels][dims]: element k = (row·8 + column)·channels + channel
+  AlignedFloats basis;         // [64·channels][dims]: element k = (row·8 + column)·channels + channel
   std::vector<float> bias;     // [dims]: the mean patch's coordinates
 };
 
@@ -25,7 +30,7 @@ struct ExemplarLevel {
   std::vector<std::uint8_t> usable;   // per texel: whether a patch may start there
   std::vector<std::uint32_t> starts;  // where it may, rising
   PatchSpace space;
-  std::vector<float> features;         // [texel][dims], of the patches at `starts`
+  AlignedFloats features;              // [texel][dims], of the patches at `starts`
   std::vector<std::uint32_t> similar;  // [texel][kSimilar], of the patches at `starts`
   static constexpr int kSimilar = 4;
 

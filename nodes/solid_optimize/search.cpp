@@ -93,10 +93,10 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
                       0x1000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 +
                           static_cast<std::uint64_t>(f.axis),
                       static_cast<std::uint64_t>(t.slice) * plane + n);
-        for (int reach = best.widest(); reach >= 2; reach = reach * 2 / 5) {
+        best.around(32, [&] {
           const std::uint64_t bits = random.bits();
-          best.within(reach, bits & 0xffffffffu, bits >> 32, 32);
-        }
+          return std::array<std::uint64_t, 2>{bits & 0xffffffffu, bits >> 32};
+        });
       }
       weight[n] = best.distance;
       if (best.at != at[n]) {
@@ -120,13 +120,20 @@ void read_slice(const SolidField& field, int axis, int slice, std::vector<float>
   const std::size_t channels = field.channel.size();
   const int w = width + kPatch - 1, h = height + kPatch - 1;
   out.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * channels);
+  // Across x each voxel lies in a cache line of its own.
+  const std::size_t ahead = u == 0 ? 0 : 2 * step[v];
   for (std::size_t c = 0; c < channels; ++c) {
     const float* from = field.channel[c].data() + static_cast<std::size_t>(slice) * step[axis];
     for (int y = 0; y < h; ++y) {
       const float* row = from + static_cast<std::size_t>(y % height) * step[v];
       float* to = &out[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) * channels + c];
-      for (int x = 0; x < w; ++x)
-        to[static_cast<std::size_t>(x) * channels] = row[static_cast<std::size_t>(x % width) * step[u]];
+      // Beyond these few the line repeats itself.
+      for (int x = 0; x < width; ++x) {
+        if (ahead) __builtin_prefetch(row + static_cast<std::size_t>(x) * step[u] + ahead);
+        to[static_cast<std::size_t>(x) * channels] = row[static_cast<std::size_t>(x) * step[u]];
+      }
+      for (int x = width; x < w; ++x)
+        to[static_cast<std::size_t>(x) * channels] = to[static_cast<std::size_t>(x - width) * channels];
     }
   }
 }

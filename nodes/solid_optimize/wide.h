@@ -4,6 +4,11 @@
 
 #include <cstdint>
 
+// These vectors are passed between inlined functions alone.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
 namespace terrazzo::solid_optimize {
 
 // Unaligned on purpose: rows of patches start anywhere.
@@ -23,7 +28,15 @@ inline bool has_avx2() { return false; }
 #define TERRAZZO_INLINE [[gnu::always_inline]] inline
 
 TERRAZZO_INLINE float sum_of(const Eight& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+  const Four fours = __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
+  const Four pairs = fours + __builtin_shufflevector(fours, fours, 2, 3, 0, 1);
+  return pairs[0] + pairs[1];
+}
+
+// Of each half the sum of its four, in all of its places.
+TERRAZZO_INLINE Eight half_sums(const Eight& v) {
+  const Eight pairs = v + __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+  return pairs + __builtin_shufflevector(pairs, pairs, 1, 0, 3, 2, 5, 4, 7, 6);
 }
 
 }  // namespace terrazzo::solid_optimize
