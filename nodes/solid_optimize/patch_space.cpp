@@ -28,40 +28,50 @@ struct ProjectArguments {
   float* out;
 };
 
-// Four patches by sixteen dimensions stay in registers.
+// Vectors of 16 dimensions by `Patches` patches stay in registers. However wide the vectors, each coordinate
+// is the same sum in the same order.
+template <class Vector, int Patches>
 TERRAZZO_INLINE void project_body(const ProjectArguments& a) {
+  constexpr int width = sizeof(Vector) / sizeof(float), vectors = 16 / width;
   const int dims = a.space.dims, row = kPatch * a.space.channels;
   const int stride = a.step * a.space.channels;
-  for (int i = 0; i < a.count; i += 4) {
-    const float* patch[4];
-    for (int p = 0; p < 4; ++p)
+  for (int i = 0; i < a.count; i += Patches) {
+    const float* patch[Patches];
+    for (int p = 0; p < Patches; ++p)
       patch[p] = a.picture + static_cast<std::ptrdiff_t>(std::min(i + p, a.count - 1)) * stride;
     for (int d = 0; d < dims; d += 16) {
-      const Eight b0 = -*reinterpret_cast<const Eight*>(&a.space.bias[static_cast<std::size_t>(d)]);
-      const Eight b1 = -*reinterpret_cast<const Eight*>(&a.space.bias[static_cast<std::size_t>(d) + 8]);
-      Eight s00 = b0, s01 = b1, s10 = b0, s11 = b1, s20 = b0, s21 = b1, s30 = b0, s31 = b1;
+      Vector sum[Patches][vectors];
+#pragma GCC unroll 8
+      for (int p = 0; p < Patches; ++p)
+#pragma GCC unroll 2
+        for (int h = 0; h < vectors; ++h)
+          sum[p][h] =
+              -*reinterpret_cast<const Vector*>(&a.space.bias[static_cast<std::size_t>(d + h * width)]);
       const float* basis = a.space.basis.data() + d;
       for (int v = 0; v < kPatch; ++v) {
         const std::size_t line = static_cast<std::size_t>(v) * a.pitch;
-        const float *p0 = patch[0] + line, *p1 = patch[1] + line, *p2 = patch[2] + line,
-                    *p3 = patch[3] + line;
         for (int k = 0; k < row; ++k, basis += dims) {
-          const Eight x0 = *reinterpret_cast<const Eight*>(basis),
-                      x1 = *reinterpret_cast<const Eight*>(basis + 8);
-          s00 += x0 * p0[k], s01 += x1 * p0[k], s10 += x0 * p1[k], s11 += x1 * p1[k];
-          s20 += x0 * p2[k], s21 += x1 * p2[k], s30 += x0 * p3[k], s31 += x1 * p3[k];
+          Vector x[vectors];
+#pragma GCC unroll 2
+          for (int h = 0; h < vectors; ++h) x[h] = *reinterpret_cast<const Vector*>(basis + h * width);
+#pragma GCC unroll 8
+          for (int p = 0; p < Patches; ++p) {
+            const float value = patch[p][line + static_cast<std::size_t>(k)];
+#pragma GCC unroll 2
+            for (int h = 0; h < vectors; ++h) sum[p][h] += x[h] * value;
+          }
         }
       }
-      const Eight* sums[4][2] = {{&s00, &s01}, {&s10, &s11}, {&s20, &s21}, {&s30, &s31}};
-      for (int p = 0; p < 4 && i + p < a.count; ++p)
-        for (int h = 0; h < 2; ++h)
-          *reinterpret_cast<Eight*>(a.out + static_cast<std::ptrdiff_t>(i + p) * dims + d + 8 * h) =
-              *sums[p][h];
+      for (int p = 0; p < Patches && i + p < a.count; ++p)
+        for (int h = 0; h < vectors; ++h)
+          *reinterpret_cast<Vector*>(a.out + static_cast<std::ptrdiff_t>(i + p) * dims + d + h * width) =
+              sum[p][h];
     }
   }
 }
-TERRAZZO_AVX2 void project_avx2(const ProjectArguments& a) { project_body(a); }
-void project_plain(const ProjectArguments& a) { project_body(a); }
+TERRAZZO_AVX512 void project_avx512(const ProjectArguments& a) { project_body<Sixteen, 8>(a); }
+TERRAZZO_AVX2 void project_avx2(const ProjectArguments& a) { project_body<Eight, 4>(a); }
+void project_plain(const ProjectArguments& a) { project_body<Eight, 4>(a); }
 
 }  // namespace
 
@@ -94,9 +104,8 @@ PatchSpace principal_axes(const ExemplarLevel& e, double share, int most) {
 
 void project(const PatchSpace& space, const float* picture, std::size_t pitch, int step, int count,
              float* out) {
-  static const bool avx2 = has_avx2();
-  const ProjectArguments a{space, picture, pitch, step, count, out};
-  avx2 ? project_avx2(a) : project_plain(a);
+  static const auto widest = has_avx512() ? project_avx512 : has_avx2() ? project_avx2 : project_plain;
+  widest({space, picture, pitch, step, count, out});
 }
 
 void measure_patches(ExemplarLevel& e, const Work& work) {

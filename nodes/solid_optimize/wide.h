@@ -1,5 +1,5 @@
-// Eight floats at a time, and the choice between two builds of one loop: for processors with AVX2 and for all
-// others. Both do the same operations in the same order, so their results are the same bits.
+// Several floats at a time, and the choice between builds of one loop: for processors with AVX-512, with AVX2,
+// and for all others. All do the same operations in the same order, so their results are the same bits.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,21 @@ namespace terrazzo::solid_optimize {
 // Unaligned on purpose: rows of patches start anywhere.
 using Eight = float __attribute__((vector_size(32), aligned(4), may_alias));
 
+using Sixteen = float __attribute__((vector_size(64), aligned(4), may_alias));
+
 using Four = float __attribute__((vector_size(16), aligned(4), may_alias));
 using FourInts = std::uint32_t __attribute__((vector_size(16), aligned(4), may_alias));
 
 #if defined(__x86_64__)
 #define TERRAZZO_AVX2 __attribute__((target("avx2")))
+#define TERRAZZO_AVX512 __attribute__((target("avx512f")))
 inline bool has_avx2() { return __builtin_cpu_supports("avx2"); }
+inline bool has_avx512() { return __builtin_cpu_supports("avx512f"); }
 #else
 #define TERRAZZO_AVX2
+#define TERRAZZO_AVX512
 inline bool has_avx2() { return false; }
+inline bool has_avx512() { return false; }
 #endif
 // What both builds of a loop are made of.
 #define TERRAZZO_INLINE [[gnu::always_inline]] inline
