@@ -24,10 +24,11 @@ uniform ivec2 starts_at, from;                    // in lines; first stored voxe
 uniform ivec3 number;                             // of stored column, row and slice 0 on the torus, not below 0 …
 uniform ivec3 around;                             // … and how many there are
 uniform uint key;
-uniform float inverse_floor;
+uniform float inverse_floor, copying;
 
 float query[kMostDims];
 uint best;
+uvec4 continued;  // the patches that go on from the four neighbours'
 float best_distance, best_score;
 
 uint mix32(uint x) {
@@ -62,10 +63,17 @@ float score_of(uint start, float penalty, float limit, out float whole) {
 }
 
 // A penalty of 0 marks texels at which no patch may start.
+float penalty(uint c) {
+  ivec4 goes_on = ivec4(equal(continued, uvec4(c)));
+  precise float p = model[penalty_at + int(c)] *
+                    (1.0 + 0.25 * copying * float((goes_on.x + goes_on.y) + (goes_on.z + goes_on.w)));
+  return p;
+}
+
 void consider(uint c) {
   if (c == best) return;
   float d = 0;
-  float s = score_of(c, model[penalty_at + int(c)], best_score, d);
+  float s = score_of(c, penalty(c), best_score, d);
   if (s < best_score) {
     best = c;
     best_score = s;
@@ -128,12 +136,16 @@ void main() {
 
   int plane = columns * rows, n = first_match + at.z * plane + at.y * columns + at.x;
   best = matches[n];
-  best_score = score_of(best, model[penalty_at + int(best)], 3.4e38, best_distance);
+  int u0 = starts_at.x + at.x, v0 = starts_at.y + at.y;
+  continued = uvec4(int(matches[n - 1]) + start_u - lines[u0 - 1], int(matches[n + 1]) + start_u - lines[u0 + 1],
+                    int(matches[n - columns]) + (start_v - lines[v0 - 1]) * exemplar_width,
+                    int(matches[n + columns]) + (start_v - lines[v0 + 1]) * exemplar_width);
+  best_score = score_of(best, penalty(best), 3.4e38, best_distance);
   for (int r = 1; r <= kReach; ++r) {
-    shifted(matches[n - r], start_u - lines[starts_at.x + at.x - r], 0);
-    shifted(matches[n + r], start_u - lines[starts_at.x + at.x + r], 0);
-    shifted(matches[n - r * columns], 0, start_v - lines[starts_at.y + at.y - r]);
-    shifted(matches[n + r * columns], 0, start_v - lines[starts_at.y + at.y + r]);
+    shifted(matches[n - r], start_u - lines[u0 - r], 0);
+    shifted(matches[n + r], start_u - lines[u0 + r], 0);
+    shifted(matches[n - r * columns], 0, start_v - lines[v0 - r]);
+    shifted(matches[n + r * columns], 0, start_v - lines[v0 + r]);
   }
   consider(matches[n - plane]);
   consider(matches[n + plane]);

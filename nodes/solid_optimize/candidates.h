@@ -32,23 +32,40 @@ TERRAZZO_INLINE float score_of(const float* a, const float* b, int dims, float p
   return distance * penalty;
 }
 
+// What makes a patch count as further than it is: factors.
+struct Penalties {
+  const float* overuse;         // of each texel's patch
+  std::array<float, 5> copies;  // by how many of the four neighbours it continues
+
+  Penalties(const float* of_texels, float copying) : overuse(of_texels) {
+    for (std::size_t n = 0; n < copies.size(); ++n) copies[n] = 1 + 0.25f * copying * static_cast<float>(n);
+  }
+};
+
 // The best patch so far for one query: of least d² · penalty.
 struct Best {
   const ExemplarLevel& e;
-  const float *penalty, *query;
+  const float* query;
+  const Penalties& penalties;
+  FourInts continued;  // the patches that go on from the four neighbours' as they lie in the exemplar
   std::uint32_t at;
   float distance = 0, score;  // squared distance; the same times the penalty
 
-  TERRAZZO_INLINE Best(const ExemplarLevel& level, const float* of_texels, const float* of_patch,
-                       std::uint32_t start)
-      : e(level), penalty(of_texels), query(of_patch), at(start) {
-    score = score_of(query, e.feature(at), e.space.dims, penalty[at], std::numeric_limits<float>::infinity(),
+  TERRAZZO_INLINE Best(const ExemplarLevel& level, const float* of_patch, const Penalties& counted,
+                       const FourInts& goes_on, std::uint32_t start)
+      : e(level), query(of_patch), penalties(counted), continued(goes_on), at(start) {
+    score = score_of(query, e.feature(at), e.space.dims, penalty(at), std::numeric_limits<float>::infinity(),
                      distance);
+  }
+  TERRAZZO_INLINE float penalty(std::uint32_t c) const {
+    const auto goes_on = continued == FourInts{c, c, c, c};  // −1 where so
+    const auto pairs = goes_on + __builtin_shufflevector(goes_on, goes_on, 2, 3, 0, 1);
+    return penalties.overuse[c] * penalties.copies[static_cast<std::size_t>(-(pairs[0] + pairs[1]))];
   }
   TERRAZZO_INLINE void consider(std::uint32_t c) {
     if (c == at) return;
     float d = 0;
-    const float s = score_of(query, e.feature(c), e.space.dims, penalty[c], score, d);
+    const float s = score_of(query, e.feature(c), e.space.dims, penalty(c), score, d);
     if (s < score) at = c, score = s, distance = d;
   }
   // The patch (dx, dy) texels from c, where there is one: less than a patch along one of the axes, so that

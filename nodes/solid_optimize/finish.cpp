@@ -29,14 +29,14 @@ void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings
       values.push_back(&wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].values[c]);
     const Quantiles target = mixture(values);
     for (int round = 0; round < s.finish; ++round) {
-      // What the planes want changed is added up: a mean would need more rounds.
-      const auto planes = static_cast<float>(axes.size());
-      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = (1 - planes) * field.channel[c][i];
+      // A wave is seen by two of three planes; a mean of what they want changed would need more rounds.
+      const auto planes = static_cast<float>(axes.size()), share = 2 / std::max(2.0f, planes);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = (1 - share * planes) * field.channel[c][i];
       for (int a : axes) {
         const SliceFamily family(field.size, a, scales);
         family.match(field.channel[c],
-                     wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].bands[c], 1, sum,
-                     space, work.quiet(), last_scale);
+                     wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].bands[c], share,
+                     sum, space, work.quiet(), last_scale);
       }
       field.channel[c].swap(sum);
       match_values(field.channel[c], target, work.quiet());

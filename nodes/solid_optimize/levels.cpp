@@ -52,6 +52,12 @@ int whole_level(const SolidSettings& s, int levels) {
   return level;
 }
 
+SearchSettings search_settings(const SolidSettings& s) {
+  SearchSettings out;
+  out.overuse = static_cast<float>(s.overuse), out.copying = static_cast<float>(s.copying), out.seed = s.seed;
+  return out;
+}
+
 int guided_levels(const SolidSettings& s, int levels) {
   return s.papers || s.guide <= 0 ? 0 : whole_level(s, levels) + 1;
 }

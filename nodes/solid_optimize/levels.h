@@ -22,6 +22,8 @@ int whole_level(const SolidSettings&, int levels);
 // Levels, from the coarsest on, on which patches are matched by the guide too. Where lines run is settled on
 // those that are made whole; local ones go by colour alone, and so does the recipe of 2011.
 int guided_levels(const SolidSettings&, int levels);
+// What searches on all levels share.
+SearchSettings search_settings(const SolidSettings&);
 // Iterations of each level.
 std::vector<int> iterations_of(const SolidSettings&, int levels);
 

@@ -302,7 +302,8 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
            Vec3i(wrapped(u.first, around.x()), wrapped(v.first, around.y()), wrapped(s.from, around.z())));
     gl.set("around", around);
     gl.Uniform1ui(gl.at("key"),
-                  search_key(passes.seed, passes.first_iteration + static_cast<int>(i), f.axis));
+                  search_key(passes.search.seed, passes.search.iteration + static_cast<int>(i), f.axis));
+    gl.set("copying", passes.search.copying);
     gl.set("inverse_floor", 1 / passes.statistics.floor[i][k]);
     const auto columns = u.patches_over(box, ua), rows = v.patches_over(box, va);
     const Vec3i first(columns[0], rows[0], box.lo[f.axis] - s.from),

@@ -155,13 +155,9 @@ LocalRegion LocalLevels::run(int level, const LocalBox& wanted, Upto upto, const
     const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
     windows.push_back(static_cast<float>(settings_.window * std::pow(10, 1 - fall)));
   }
-  const LocalPasses passes{exemplars,
-                           known,
-                           plan,
-                           windows,
-                           settings_.seed,
-                           std::accumulate(iterations_.begin(), iterations_.begin() + level, 0),
-                           (settings_.exponent - 2) / 2};
+  SearchSettings search = search_settings(settings_);
+  search.iteration = std::accumulate(iterations_.begin(), iterations_.begin() + level, 0);
+  const LocalPasses passes{exemplars, known, plan, windows, search, (settings_.exponent - 2) / 2};
   std::vector<const std::vector<Vec3f>*> features;
   if (sources) {
     sources->texel.resize(voxels(region.field.size)), sources->exemplar.resize(voxels(region.field.size));

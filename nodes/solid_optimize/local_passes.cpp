@@ -123,8 +123,9 @@ void run_passes(const LocalPasses& passes, bool to_blend, LocalProbe* probe, Ble
     const auto k = static_cast<std::size_t>(i);
     const Work step = work.part(0.1 + 0.9 * i / rounds, 0.1 + 0.9 * (i + 1) / rounds);
     const LocalBox& box = passes.plan.blend[k + 1];
-    search_locally(passes.exemplars, passes.statistics.penalty, box, passes.seed, passes.first_iteration + i,
-                   region, step.part(0, 0.6));
+    SearchSettings search = passes.search;
+    search.iteration += i;
+    search_locally(passes.exemplars, passes.statistics.penalty, box, search, region, step.part(0, 0.6));
     if (probe) probe->measured.floor.push_back(mean_distances(region, probe->box));
     for (std::size_t f = 0; f < region.families.size(); ++f) {
       weigh_box(region.lines, box, weights, passes.statistics.floor[k][f], region.families[f], work.quiet());

@@ -21,9 +21,8 @@ struct LocalPasses {
   const LevelStatistics& statistics;
   const LocalPlan& plan;
   const std::vector<float>& windows;  // of each blend's mean shift
-  std::uint64_t seed;
-  int first_iteration;  // of those of all levels
-  double power;         // of weights
+  SearchSettings search;              // of the first iteration
+  double power;                       // of weights
 };
 
 // Where statistics are measured while the passes run, what the values there should be distributed as, and

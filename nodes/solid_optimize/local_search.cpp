@@ -16,7 +16,7 @@ struct LocalTask {
   std::array<int, 2> columns, rows;  // from, to
   int slice;
   std::uint32_t place;  // hash of key and slice
-  const float* penalty;
+  Penalties penalties;
   const float* picture;  // the slice, channels interleaved
   std::uint32_t* next;   // matches of the family
   float* weight;         // likewise
@@ -45,12 +45,18 @@ TERRAZZO_INLINE void search_body(const LocalTask& t) {
                             static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
                             static_cast<std::size_t>(i);
       const std::uint32_t* at = &t.f.at[n];
-      Best best(e, t.penalty, t.features + static_cast<std::ptrdiff_t>(i - t.columns[0]) * dims, *at);
+      const int u = t.u.start[i], v = t.v.start[j];
+      const FourInts goes_on = {at[-1] + static_cast<std::uint32_t>(u - t.u.start[i - 1]),
+                                at[1] + static_cast<std::uint32_t>(u - t.u.start[i + 1]),
+                                at[-columns] + static_cast<std::uint32_t>((v - t.v.start[j - 1]) * e.width),
+                                at[columns] + static_cast<std::uint32_t>((v - t.v.start[j + 1]) * e.width)};
+      Best best(e, t.features + static_cast<std::ptrdiff_t>(i - t.columns[0]) * dims, t.penalties, goes_on,
+                *at);
       for (int r = 1; r <= kReach; ++r) {
-        best.shifted(at[-r], t.u.start[i] - t.u.start[i - r], 0);
-        best.shifted(at[r], t.u.start[i] - t.u.start[i + r], 0);
-        best.shifted(at[-r * columns], 0, t.v.start[j] - t.v.start[j - r]);
-        best.shifted(at[r * columns], 0, t.v.start[j] - t.v.start[j + r]);
+        best.shifted(at[-r], u - t.u.start[i - r], 0);
+        best.shifted(at[r], u - t.u.start[i + r], 0);
+        best.shifted(at[-r * columns], 0, v - t.v.start[j - r]);
+        best.shifted(at[r * columns], 0, v - t.v.start[j + r]);
       }
       best.consider(*(at - plane));
       best.consider(*(at + plane));
@@ -108,8 +114,8 @@ MatchFamily local_family(const LocalLines& lines, int axis, int exemplar) {
 }
 
 void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
-                    const std::vector<std::vector<float>>& penalty, const LocalBox& box, std::uint64_t seed,
-                    int iteration, LocalRegion& region, const Work& work) {
+                    const std::vector<std::vector<float>>& penalty, const LocalBox& box,
+                    const SearchSettings& settings, LocalRegion& region, const Work& work) {
   static const bool avx2 = has_avx2();
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     MatchFamily& f = region.families[k];
@@ -119,7 +125,7 @@ void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
     const ExemplarLevel& e = *exemplars[of];
     const auto columns = u.patches_over(box, kSliceColumns[axis]),
                rows = v.patches_over(box, kSliceRows[axis]);
-    const std::uint32_t key = search_key(seed, iteration, f.axis);
+    const std::uint32_t key = search_key(settings.seed, settings.iteration, f.axis);
     std::vector<std::uint32_t> next = f.at;
     work.part(static_cast<double>(k) / static_cast<double>(region.families.size()),
               (static_cast<double>(k) + 1) / static_cast<double>(region.families.size()))
@@ -138,7 +144,7 @@ void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
                                            rows,
                                            slice - s.from,
                                            mix32(static_cast<std::uint32_t>(wrapped(slice, s.period)) ^ key),
-                                           penalty[of].data(),
+                                           {penalty[of].data(), settings.copying},
                                            picture.data(),
                                            next.data(),
                                            f.weight.data(),

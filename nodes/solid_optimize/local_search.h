@@ -33,8 +33,8 @@ MatchFamily local_family(const LocalLines&, int axis, int exemplar);
 // Candidates are those of search_matches, with neighbours one to three patches away. Leaves squared distances
 // in the weights of those patches.
 void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
-                    const std::vector<std::vector<float>>& penalty, const LocalBox& box, std::uint64_t seed,
-                    int iteration, LocalRegion&, const Work&);
+                    const std::vector<std::vector<float>>& penalty, const LocalBox& box,
+                    const SearchSettings&, LocalRegion&, const Work&);
 
 // Copies what is stored beyond the ends of closed axes from where it was made.
 void copy_beyond(const LocalLines&, MatchFamily&, const Work&);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "nodes/common/band_statistics.h"
 #include "nodes/common/slice_family.h"
@@ -53,13 +54,26 @@ Eigen::Array3d gradients(const Picture& p) {
   return sum;
 }
 
-// Mean |difference| between slice s and the next.
-double step_across(const SolidField& field, int axis, int slice) {
-  const Picture a = slice_picture(field, axis, slice),
-                b = slice_picture(field, axis, (slice + 1) % field.size[axis]);
-  double sum = 0;
-  for (std::size_t i = 0; i < a.pixels.size(); ++i) sum += (a.pixels[i] - b.pixels[i]).norm();
-  return sum / static_cast<double>(a.pixels.size());
+// Mean |difference| between each slice and the next, in the order in which the field lies in memory.
+std::vector<double> steps_across(const SolidField& field, int axis) {
+  const Vec3i& size = field.size;
+  std::vector<double> sum(static_cast<std::size_t>(size[axis]), 0.0);
+  const std::ptrdiff_t steps[3] = {1, size.x(), static_cast<std::ptrdiff_t>(size.x()) * size.y()};
+  std::ptrdiff_t i = 0;
+  Vec3i at;
+  for (at[2] = 0; at[2] < size.z(); ++at[2])
+    for (at[1] = 0; at[1] < size.y(); ++at[1])
+      for (at[0] = 0; at[0] < size.x(); ++at[0], ++i) {
+        const std::ptrdiff_t next = i + (at[axis] + 1 < size[axis] ? 1 : 1 - size[axis]) * steps[axis];
+        float square = 0;
+        for (const auto& c : field.channel) {
+          const float d = c[static_cast<std::size_t>(next)] - c[static_cast<std::size_t>(i)];
+          square += d * d;
+        }
+        sum[static_cast<std::size_t>(at[axis])] += std::sqrt(square);
+      }
+  for (double& d : sum) d *= size[axis] / static_cast<double>(field.channel[0].size());
+  return sum;
 }
 
 // Every band of slices that tile.
@@ -111,6 +125,19 @@ void measure_values(const BandStatistics& wanted, const SolidField& field, Plane
 void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettings& s,
                     const SolidField& field, std::vector<PlaneMeasures>& out, const Work& work) {
   SliceFamily::Workspace space;
+  std::vector<double> floors(working.size(), -1);
+  const auto floor_of = [&](std::size_t exemplar) {
+    const SolidExemplar& e = working[exemplar];
+    const auto half = [&](int x0, int y0, int x1, int y1) { return std::vector{part_of(e, x0, y0, x1, y1)}; };
+    if (floors[exemplar] < 0)
+      floors[exemplar] =
+          std::max({0.0,
+                    patch_distance(half(0, 0, e.width / 2, e.height), half(e.width / 2, 0, e.width, e.height),
+                                   0, work.quiet()),
+                    patch_distance(half(0, 0, e.width, e.height / 2),
+                                   half(0, e.height / 2, e.width, e.height), 0, work.quiet())});
+    return floors[exemplar];
+  };
   for (PlaneMeasures& m : out) {
     const int axis = m.axis;
     const SolidExemplar& e = working[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)])];
@@ -141,16 +168,11 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
       if (k * most / n != (k + 1) * most / n) slices.push_back(std::move(p));
     }
     m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work.quiet()));
-    const auto half = [&](int x0, int y0, int x1, int y1) { return std::vector{part_of(e, x0, y0, x1, y1)}; };
-    m.patches_floor = std::max({0.0,
-                                patch_distance(half(0, 0, e.width / 2, e.height),
-                                               half(e.width / 2, 0, e.width, e.height), 0, work.quiet()),
-                                patch_distance(half(0, 0, e.width, e.height / 2),
-                                               half(0, e.height / 2, e.width, e.height), 0, work.quiet())});
+    m.patches_floor = floor_of(static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)]));
     if (!tiles) continue;
-    double inside = 0;
-    for (int k = 0; k + 1 < n; ++k) inside += step_across(field, axis, k) / (n - 1);
-    m.seam = inside > 0 ? step_across(field, axis, n - 1) / inside : 1;
+    const auto steps = steps_across(field, axis);
+    const double inside = std::accumulate(steps.begin(), steps.end() - 1, 0.0) / (n - 1);
+    m.seam = inside > 0 ? steps.back() / inside : 1;
   }
 }
 

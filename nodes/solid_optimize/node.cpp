@@ -236,7 +236,8 @@ void compute(Context& c) {
     for (const auto i : c.ints("iterations")) s.iterations.push_back(static_cast<int>(i));
   s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
   s.lab = c.text("color") == "lab";
-  s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.window = c.number("window");
+  s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.copying = c.number("copying"),
+  s.window = c.number("window");
   s.guide = c.number("guide");
   s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
   const bool features = !c.list("features").empty(), sources = c.boolean("sources");
@@ -417,6 +418,11 @@ NodeType solid_optimize_node() {
                          .range(0, 100)
                          .doc_("How much further an exemplar patch counts that is in use more often than the "
                                "mean: 0 lets one motif repeat"))
+          .parameter(Parameter::number("copying", 1)
+                         .range(0, 100)
+                         .doc_("How much further an exemplar patch counts that goes on from all four of its "
+                               "neighbours as they lie there: 0 lets whole pieces be copied, much more "
+                               "breaks them up"))
           .parameter(Parameter::number("guide", 1)
                          .range(0, 10)
                          .doc_("How much the distance to the border between dark and light counts beside "

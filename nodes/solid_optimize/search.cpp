@@ -54,6 +54,7 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   const std::uint32_t* below = &f.at[static_cast<std::size_t>((t.slice + f.slices - 1) % f.slices) * plane];
   const std::uint32_t* above = &f.at[static_cast<std::size_t>((t.slice + 1) % f.slices) * plane];
   float* weight = &f.weight[static_cast<std::size_t>(t.slice) * plane];
+  const Penalties penalties(t.penalty, t.settings.copying);
   const bool forwards = t.settings.iteration % 2 == 0;
   // Each sweep starts somewhere else: what it makes coherent along its way does not fit where it ends, which
   // must not always be the wrap.
@@ -72,20 +73,28 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
       const std::size_t n =
           static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + static_cast<std::size_t>(i);
       const float* query = t.features + static_cast<std::ptrdiff_t>(i) * dims;
-      Best best(e, t.penalty, query, at[n]);
+      const std::size_t row = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns);
+      const std::size_t left = row + static_cast<std::size_t>(i > 0 ? i - 1 : f.columns - 1),
+                        right = row + static_cast<std::size_t>(i + 1 < f.columns ? i + 1 : 0);
+      const std::size_t down = static_cast<std::size_t>(j > 0 ? j - 1 : f.rows - 1) * f.columns + i,
+                        up = static_cast<std::size_t>(j + 1 < f.rows ? j + 1 : 0) * f.columns + i;
+      // Across the wrap of an odd width the step is 1, not 2.
+      const int from_left = i > 0 || f.width % 2 == 0 ? 2 : 1,
+                from_right = i + 1 < f.columns || f.width % 2 == 0 ? -2 : -1,
+                from_down = j > 0 || f.height % 2 == 0 ? 2 : 1,
+                from_up = j + 1 < f.rows || f.height % 2 == 0 ? -2 : -1;
+      const FourInts goes_on = {at[left] + static_cast<std::uint32_t>(from_left),
+                                at[right] + static_cast<std::uint32_t>(from_right),
+                                at[down] + static_cast<std::uint32_t>(from_down * e.width),
+                                at[up] + static_cast<std::uint32_t>(from_up * e.width)};
+      Best best(e, query, penalties, goes_on, at[n]);
       if (t.settings.exhaustive) {
         for (const auto c : e.starts) best.consider(c);
       } else {
-        const std::size_t row = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns);
-        const std::size_t left = row + static_cast<std::size_t>(i > 0 ? i - 1 : f.columns - 1),
-                          right = row + static_cast<std::size_t>(i + 1 < f.columns ? i + 1 : 0);
-        const std::size_t down = static_cast<std::size_t>(j > 0 ? j - 1 : f.rows - 1) * f.columns + i,
-                          up = static_cast<std::size_t>(j + 1 < f.rows ? j + 1 : 0) * f.columns + i;
-        // Across the wrap of an odd width the step is 1, not 2.
-        best.shifted(at[left], i > 0 || f.width % 2 == 0 ? 2 : 1, 0);
-        best.shifted(at[right], i + 1 < f.columns || f.width % 2 == 0 ? -2 : -1, 0);
-        best.shifted(at[down], 0, j > 0 || f.height % 2 == 0 ? 2 : 1);
-        best.shifted(at[up], 0, j + 1 < f.rows || f.height % 2 == 0 ? -2 : -1);
+        best.shifted(at[left], from_left, 0);
+        best.shifted(at[right], from_right, 0);
+        best.shifted(at[down], 0, from_down);
+        best.shifted(at[up], 0, from_up);
         best.consider(below[n]);
         best.consider(above[n]);
         best.similar();

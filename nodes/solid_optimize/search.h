@@ -17,6 +17,7 @@ struct SolidField {
 
 struct SearchSettings {
   float overuse = 1;  // how much a patch in use more often than others counts as further
+  float copying = 1;  // how much one that goes on from all four neighbours' as they lie in the exemplar does
   bool exhaustive = false;
   std::uint64_t seed = 1;
   int iteration = 0;  // tells the random draws and the direction of the sweep apart
@@ -24,8 +25,9 @@ struct SearchSettings {
 
 // Improves the matches of all families: each patch tries the previous match, those of its six neighbours (in
 // its plane, moved along), patches similar to the best so far, and a shrinking random search (Barnes et al.
-// 2009; Tong et al. 2002). The score is d²·(1 + overuse·(use/mean use − 1)) where use is above the mean.
-// Leaves squared distances in `weight`. Equal bits for any number of threads.
+// 2009; Tong et al. 2002). The score is d²·(1 + overuse·(use/mean use − 1)), where use is above the mean,
+// times 1 + copying · n/4, where it goes on from n of the four neighbours in its plane. Leaves squared
+// distances in `weight`. Equal bits for any number of threads.
 void search_matches(const SolidField&, const std::vector<const ExemplarLevel*>& exemplars,
                     std::vector<MatchFamily>&, const SearchSettings&, const Work&);
 

@@ -99,8 +99,8 @@ std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplar
     const int rounds = schedule.iterations[static_cast<std::size_t>(level)];
     for (int i = 0; i < rounds; ++i, ++iteration) {
       const Work step = schedule.part(work, level, i, i + 1);
-      SearchSettings search;
-      search.overuse = static_cast<float>(s.overuse), search.seed = s.seed, search.iteration = iteration;
+      SearchSettings search = search_settings(s);
+      search.iteration = iteration;
       // All patches are tried now and then: between, coherence finds what is as near.
       search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000 && i % kExhaustiveEvery == 0;
       search_matches(field, at_level, families, search, step.part(0, 0.6));

@@ -30,12 +30,13 @@ struct SolidSettings {
   bool lab = true;
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
-  double guide = 1;              // weight of the distance to borders (guide.h), on levels that are made whole
-  double window = 0.05;          // of the mean shift at the end of each level; it starts ten times as wide
-  int finish = 2;                // rounds of matching the finest bands
-  bool sources = false;          // say where each voxel comes from
-  bool papers = false;           // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
-  bool local = false;            // the finer levels by passes that know of a voxel's surroundings alone
+  double copying = 1;    // how much a patch counts as further that goes on from its neighbours' (search.h)
+  double guide = 1;      // weight of the distance to borders (guide.h), on levels that are made whole
+  double window = 0.05;  // of the mean shift at the end of each level; it starts ten times as wide
+  int finish = 2;        // rounds of matching the finest bands
+  bool sources = false;  // say where each voxel comes from
+  bool papers = false;   // the recipe of Laursen, Ersbøll and Bærentzen 2011 instead
+  bool local = false;    // the finer levels by passes that know of a voxel's surroundings alone
   int local_iterations = 2;      // of those; 0: as `iterations` says
   Vec3i blocks = Vec3i::Ones();  // into which a local solid is cut along each axis
   LocalLimits local_limits;

@@ -1,5 +1,5 @@
-// Several floats at a time, and the choice between builds of one loop: for processors with AVX-512, with AVX2,
-// and for all others. All do the same operations in the same order, so their results are the same bits.
+// Several floats at a time, and the choice between builds of one loop: for processors with AVX-512, with
+// AVX2, and for all others. All do the same operations in the same order, so their results are the same bits.
 #pragma once
 
 #include <cstdint>
