@@ -10,7 +10,7 @@ namespace terrazzo::solid_optimize {
 
 void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings& s, SolidField& field,
                   const Work& work) {
-  constexpr int scales = 2, last_scale = 1;
+  constexpr int scales = 3, last_scale = 2;
   std::vector<BandStatistics> wanted(working.size());
   for (std::size_t e = 0; e < working.size(); ++e) {
     Image picture(working[e].width, working[e].height, 1, 1);

@@ -38,27 +38,29 @@ void smooth(const std::vector<float>& in, int width, int height, int gap, std::v
     }
 }
 
-// Both bands of a picture of width × height, less a margin of kFinishReach.
+// The bands of a picture of width × height, less a margin of kFinishReach.
 struct Bands {
-  std::vector<float> picture, once, twice, row;
+  std::vector<float> picture, rows, once, rows_again, twice;
   std::array<std::vector<float>, kFinishBands> band;
 
   void split(int width, int height) {
-    smooth(picture, width, height, 1, row, once);
+    smooth(picture, width, height, 1, rows, once);
     const int less = width - 2 * kRadius;
-    smooth(once, less, height - 2 * kRadius, 2, row, twice);
+    smooth(once, less, height - 2 * kRadius, 2, rows_again, twice);
     const int w = width - 2 * kFinishReach, h = height - 2 * kFinishReach;
     for (auto& b : band) b.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+    const auto at = [](const std::vector<float>& of, int wide, int x, int y) {
+      return of[static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) + static_cast<std::size_t>(x)];
+    };
+    std::size_t i = 0;
     for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t i =
-            static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
-        const float all =
-                        picture[static_cast<std::size_t>(y + kFinishReach) * static_cast<std::size_t>(width) +
-                                static_cast<std::size_t>(x + kFinishReach)],
-                    low = once[static_cast<std::size_t>(y + 2 * kRadius) * static_cast<std::size_t>(less) +
-                               static_cast<std::size_t>(x + 2 * kRadius)];
-        band[0][i] = all - low, band[1][i] = low - twice[i];
+      for (int x = 0; x < w; ++x, ++i) {
+        const float all = at(picture, width, x + kFinishReach, y + kFinishReach),
+                    row = at(rows, less, x + 2 * kRadius, y + kFinishReach),
+                    low = at(once, less, x + 2 * kRadius, y + 2 * kRadius),
+                    low_row = at(rows_again, w, x, y + 2 * kRadius);
+        band[0][i] = all - row, band[1][i] = row - low;
+        band[2][i] = low - low_row, band[3][i] = low_row - twice[i];
       }
   }
 };
@@ -124,7 +126,8 @@ std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& e, int cha
     bands.picture.clear();
     for (const auto& p : e.pixels) bands.picture.push_back(p[c]);
     bands.split(e.width, e.height);
-    out.push_back({quantiles_of(bands.band[0]), quantiles_of(bands.band[1])});
+    out.emplace_back();
+    for (const auto& b : bands.band) out.back().push_back(quantiles_of(b));
   }
   return out;
 }

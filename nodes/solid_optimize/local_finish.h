@@ -7,16 +7,17 @@
 
 namespace terrazzo::solid_optimize {
 
-constexpr int kFinishBands = 2;
+constexpr int kFinishBands = 4;
 constexpr int kFinishReach = 9;   // voxels that a round looks about itself
 constexpr int kFinishLeast = 24;  // pixels of an exemplar's side, which leave 6 × 6 to measure
 
-// The finest bands of a picture: it less itself smoothed, and the smoothed one less itself smoothed by the
-// same filter with gaps of a pixel (an à-trous transform; Holschneider et al. 1989). Per channel and band,
-// all but a margin of kFinishReach.
+// The finest bands of a picture: it less itself smoothed along rows, that less itself smoothed along columns
+// too, and the smoothed one likewise by the same filter with gaps of a pixel (an à-trous transform;
+// Holschneider et al. 1989). Details across and along rows apart, or layers come out as stripes. Per channel
+// and band, all but a margin of kFinishReach.
 std::vector<std::vector<Quantiles>> finest_bands(const SolidExemplar& working, int channels);
 
-// Root of the mean square of the first of them over all channels, of a picture of 7 × 7 or more.
+// Root of the mean square of the first two together over all channels, of a picture of 7 × 7 or more.
 double finest_deviation(const SolidExemplar& working, int channels);
 
 // One round on one channel, in `box`; what is stored is right kFinishReach further out. The bands of the

@@ -252,13 +252,14 @@ TEST(SolidBlocks, FinestBandsOfAPictureAreItsDetails) {
   so::SolidExemplar e;
   e.width = e.height = 32;
   for (int i = 0; i < 32 * 32; ++i)
-    e.pixels.push_back(Vec3f(5, i % 2 ? 1.0f : -1.0f, static_cast<float>(i % 32)));
+    e.pixels.push_back(Vec3f(i / 32 % 2 ? 1.0f : -1.0f, i % 2 ? 1.0f : -1.0f, static_cast<float>(i % 32)));
   const auto bands = so::finest_bands(e, 3);
-  EXPECT_EQ(bands[0][0].deviation, 0);
-  EXPECT_NEAR(bands[1][0].deviation, 1, 1e-6);  // every other column: all of it in the first
-  EXPECT_NEAR(bands[1][1].deviation, 0, 1e-6);
-  EXPECT_NEAR(bands[2][0].deviation, 0, 1e-5);  // a ramp has none
-  EXPECT_NEAR(bands[2][1].deviation, 0, 1e-5);
+  ASSERT_EQ(bands[0].size(), 4u);
+  for (std::size_t b = 0; b < 4; ++b) {
+    EXPECT_NEAR(bands[0][b].deviation, b == 1, 1e-6) << b;  // every other row: all of it along columns
+    EXPECT_NEAR(bands[1][b].deviation, b == 0, 1e-6) << b;  // every other column: all of it along rows
+    EXPECT_NEAR(bands[2][b].deviation, 0, 1e-5) << b;       // a ramp has none
+  }
 }
 
 }  // namespace
