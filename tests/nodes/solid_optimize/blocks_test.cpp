@@ -127,7 +127,7 @@ TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {
   for (std::size_t a = 0; a < 3; ++a) {
     EXPECT_LT(local.measures[a].patches, 1.5 * sweeps.measures[a].patches + 0.01) << a;
     EXPECT_LT(local.measures[a].histogram, 0.06) << a;
-    EXPECT_NEAR(local.measures[a].bands[0], 1, 0.15) << a;
+    EXPECT_NEAR(local.measures[a].bands[0], 1, 0.3) << a;  // blobs have next to none
     EXPECT_LT(local.measures[a].copied_worst, 0.8) << a;
     EXPECT_LT(local.measures[a].stripes_worst, 3) << a;
   }

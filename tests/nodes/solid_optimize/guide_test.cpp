@@ -96,8 +96,9 @@ TEST(SolidGuide, VeinsHangTogether) {
   double got[2] = {};
   for (int guided = 0; guided < 2; ++guided)
     for (const char* seed : {"1", "2"}) {
-      const auto r = test::run_node("SolidOptimize", {{"exemplar", Value::of<Image>(exemplar)}},
-                                    {{"size", "64"}, {"guide", guided ? "1" : "0"}, {"seed", seed}});
+      const auto r =
+          test::run_node("SolidOptimize", {{"exemplar", Value::of<Image>(exemplar)}},
+                         {{"size", "64"}, {"guide", guided ? "1" : "0"}, {"copying", "0"}, {"seed", seed}});
       const auto& grid = *r.output<Volume>("volume").find<openvdb::Vec3SGrid>("Cd");
       const auto read = grid.getConstAccessor();
       Image slices(64, 64, 8, 0.1);
