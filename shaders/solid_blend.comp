@@ -1,9 +1,9 @@
-// New voxel values from the matched patches that overlap there: blend_patches() of nodes/solid_optimize and the
-// map of values after it. An invocation has one voxel.
+// New voxel values from the matched patches that overlap there: blend_patches() of nodes/solid_optimize. An
+// invocation has one voxel.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
-const int kPatch = 8, kMost = 84, kBins = 4096;
+const int kPatch = 8, kMost = 84;
 const float kInner[kPatch] = float[](0.0657285, 0.2493522, 0.6065307, 0.9459595,
                                      0.9459595, 0.6065307, 0.2493522, 0.0657285);
 
@@ -12,7 +12,6 @@ layout(std430, binding = 1) readonly buffer Matches { uint matches[]; };
 layout(std430, binding = 3) readonly buffer Weights { float weights[]; };
 layout(std430, binding = 4) readonly buffer Lines { int lines[]; };
 layout(std430, binding = 5) readonly buffer Texels { vec4 texels[]; };  // exemplar by exemplar
-layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };      // value and rise, channel by channel
 
 uniform int channels, families, voxels;
 uniform ivec3 size, first, last;  // voxels stored; to do
@@ -21,22 +20,12 @@ uniform int first_match[3], columns[3], rows[3], first_texel[3], exemplar_width[
 uniform int starts_at[3], covers_at[3];  // in lines, per axis; covers are first patch and count
 uniform int from[3];                     // first stored voxel, per axis
 uniform float window;
-uniform float map_low[3], map_scale[3];
 
 vec4 value[3][kMost / 4], weight[kMost / 4];
 
 float sum_of(vec4 v) {
   precise float s = (v.x + v.z) + (v.y + v.w);
   return s;
-}
-
-float mapped(int c, float v) {
-  precise float x = (v - map_low[c]) * map_scale[c];
-  x = clamp(x, 0.0, float(kBins) - 0.001);
-  int bin = int(x);
-  vec2 b = maps[c * kBins + bin];
-  precise float y = b.x + (x - float(bin)) * b.y;
-  return y;
 }
 
 void main() {
@@ -114,5 +103,5 @@ void main() {
     }
   }
   int voxel = (at.z * size.y + at.y) * size.x + at.x;
-  for (int c = 0; c < channels; ++c) field[c * voxels + voxel] = mapped(c, mean[c]);
+  for (int c = 0; c < channels; ++c) field[c * voxels + voxel] = mean[c];
 }

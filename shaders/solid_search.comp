@@ -8,14 +8,14 @@ const int kPatch = 8, kMostDims = 32, kReach = 3, kSimilar = 4;
 layout(std430, binding = 0) readonly buffer Field { float field[]; };       // channel by channel
 layout(std430, binding = 1) readonly buffer Matches { uint matches[]; };    // family by family
 layout(std430, binding = 2) writeonly buffer Next { uint next[]; };         // of this family
-layout(std430, binding = 3) writeonly buffer Weights { float weights[]; };  // family by family
+layout(std430, binding = 3) writeonly buffer Weights { float weights[]; };  // family by family; squared distances
 layout(std430, binding = 4) readonly buffer Lines { int lines[]; };         // starts of patches
 layout(std430, binding = 5) readonly buffer Features { float features[]; };
 layout(std430, binding = 6) readonly buffer Similar { uint similar[]; };
-layout(std430, binding = 7) readonly buffer Model { float model[]; };  // basis, −bias, penalty, weights' table
+layout(std430, binding = 7) readonly buffer Model { float model[]; };  // basis, −bias, penalty
 
 uniform int channels, dims, exemplar_width, exemplar_height;
-uniform int bias_at, penalty_at, table_at;        // in model
+uniform int bias_at, penalty_at;                  // in model
 uniform int first_match, columns, rows;           // of this family
 uniform ivec3 first, last;                        // column, row, slice to do, among those stored
 uniform ivec3 stride;                             // of the field, along columns, rows and slices
@@ -24,7 +24,7 @@ uniform ivec2 starts_at, from;                    // in lines; first stored voxe
 uniform ivec3 number;                             // of stored column, row and slice 0 on the torus, not below 0 …
 uniform ivec3 around;                             // … and how many there are
 uniform uint key;
-uniform float inverse_floor, copying;
+uniform float copying;
 
 float query[kMostDims];
 uint best;
@@ -106,15 +106,6 @@ void around_best(uint draw) {
   }
 }
 
-// The table's entry for 1 + x, linear between.
-float weight_of(float x) {
-  precise float y = 1.0 + x;
-  uint bits = min(floatBitsToUint(y) - 0x3f800000u, 24u * 128u * 65536u - 1u);
-  int i = table_at + int(bits >> 16);
-  precise float w = model[i] + float(bits & 0xffffu) * (1.0 / 65536.0) * (model[i + 1] - model[i]);
-  return w;
-}
-
 void main() {
   ivec3 at = first + ivec3(gl_GlobalInvocationID);
   if (at.x >= last.x || at.y >= last.y || at.z >= last.z) return;
@@ -155,5 +146,5 @@ void main() {
   place = mix32(uint((number.y + at.y) % around.y) ^ place);
   around_best(mix32(uint((number.x + at.x) % around.x) ^ place));
   next[n - first_match] = best;
-  weights[n] = weight_of(best_distance * inverse_floor);
+  weights[n] = best_distance;
 }

@@ -1,5 +1,7 @@
 #include "nodes/solid_optimize/blocks.h"
 
+#include <utility>
+
 #include "nodes/common/slice_axes.h"
 #include "nodes/solid_optimize/measures.h"
 
@@ -72,9 +74,10 @@ void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& 
   for (int l = whole.level + 1; l < out.levels; ++l)
     for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(l)], work.quiet());
   LocalLevels local(working, pyramids, s, iterations, std::move(whole), gl);
-  local.measure(work.part(0, 0.2));
   const LocalBox box = block_box(s);
-  LocalRegion region = local.make(box, s.sources ? &out.sources : nullptr, work.part(0.2, 1));
+  BlendSources* const sources = s.sources ? &out.sources : nullptr;
+  auto everywhere = local.measure(sources, work.part(0, 0.4));
+  LocalRegion region = everywhere ? std::move(*everywhere) : local.make(box, sources, work.part(0.4, 1));
   out.size = box.size(), out.origin = box.lo;
   out.measures = measure_copies(families_in(box, region));
   region.families.clear();

@@ -24,7 +24,7 @@ constexpr const char* kHint = "set device: cpu, or install a newer driver";
 struct LocalGl::Gl {
   EglContext context;
   bool software;
-  GLuint search = 0, blend = 0, copy = 0, program = 0;
+  GLuint search = 0, weigh = 0, blend = 0, map = 0, copy = 0, program = 0;
 
   explicit Gl(GlDevice device) : context(device), software(device == GlDevice::Cpu) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
@@ -156,10 +156,9 @@ struct LineTables {
 template <class Gl>
 struct ExemplarBuffers {
   Buffer<Gl> features, similar, model;
-  int bias_at, penalty_at, table_at;
+  int bias_at, penalty_at;
 
-  ExemplarBuffers(const Gl& gl, const ExemplarLevel& e, const std::vector<float>& penalty,
-                  const WeightTable& weights)
+  ExemplarBuffers(const Gl& gl, const ExemplarLevel& e, const std::vector<float>& penalty)
       : features(gl), similar(gl), model(gl) {
     features.fill(e.features);
     similar.fill(e.similar);
@@ -168,8 +167,6 @@ struct ExemplarBuffers {
     for (const float b : e.space.bias) m.push_back(-b);
     penalty_at = static_cast<int>(m.size());
     for (std::size_t i = 0; i < penalty.size(); ++i) m.push_back(e.usable[i] ? penalty[i] : 0.0f);
-    table_at = static_cast<int>(m.size());
-    m.insert(m.end(), weights.entries().begin(), weights.entries().end());
     model.fill(m);
   }
 };
@@ -178,7 +175,9 @@ struct ExemplarBuffers {
 
 LocalGl::LocalGl(GlDevice device) : gl_(std::make_unique<Gl>(device)) {
   gl_->search = make_gl_program(gl_->context, "solid_search.comp", kHint);
+  gl_->weigh = make_gl_program(gl_->context, "solid_weigh.comp", kHint);
   gl_->blend = make_gl_program(gl_->context, "solid_blend.comp", kHint);
+  gl_->map = make_gl_program(gl_->context, "solid_map.comp", kHint);
   gl_->copy = make_gl_program(gl_->context, "solid_copy.comp", kHint);
 }
 
@@ -186,16 +185,17 @@ LocalGl::~LocalGl() = default;
 
 const std::string& LocalGl::renderer() const { return gl_->context.renderer(); }
 
-void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region, const Work& work) {
+void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, LocalRegion& region,
+                  const Work& work) {
   Gl& gl = *gl_;
   const LocalLines& lines = region.lines;
   const Vec3i stored = region.field.size;
   const std::size_t channels = region.field.channel.size(), voxels = region.field.channel[0].size();
-  const WeightTable weights(passes.power);
   const LineTables tables(lines);
   using Buffer = Buffer<Gl>;
-  Buffer field(gl), matches(gl), next(gl), weight(gl), numbers(gl), texels(gl), maps(gl);
+  Buffer field(gl), matches(gl), next(gl), weight(gl), numbers(gl), texels(gl), maps(gl), table(gl);
   numbers.fill(tables.numbers);
+  table.fill(WeightTable(passes.power).entries());
   field.resize(channels * voxels * sizeof(float));
 
   std::vector<ExemplarBuffers<Gl>> exemplars;
@@ -203,7 +203,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
   {
     std::vector<float> all;
     for (std::size_t e = 0; e < passes.exemplars.size(); ++e) {
-      exemplars.emplace_back(gl, *passes.exemplars[e], passes.statistics.penalty[e], weights);
+      exemplars.emplace_back(gl, *passes.exemplars[e], passes.statistics.penalty[e]);
       first_texel.push_back(static_cast<int>(all.size() / 4));
       all.insert(all.end(), passes.exemplars[e]->texels.begin(), passes.exemplars[e]->texels.end());
     }
@@ -234,15 +234,8 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
 
   const auto blend = [&](std::size_t i, const Work& step) {
     const LocalBox& box = passes.plan.blend[i];
-    std::vector<Remap::Bin> bins;
     gl.use(gl.blend);
-    for (std::size_t c = 0; c < channels; ++c) {
-      const Remap& map = passes.statistics.values[i][c].map();
-      bins.insert(bins.end(), map.bins().begin(), map.bins().end());
-      gl.set(fmt::format("map_low[{}]", c), map.low()), gl.set(fmt::format("map_scale[{}]", c), map.scale());
-    }
-    maps.fill(bins);
-    field.bind(0), matches.bind(1), weight.bind(3), numbers.bind(4), texels.bind(5), maps.bind(6);
+    field.bind(0), matches.bind(1), weight.bind(3), numbers.bind(4), texels.bind(5);
     gl.set("channels", static_cast<int>(channels)), gl.set("voxels", static_cast<int>(voxels));
     gl.set("families", static_cast<int>(region.families.size()));
     gl.set("size", stored), gl.set("window", passes.windows[i]);
@@ -264,10 +257,29 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
       gl.set(fmt::format("from[{}]", a), lines[a].from);
       first[k] = box.lo[k] - lines[a].from, last[k] = box.hi[k] - lines[a].from;
     }
-    gl.dispatch(last - first, step, [&](int z, int end) {
+    const auto part = [&](int z, int end) {
       gl.set("first", Vec3i(first + Vec3i(0, 0, z)));
       gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
-    });
+    };
+    gl.dispatch(last - first, step, part);
+    if (probe) {
+      for (std::size_t c = 0; c < channels; ++c)
+        field.read(c * voxels * sizeof(float), region.field.channel[c]);
+      measure_values(*probe, region);
+    }
+    std::vector<Remap::Bin> bins;
+    for (const ValueMap& m : passes.statistics.values[i])
+      bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
+    maps.fill(bins);
+    gl.use(gl.map);
+    field.bind(0), maps.bind(6);
+    gl.set("voxels", static_cast<int>(voxels)), gl.set("size", stored);
+    for (std::size_t c = 0; c < channels; ++c) {
+      const Remap& map = passes.statistics.values[i][c].map();
+      gl.set("channel", static_cast<int>(c));
+      gl.set("map_low", map.low()), gl.set("map_scale", map.scale());
+      gl.dispatch(last - first, work.quiet(), part);
+    }
     for (std::size_t c = 0; c < channels; ++c)
       copy_beyond(field, c * voxels, stored, Vec3i(tables.voxels[0], tables.voxels[1], tables.voxels[2]));
   };
@@ -289,7 +301,6 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
     gl.set("channels", static_cast<int>(channels)), gl.set("dims", e.space.dims);
     gl.set("exemplar_width", e.width), gl.set("exemplar_height", e.height);
     gl.set("bias_at", exemplars[of].bias_at), gl.set("penalty_at", exemplars[of].penalty_at);
-    gl.set("table_at", exemplars[of].table_at);
     gl.set("first_match", static_cast<int>(first_match[k]));
     gl.set("columns", f.columns), gl.set("rows", f.rows), gl.set("voxels", static_cast<int>(voxels));
     const Vec3i steps(1, stored.x(), stored.x() * stored.y());
@@ -304,7 +315,6 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
     gl.Uniform1ui(gl.at("key"),
                   search_key(passes.search.seed, passes.search.iteration + static_cast<int>(i), f.axis));
     gl.set("copying", passes.search.copying);
-    gl.set("inverse_floor", 1 / passes.statistics.floor[i][k]);
     const auto columns = u.patches_over(box, ua), rows = v.patches_over(box, va);
     const Vec3i first(columns[0], rows[0], box.lo[f.axis] - s.from),
         last(columns[1], rows[1], box.hi[f.axis] - s.from);
@@ -313,6 +323,27 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
       gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
     });
     next.copy(0, matches, at, bytes);
+  };
+
+  // Squared distances become weights.
+  const auto weigh = [&](std::size_t i, std::size_t k) {
+    const LocalBox& box = passes.plan.blend[i + 1];
+    const MatchFamily& f = region.families[k];
+    const auto axis = static_cast<std::size_t>(f.axis);
+    const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+    const auto columns = lines[static_cast<std::size_t>(ua)].patches_over(box, ua),
+               rows = lines[static_cast<std::size_t>(va)].patches_over(box, va);
+    gl.use(gl.weigh);
+    weight.bind(3), table.bind(7);
+    gl.set("first_match", static_cast<int>(first_match[k]));
+    gl.set("columns", f.columns), gl.set("rows", f.rows);
+    gl.set("inverse_floor", 1 / passes.statistics.floor[i][k]);
+    const Vec3i first(columns[0], rows[0], box.lo[f.axis] - lines[axis].from),
+        last(columns[1], rows[1], box.hi[f.axis] - lines[axis].from);
+    gl.dispatch(last - first, work.quiet(), [&](int z, int end) {
+      gl.set("first", Vec3i(first + Vec3i(0, 0, z)));
+      gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
+    });
     const Vec3i size(f.columns, f.rows, f.slices),
         from(tables.patches[static_cast<std::size_t>(ua)], tables.patches[static_cast<std::size_t>(va)],
              tables.voxels[axis]);
@@ -331,6 +362,12 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalRegion& region,
       search(i, k,
              work.part(share(0.6 * static_cast<double>(k) / families),
                        share(0.6 * static_cast<double>(k + 1) / families)));
+    if (probe) {
+      for (std::size_t k = 0; k < region.families.size(); ++k)
+        weight.read(first_match[k] * sizeof(float), region.families[k].weight);
+      measure_floors(*probe, region);
+    }
+    for (std::size_t k = 0; k < region.families.size(); ++k) weigh(i, k);
     if (i + 1 < rounds || to_blend) blend(i + 1, work.part(share(0.6), share(1)));
   }
   for (std::size_t k = 0; k < region.families.size(); ++k) {

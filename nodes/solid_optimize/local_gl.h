@@ -20,7 +20,7 @@ class LocalGl {
   // taken in the processor's order, so that only its divisions, roots and fused products may round otherwise;
   // where two patches are then as near as that, another may be taken. Throws Error "too-large-for-gl" where
   // the region does not fit into the device's buffers.
-  void run(const LocalPasses&, bool to_blend, LocalRegion&, const Work&);
+  void run(const LocalPasses&, bool to_blend, LocalProbe*, LocalRegion&, const Work&);
   const std::string& renderer() const;
 
  private:

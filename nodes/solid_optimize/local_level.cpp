@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "nodes/common/band_statistics.h"
 #include "nodes/common/slice_axes.h"
@@ -166,14 +167,15 @@ LocalRegion LocalLevels::run(int level, const LocalBox& wanted, Upto upto, const
     if (any) sources->features.assign(voxels(region.field.size), Vec3f::Zero());
   }
   const bool to_blend = upto != Upto::Matches;
-  if (gl_ && !core) {
-    gl_->run(passes, to_blend && !sources, region, own.part(0, 0.8));
-    if (sources) blend_pass(passes, plan.blend.size() - 1, nullptr, sources, features, region, work.quiet());
-  } else if (core) {
-    LocalProbe probe{*core, targets.values, *measured};
-    run_passes(passes, to_blend, &probe, sources, features, region, own.part(0, 0.8));
+  std::optional<LocalProbe> probe;
+  if (core) probe.emplace(LocalProbe{*core, targets.values, *measured});
+  LocalProbe* const measuring = probe ? &*probe : nullptr;
+  if (gl_) {
+    gl_->run(passes, to_blend && !sources, measuring, region, own.part(0, 0.8));
+    if (sources)
+      blend_pass(passes, plan.blend.size() - 1, measuring, sources, features, region, work.quiet());
   } else {
-    run_passes(passes, to_blend, nullptr, sources, features, region, own.part(0, 0.8));
+    run_passes(passes, to_blend, measuring, sources, features, region, own.part(0, 0.8));
   }
   if (finish == 0) return region;
   if (core) measured->finish.resize(static_cast<std::size_t>(channels_));

@@ -2,6 +2,7 @@
 // place alone, so that it is the same whatever else is made, and in whatever order.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "nodes/solid_optimize/levels.h"
@@ -25,12 +26,13 @@ LocalBox probe_box(const Vec3i& level, const LocalLimits&);
 class LocalLevels {
  public:
   // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for
-  // what it measures and for the finish.
+  // the finish.
   LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
               const std::vector<int>& iterations, WholeLevel&&, LocalGl* gl = nullptr);
 
-  // Fixes the statistics of all levels above the whole one. Once, before anything is made.
-  void measure(const Work&);
+  // Fixes the statistics of all levels above the whole one. Once, before anything is made. Where the probe is
+  // all of the finest level, that is made then, with `sources` as make() takes them.
+  std::optional<LocalRegion> measure(BlendSources* sources, const Work&);
   // A part of the finest level. `sources` may be null; its arrays get the shape of the region's field.
   LocalRegion make(const LocalBox&, BlendSources* sources, const Work&) const;
 

@@ -28,17 +28,6 @@ void each_patch(const LocalLines& lines, const MatchFamily& f, const LocalBox& b
             static_cast<std::size_t>(i));
 }
 
-// Per family, of the patches in a box.
-std::vector<float> mean_distances(const LocalRegion& region, const LocalBox& box) {
-  std::vector<float> out;
-  for (const MatchFamily& f : region.families) {
-    double sum = 0, n = 0;
-    each_patch(region.lines, f, box, [&](std::size_t p) { sum += f.weight[p], ++n; });
-    out.push_back(static_cast<float>(std::max(sum / n, 1e-12)));
-  }
-  return out;
-}
-
 // Squared distances of the patches over a box become weights.
 void weigh_box(const LocalLines& lines, const LocalBox& box, const WeightTable& table, float floor,
                MatchFamily& f, const Work& work) {
@@ -86,6 +75,21 @@ std::vector<float> values_in(const LocalBox& box, const LocalRegion& region, int
   return out;
 }
 
+void measure_values(LocalProbe& probe, const LocalRegion& region) {
+  auto& maps = probe.measured.values.emplace_back();
+  for (std::size_t c = 0; c < region.field.channel.size(); ++c)
+    maps.emplace_back(values_in(probe.box, region, static_cast<int>(c)), probe.values[c]);
+}
+
+void measure_floors(LocalProbe& probe, const LocalRegion& region) {
+  auto& floors = probe.measured.floor.emplace_back();
+  for (const MatchFamily& f : region.families) {
+    double sum = 0, n = 0;
+    each_patch(region.lines, f, probe.box, [&](std::size_t p) { sum += f.weight[p], ++n; });
+    floors.push_back(static_cast<float>(std::max(sum / n, 1e-12)));
+  }
+}
+
 void blend_pass(const LocalPasses& passes, std::size_t blend, LocalProbe* probe, BlendSources* sources,
                 const std::vector<const std::vector<Vec3f>*>& features, LocalRegion& region,
                 const Work& work) {
@@ -99,12 +103,7 @@ void blend_pass(const LocalPasses& passes, std::size_t blend, LocalProbe* probe,
   blend_patches(passes.exemplars, region.families, {passes.windows[blend]}, range, region.field, sources,
                 &features, work);
   auto& channels = region.field.channel;
-  if (probe) {
-    probe->measured.values.emplace_back();
-    for (std::size_t c = 0; c < channels.size(); ++c)
-      probe->measured.values.back().emplace_back(values_in(probe->box, region, static_cast<int>(c)),
-                                                 probe->values[c]);
-  }
+  if (probe) measure_values(*probe, region);
   for (std::size_t c = 0; c < channels.size(); ++c) {
     work.quiet().parallel(channels[c].size(), 1 << 16, [&](std::size_t b, std::size_t e) {
       passes.statistics.values[blend][c].apply(channels[c].data() + b, e - b);
@@ -126,7 +125,7 @@ void run_passes(const LocalPasses& passes, bool to_blend, LocalProbe* probe, Ble
     SearchSettings search = passes.search;
     search.iteration += i;
     search_locally(passes.exemplars, passes.statistics.penalty, box, search, region, step.part(0, 0.6));
-    if (probe) probe->measured.floor.push_back(mean_distances(region, probe->box));
+    if (probe) measure_floors(*probe, region);
     for (std::size_t f = 0; f < region.families.size(); ++f) {
       weigh_box(region.lines, box, weights, passes.statistics.floor[k][f], region.families[f], work.quiet());
       copy_beyond(region.lines, region.families[f], work.quiet());

@@ -33,6 +33,10 @@ struct LocalProbe {
   LevelStatistics& measured;
 };
 
+// Of a region as the last blend left it, before its map; and as the last search did, before its weights.
+void measure_values(LocalProbe&, const LocalRegion&);
+void measure_floors(LocalProbe&, const LocalRegion&);
+
 // All passes on the processor, from the carried matches of a region; the last blend if `to_blend`, with
 // `sources` (may be null, of the field's shape) and `features`, per exemplar, as blend_patches takes them.
 void run_passes(const LocalPasses&, bool to_blend, LocalProbe*, BlendSources* sources,

@@ -1,6 +1,7 @@
 // What is fixed before any part is made.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "nodes/solid_optimize/local_level.h"
@@ -113,10 +114,9 @@ LocalLevels::Targets LocalLevels::targets_in(int level, const LocalBox& core, co
   return out;
 }
 
-void LocalLevels::measure(const Work& work) {
-  // By the processor, so that what is measured does not depend on the device.
-  LocalGl* const gl = std::exchange(gl_, nullptr);
+std::optional<LocalRegion> LocalLevels::measure(BlendSources* sources, const Work& work) {
   const auto coarse = penalties_of(level_of(pyramids_, whole_.level), whole_.families, settings_.overuse);
+  std::optional<LocalRegion> everywhere;
   for (int level = whole_.level + 1; level < levels_; ++level) {
     LevelStatistics& s = statistics_[static_cast<std::size_t>(level)];
     for (std::size_t e = 0; e < pyramids_.size(); ++e)
@@ -124,11 +124,14 @@ void LocalLevels::measure(const Work& work) {
                                           pyramids_[e][static_cast<std::size_t>(level)]));
     const LocalBox core = probe_box(size(level), settings_.local_limits);
     const double n = levels_ - 1 - whole_.level;
-    run(level, core, level + 1 == levels_ ? Upto::Finish : Upto::Blend, s, &s, &core, nullptr,
-        work.part((level - whole_.level - 1) / n, (level - whole_.level) / n));
+    const bool last = level + 1 == levels_, all = last && core.closed == std::array{true, true, true};
+    LocalRegion probe =
+        run(level, core, last ? Upto::Finish : Upto::Blend, s, &s, &core, all ? sources : nullptr,
+            work.part((level - whole_.level - 1) / n, (level - whole_.level) / n));
+    if (all) everywhere = std::move(probe);
   }
   whole_.field = {};
-  gl_ = gl;
+  return everywhere;
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <numeric>
 
 #include "nodes/data/volume.h"
@@ -43,8 +44,8 @@ std::size_t different(const so::SolidResult& whole, const so::SolidResult& block
   return count;
 }
 
-void expect_blocks_are_the_whole(const Vec3i& size, const Vec3i& blocks) {
-  so::SolidSettings s = settings_of(size);
+void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidSettings s) {
+  const Vec3i size = s.size;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   ASSERT_EQ(whole.size, size);
   s.blocks = blocks;
@@ -65,44 +66,53 @@ void expect_blocks_are_the_whole(const Vec3i& size, const Vec3i& blocks) {
 }
 
 TEST(SolidBlocks, AreTheWholeInAnyOrderOnAnyNumberOfThreads) {
-  expect_blocks_are_the_whole(Vec3i(36, 36, 36), Vec3i(2, 2, 2));
+  expect_blocks_are_the_whole(Vec3i(2, 2, 2), settings_of(Vec3i(36, 36, 36)));
 }
 TEST(SolidBlocks, AreTheWholeWhereSizesAreOdd) {
-  expect_blocks_are_the_whole(Vec3i(41, 33, 51), Vec3i(2, 1, 2));
+  expect_blocks_are_the_whole(Vec3i(2, 1, 2), settings_of(Vec3i(41, 33, 51)));
 }
 TEST(SolidBlocks, AreTheWholeWhereTheyAreMuchSmallerThanWhatTheyNeed) {
-  expect_blocks_are_the_whole(Vec3i(32, 34, 32), Vec3i(1, 1, 3));
+  expect_blocks_are_the_whole(Vec3i(1, 1, 3), settings_of(Vec3i(32, 34, 32)));
 }
 
 // One that lies across the corner of the torus, where all three axes wrap.
-TEST(SolidBlocks, ATorusHasNoEdge) {
-  const so::SolidSettings s = settings_of(Vec3i(45, 40, 34));
-  so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
+// Levels above one of random matches and colours: any whole level will do where parts are compared.
+struct Levels {
+  so::SolidSettings s;
+  std::vector<so::SolidExemplar> working{exemplar()};
   std::vector<so::Pyramid> pyramids;
-  so::SolidExemplar working = exemplar();
-  for (auto& p : working.pixels) p = whole.axes.to(p);
-  const int channels = whole.axes.channels;
-  pyramids.push_back(so::exemplar_levels(working, channels, 0, 3, 0.98, 32, 16, Work()));
-  for (auto& level : pyramids[0]) so::find_similar(level, Work());
-  // Any whole level will do: what is made of it in one piece and across the corner must agree.
-  so::WholeLevel coarse;
-  const auto at = so::level_of(pyramids, 0);
-  const Vec3i size = so::box_at(s.size, 0, 3);
-  coarse.field = {size, {}};
-  for (int c = 0; c < channels; ++c) {
-    std::vector<float> v(so::voxels(size));
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<float>(Random(3, 1, i).normal());
-    coarse.field.channel.push_back(v);
+  std::vector<int> iterations;
+  std::unique_ptr<so::LocalLevels> made;
+  static constexpr int kChannels = 3;
+
+  explicit Levels(const so::SolidSettings& settings) : s(settings), iterations(so::iterations_of(s, 3)) {
+    pyramids.push_back(so::exemplar_levels(working[0], kChannels, 0, 3, 0.98, 32, 16, Work()));
+    for (auto& level : pyramids[0]) so::find_similar(level, Work());
+    so::WholeLevel coarse;
+    const Vec3i size = coarse.field.size = so::box_at(s.size, 0, 3);
+    for (int c = 0; c < kChannels; ++c) {
+      std::vector<float> v(so::voxels(size));
+      for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<float>(Random(3, 1, i).uniform());
+      coarse.field.channel.push_back(v);
+    }
+    for (int a = 0; a < 3; ++a) coarse.families.push_back(so::random_matches(size, a, 0, pyramids[0][0], 1));
+    made = std::make_unique<so::LocalLevels>(working, pyramids, s, iterations, std::move(coarse));
   }
-  for (int a = 0; a < 3; ++a) coarse.families.push_back(so::random_matches(size, a, 0, *at[0], 1));
-  const std::vector<so::SolidExemplar> all = {working};
-  const auto iterations = so::iterations_of(s, 3);
-  so::LocalLevels levels(all, pyramids, s, iterations, std::move(coarse));
-  levels.measure(Work());
-  so::LocalBox closed, across;
-  closed.hi = s.size, closed.closed = {true, true, true};
+  so::LocalBox closed() const {
+    so::LocalBox box;
+    box.hi = s.size, box.closed = {true, true, true};
+    return box;
+  }
+};
+
+TEST(SolidBlocks, ATorusHasNoEdge) {
+  const Levels all(settings_of(Vec3i(45, 40, 34)));
+  so::LocalLevels& levels = *all.made;
+  const so::SolidSettings& s = all.s;
+  EXPECT_FALSE(levels.measure(nullptr, Work()));  // the probe is a corner
+  so::LocalBox across;
   across.lo = Vec3i(-6, 33, -9), across.hi = Vec3i(7, 47, 5);
-  const auto one = levels.make(closed, nullptr, Work()), other = levels.make(across, nullptr, Work());
+  const auto one = levels.make(all.closed(), nullptr, Work()), other = levels.make(across, nullptr, Work());
   std::size_t count = 0;
   for (int z = across.lo.z(); z < across.hi.z(); ++z)
     for (int y = across.lo.y(); y < across.hi.y(); ++y)
@@ -111,11 +121,27 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
         a.lo = Vec3i(x, y, z), a.hi = a.lo + Vec3i::Ones();
         for (int k = 0; k < 3; ++k) b.lo[k] = so::wrapped(a.lo[k], s.size[k]);
         b.hi = b.lo + Vec3i::Ones();
-        for (int c = 0; c < channels; ++c)
+        for (int c = 0; c < Levels::kChannels; ++c)
           ASSERT_EQ(so::values_in(a, other, c), so::values_in(b, one, c)) << a.lo.transpose();
         ++count;
       }
   EXPECT_EQ(count, 13u * 14 * 14);
+}
+
+TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
+  so::SolidSettings s = settings_of(Vec3i(40, 33, 36));
+  s.local_limits.closed = 40, s.sources = true;
+  const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
+  EXPECT_EQ(whole.field.channel[0].size(), 40u * 33 * 36);
+  EXPECT_EQ(whole.sources.texel.size(), 40u * 33 * 36);
+  expect_blocks_are_the_whole(Vec3i(2, 1, 3), s);
+  // Made again, by the statistics that were measured along the way.
+  const Levels all(s);
+  const auto made = all.made->measure(nullptr, Work());
+  ASSERT_TRUE(made);
+  const auto again = all.made->make(all.closed(), nullptr, Work());
+  for (int c = 0; c < Levels::kChannels; ++c)
+    EXPECT_EQ(so::values_in(all.closed(), *made, c), so::values_in(all.closed(), again, c)) << c;
 }
 
 TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {

@@ -66,6 +66,12 @@ TEST_F(SolidGl, MakesWhatTheProcessorMakes) {
   EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 64, 8, 1))}, small(Vec3i::Constant(32))), 0.01);
 }
 
+TEST_F(SolidGl, MakesItWhereTheProbeIsEverythingToo) {
+  so::SolidSettings s = small(Vec3i::Constant(32));
+  s.local_limits.closed = 32;
+  EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 64, 8, 1))}, s), 0.01);
+}
+
 TEST_F(SolidGl, MakesTheSameBlocks) {
   so::SolidSettings s = small(Vec3i(33, 32, 41));
   s.blocks = Vec3i(1, 2, 2), s.block = 2;
