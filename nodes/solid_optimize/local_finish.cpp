@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "nodes/common/slice_axes.h"
+#include "nodes/solid_optimize/levels.h"
 
 namespace terrazzo::solid_optimize {
 namespace {
@@ -139,17 +141,27 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
   if (measured) {
     maps.bands.clear();
     for (const MatchFamily& f : region.families) {
+      const Vec3i extent = measured->size();
+      const auto slices = static_cast<std::size_t>(extent[f.axis]);
+      const std::size_t each = voxels(extent) / slices;
       std::array<std::vector<float>, kFinishBands> seen;
-      Bands bands;
-      for (int s = measured->lo[f.axis]; s < measured->hi[f.axis]; ++s) {
-        work.check();
-        split_slice(region, channel, f.axis, s, *measured, bands);
-        for (std::size_t b = 0; b < kFinishBands; ++b)
-          seen[b].insert(seen[b].end(), bands.band[b].begin(), bands.band[b].end());
-      }
+      for (auto& values : seen) values.resize(each * slices);
+      work.parallel(slices, 4, [&](std::size_t begin, std::size_t end) {
+        Bands bands;
+        for (std::size_t s = begin; s < end; ++s) {
+          split_slice(region, channel, f.axis, measured->lo[f.axis] + static_cast<int>(s), *measured, bands);
+          for (std::size_t b = 0; b < kFinishBands; ++b)
+            std::copy(bands.band[b].begin(), bands.band[b].end(),
+                      seen[b].begin() + static_cast<std::ptrdiff_t>(s * each));
+        }
+      });
+      std::array<std::optional<ValueMap>, kFinishBands> fixed;
+      work.parallel(kFinishBands, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+          fixed[b].emplace(seen[b], wanted[static_cast<std::size_t>(f.exemplar)][c][b]);
+      });
       maps.bands.emplace_back();
-      for (std::size_t b = 0; b < kFinishBands; ++b)
-        maps.bands.back().emplace_back(seen[b], wanted[static_cast<std::size_t>(f.exemplar)][c][b]);
+      for (const auto& m : fixed) maps.bands.back().push_back(*m);
     }
   }
   // A wave is seen by two of three planes, and a mean would need more rounds.

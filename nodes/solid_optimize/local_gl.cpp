@@ -265,7 +265,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
     if (probe) {
       for (std::size_t c = 0; c < channels; ++c)
         field.read(c * voxels * sizeof(float), region.field.channel[c]);
-      measure_values(*probe, region);
+      measure_values(*probe, region, work.quiet());
     }
     std::vector<Remap::Bin> bins;
     for (const ValueMap& m : passes.statistics.values[i])

@@ -1,6 +1,7 @@
 #include "nodes/solid_optimize/local_passes.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "nodes/common/slice_axes.h"
 #include "nodes/solid_optimize/local_finish.h"
@@ -75,10 +76,14 @@ std::vector<float> values_in(const LocalBox& box, const LocalRegion& region, int
   return out;
 }
 
-void measure_values(LocalProbe& probe, const LocalRegion& region) {
+void measure_values(LocalProbe& probe, const LocalRegion& region, const Work& work) {
+  std::vector<std::optional<ValueMap>> fixed(region.field.channel.size());
+  work.parallel(fixed.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      fixed[c].emplace(values_in(probe.box, region, static_cast<int>(c)), probe.values[c]);
+  });
   auto& maps = probe.measured.values.emplace_back();
-  for (std::size_t c = 0; c < region.field.channel.size(); ++c)
-    maps.emplace_back(values_in(probe.box, region, static_cast<int>(c)), probe.values[c]);
+  for (const auto& m : fixed) maps.push_back(*m);
 }
 
 void measure_floors(LocalProbe& probe, const LocalRegion& region) {
@@ -103,7 +108,7 @@ void blend_pass(const LocalPasses& passes, std::size_t blend, LocalProbe* probe,
   blend_patches(passes.exemplars, region.families, {passes.windows[blend]}, range, region.field, sources,
                 &features, work);
   auto& channels = region.field.channel;
-  if (probe) measure_values(*probe, region);
+  if (probe) measure_values(*probe, region, work.quiet());
   for (std::size_t c = 0; c < channels.size(); ++c) {
     work.quiet().parallel(channels[c].size(), 1 << 16, [&](std::size_t b, std::size_t e) {
       passes.statistics.values[blend][c].apply(channels[c].data() + b, e - b);

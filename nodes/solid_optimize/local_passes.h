@@ -34,7 +34,7 @@ struct LocalProbe {
 };
 
 // Of a region as the last blend left it, before its map; and as the last search did, before its weights.
-void measure_values(LocalProbe&, const LocalRegion&);
+void measure_values(LocalProbe&, const LocalRegion&, const Work&);
 void measure_floors(LocalProbe&, const LocalRegion&);
 
 // All passes on the processor, from the carried matches of a region; the last blend if `to_blend`, with

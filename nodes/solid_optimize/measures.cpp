@@ -54,25 +54,32 @@ Eigen::Array3d gradients(const Picture& p) {
   return sum;
 }
 
-// Mean |difference| between each slice and the next, in the order in which the field lies in memory.
-std::vector<double> steps_across(const SolidField& field, int axis) {
+// Mean |difference| between each slice and the next.
+std::vector<double> steps_across(const SolidField& field, int axis, const Work& work) {
   const Vec3i& size = field.size;
-  std::vector<double> sum(static_cast<std::size_t>(size[axis]), 0.0);
+  const auto n = static_cast<std::size_t>(size[axis]), layers = static_cast<std::size_t>(size.z());
   const std::ptrdiff_t steps[3] = {1, size.x(), static_cast<std::ptrdiff_t>(size.x()) * size.y()};
-  std::ptrdiff_t i = 0;
-  Vec3i at;
-  for (at[2] = 0; at[2] < size.z(); ++at[2])
-    for (at[1] = 0; at[1] < size.y(); ++at[1])
-      for (at[0] = 0; at[0] < size.x(); ++at[0], ++i) {
-        const std::ptrdiff_t next = i + (at[axis] + 1 < size[axis] ? 1 : 1 - size[axis]) * steps[axis];
-        float square = 0;
-        for (const auto& c : field.channel) {
-          const float d = c[static_cast<std::size_t>(next)] - c[static_cast<std::size_t>(i)];
-          square += d * d;
+  std::vector<double> of_layer(n * layers, 0.0);  // summed up layer by layer, however many threads there are
+  work.parallel(layers, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t z = begin; z < end; ++z) {
+      Vec3i at(0, 0, static_cast<int>(z));
+      std::ptrdiff_t i = at[2] * steps[2];
+      for (at[1] = 0; at[1] < size.y(); ++at[1])
+        for (at[0] = 0; at[0] < size.x(); ++at[0], ++i) {
+          const std::ptrdiff_t next = i + (at[axis] + 1 < size[axis] ? 1 : 1 - size[axis]) * steps[axis];
+          float square = 0;
+          for (const auto& c : field.channel) {
+            const float d = c[static_cast<std::size_t>(next)] - c[static_cast<std::size_t>(i)];
+            square += d * d;
+          }
+          of_layer[z * n + static_cast<std::size_t>(at[axis])] += std::sqrt(square);
         }
-        sum[static_cast<std::size_t>(at[axis])] += std::sqrt(square);
-      }
-  for (double& d : sum) d *= size[axis] / static_cast<double>(field.channel[0].size());
+    }
+  });
+  std::vector<double> sum(n, 0.0);
+  for (std::size_t z = 0; z < layers; ++z)
+    for (std::size_t k = 0; k < n; ++k)
+      sum[k] += of_layer[z * n + k] * size[axis] / static_cast<double>(field.channel[0].size());
   return sum;
 }
 
@@ -98,26 +105,28 @@ void measure_all_bands(const BandStatistics& wanted, int scales, const SolidFiel
 void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
   const int channels = static_cast<int>(field.channel.size());
   const double want = finest_deviation(e, channels);
+  std::vector<double> of_slice(static_cast<std::size_t>(field.size[m.axis]));
+  work.parallel(of_slice.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      Picture p = slice_picture(field, m.axis, static_cast<int>(k));
+      SolidExemplar slice;
+      slice.width = p.width, slice.height = p.height, slice.pixels = std::move(p.pixels);
+      of_slice[k] = finest_deviation(slice, channels);
+    }
+  });
   double have = 0;
-  for (int k = 0; k < field.size[m.axis]; ++k) {
-    work.check();
-    Picture p = slice_picture(field, m.axis, k);
-    SolidExemplar slice;
-    slice.width = p.width, slice.height = p.height, slice.pixels = std::move(p.pixels);
-    const double d = finest_deviation(slice, channels);
-    have += d * d / field.size[m.axis];
-  }
+  for (const double d : of_slice) have += d * d / field.size[m.axis];
   m.bands.push_back(want > 0 ? std::sqrt(have) / want : 1);
 }
 
-void measure_values(const BandStatistics& wanted, const SolidField& field, PlaneMeasures& m) {
-  const std::size_t channels = field.channel.size();
-  for (std::size_t c = 0; c < channels; ++c) {
-    const Quantiles got = quantiles_of(field.channel[c]);
+double histogram_distance(const BandStatistics& wanted, const std::vector<Quantiles>& got) {
+  double mean = 0;
+  for (std::size_t c = 0; c < got.size(); ++c) {
     double sum = 0;
-    for (std::size_t i = 0; i < got.at.size(); ++i) sum += std::abs(got.at[i] - wanted.values[c].at[i]);
-    m.histogram += sum / static_cast<double>(got.at.size()) / static_cast<double>(channels);
+    for (std::size_t i = 0; i < got[c].at.size(); ++i) sum += std::abs(got[c].at[i] - wanted.values[c].at[i]);
+    mean += sum / static_cast<double>(got[c].at.size() * got.size());
   }
+  return mean;
 }
 
 }  // namespace
@@ -125,6 +134,10 @@ void measure_values(const BandStatistics& wanted, const SolidField& field, Plane
 void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettings& s,
                     const SolidField& field, std::vector<PlaneMeasures>& out, const Work& work) {
   SliceFamily::Workspace space;
+  std::vector<Quantiles> values(field.channel.size());
+  work.quiet().parallel(values.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) values[c] = quantiles_of(field.channel[c]);
+  });
   std::vector<double> floors(working.size(), -1);
   const auto floor_of = [&](std::size_t exemplar) {
     const SolidExemplar& e = working[exemplar];
@@ -152,25 +165,32 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
       measure_all_bands(wanted, scales, field, m, space, work);
     else
       measure_finest(e, field, m, work);
-    measure_values(wanted, field, m);
+    m.histogram = histogram_distance(wanted, values);
 
     const Picture whole = part_of(e, 0, 0, e.width, e.height);
     const Eigen::Array3d g = gradients(whole);
-    std::vector<Picture> slices;
+    // Every other slice tells enough of many; sixteen are compared by their patches.
     const int n = field.size[axis], most = std::min(n, 16);
-    for (int k = 0; k < n; ++k) {
-      work.check();
-      if (k * most / n == (k + 1) * most / n && n > 32 && k % 2) continue;  // every other one tells enough
-      Picture p = slice_picture(field, axis, k);
-      const Eigen::Array3d h = gradients(p);
-      const double ratio = (h[0] / std::max(h[1], 1e-12)) / std::max(g[0] / std::max(g[1], 1e-12), 1e-12);
-      m.stripes_worst = std::max({m.stripes_worst, ratio, 1 / std::max(ratio, 1e-12)});
-      if (k * most / n != (k + 1) * most / n) slices.push_back(std::move(p));
-    }
+    const auto compared = [&](int k) { return k * most / n != (k + 1) * most / n; };
+    std::vector<Picture> slices(static_cast<std::size_t>(n));
+    std::vector<double> stripes(slices.size(), 1);
+    work.quiet().parallel(slices.size(), 4, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const int k = static_cast<int>(i);
+        if (!compared(k) && n > 32 && k % 2) continue;
+        Picture p = slice_picture(field, axis, k);
+        const Eigen::Array3d h = gradients(p);
+        const double ratio = (h[0] / std::max(h[1], 1e-12)) / std::max(g[0] / std::max(g[1], 1e-12), 1e-12);
+        stripes[i] = std::max(ratio, 1 / std::max(ratio, 1e-12));
+        if (compared(k)) slices[i] = std::move(p);
+      }
+    });
+    std::erase_if(slices, [](const Picture& p) { return p.pixels.empty(); });
+    m.stripes_worst = *std::max_element(stripes.begin(), stripes.end());
     m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work.quiet()));
     m.patches_floor = floor_of(static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)]));
     if (!tiles) continue;
-    const auto steps = steps_across(field, axis);
+    const auto steps = steps_across(field, axis, work.quiet());
     const double inside = std::accumulate(steps.begin(), steps.end() - 1, 0.0) / (n - 1);
     m.seam = inside > 0 ? steps.back() / inside : 1;
   }
