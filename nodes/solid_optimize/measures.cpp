@@ -54,6 +54,15 @@ Eigen::Array3d gradients(const Picture& p) {
   return sum;
 }
 
+// How much more one-directional squared gradients along columns and rows are than the exemplar's: 1 where
+// they are less so, as grain is that turns and swells.
+double more_striped(double columns, double rows, double exemplar_columns, double exemplar_rows) {
+  const double slice = std::log(std::max(columns, 1e-12) / std::max(rows, 1e-12)),
+               exemplar = std::log(std::max(exemplar_columns, 1e-12) / std::max(exemplar_rows, 1e-12));
+  const bool same_way = slice * exemplar > 0;
+  return std::exp(std::max(0.0, std::abs(slice) - (same_way ? std::abs(exemplar) : 0)));
+}
+
 // Mean |difference| between each slice and the next.
 std::vector<double> steps_across(const SolidField& field, int axis, const Work& work) {
   const Vec3i& size = field.size;
@@ -180,8 +189,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
         if (!compared(k) && n > 32 && k % 2) continue;
         Picture p = slice_picture(field, axis, k);
         const Eigen::Array3d h = gradients(p);
-        const double ratio = (h[0] / std::max(h[1], 1e-12)) / std::max(g[0] / std::max(g[1], 1e-12), 1e-12);
-        stripes[i] = std::max(ratio, 1 / std::max(ratio, 1e-12));
+        stripes[i] = more_striped(h[0], h[1], g[0], g[1]);
         if (compared(k)) slices[i] = std::move(p);
       }
     });

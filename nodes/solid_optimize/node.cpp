@@ -327,7 +327,7 @@ void compute(Context& c) {
 
 NodeType solid_optimize_node() {
   NodeType type =
-      NodeType("SolidOptimize", 6)
+      NodeType("SolidOptimize", 7)
           .doc_(
               "Synthesises a tileable solid texture whose slices look like the exemplars: wood, marble, meat "
               "and other "

@@ -53,8 +53,8 @@ struct PlaneMeasures {
   double seam = 1;            // gradient across the wrap along this axis / inside
   double copied = 0;          // share of neighbouring matches that go on in the exemplar as they lie
   double copied_worst = 0;    // of the slice where it is largest
-  double stripes_worst = 1;   // squared gradients along columns over those along rows, against the exemplar's
-                              // (or the inverse), of the slice where it is largest
+  double stripes_worst = 1;   // how many times more one-directional squared gradients along columns and rows
+                              // are than the exemplar's, of the slice where they are most so
   std::vector<double> bands;  // per scale (high-pass, scales, low-pass): σ of the slices' bands / the
                               // exemplar's, root mean square over orientations and channels
 };
