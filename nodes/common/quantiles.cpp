@@ -69,7 +69,7 @@ Quantiles mixture(const std::vector<const Quantiles*>& parts) {
   return out;
 }
 
-Remap::Remap(const Quantiles& target) : target_(target) {
+Remap::Remap(const Quantiles& target) : target_(&target) {
   const float width = std::max(target.most - target.least, 1e-12f);
   lo_ = target.least - width / 2, scale_ = kBins / (2 * width);
 }
@@ -129,9 +129,9 @@ void Remap::apply(float* values, std::size_t n) const {
 void Remap::finish(const Counts& counts) {
   double total = 0, below = 0;
   for (const auto c : counts) total += c;
-  float at = target_.of(0);
+  float at = target_->of(0);
   for (const auto c : counts) {
-    const float next = target_.of((below += c) / total);
+    const float next = target_->of((below += c) / total);
     base_.push_back({at, next - at});
     at = next;
   }

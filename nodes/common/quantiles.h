@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "runtime/work.h"
@@ -32,24 +33,26 @@ class Remap {
  public:
   static constexpr int kBins = 4096;
   using Counts = std::vector<std::uint32_t>;  // kBins
+  struct Bin {
+    float value, rise;
+  };
 
-  explicit Remap(const Quantiles& target);
+  explicit Remap(const Quantiles& target);  // which must live until finish()
+  // A finished map, by what low(), scale() and bins() told of it.
+  Remap(float low, float scale, std::vector<Bin> bins)
+      : target_(nullptr), lo_(low), scale_(scale), base_(std::move(bins)) {}
   void count(const float* values, std::size_t n, Counts& counts) const;
   // The map for these counts; call it once, before the first use.
   void finish(const Counts& counts);
   void apply(float* values, std::size_t n) const;
 
-  // What a shader needs to do the same: x = (value − low())·scale(), clamped to 0 … kBins − 0.001, goes to
-  // value + (x − ⌊x⌋)·rise of bin ⌊x⌋.
-  struct Bin {
-    float value, rise;
-  };
+  // x = (value − low())·scale(), clamped to 0 … kBins − 0.001, goes to value + (x − ⌊x⌋)·rise of bin ⌊x⌋.
   float low() const { return lo_; }
   float scale() const { return scale_; }
   const std::vector<Bin>& bins() const { return base_; }
 
  private:
-  const Quantiles& target_;
+  const Quantiles* target_;
   float lo_, scale_;
   std::vector<Bin> base_;
 };

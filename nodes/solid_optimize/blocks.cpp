@@ -66,18 +66,17 @@ LocalBox block_box(const SolidSettings& s) {
   return box;
 }
 
-void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-               std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl, SolidResult& out,
-               const Work& work) {
-  const std::vector<int> iterations = iterations_of(s, out.levels);
-  WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};
-  for (int l = whole.level + 1; l < out.levels; ++l)
-    for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(l)], work.quiet());
-  LocalLevels local(working, pyramids, s, iterations, std::move(whole), gl);
+namespace {
+
+void find_similar_above(const WholeLevel& whole, std::vector<Pyramid>& pyramids, const Work& work) {
+  for (auto& p : pyramids)
+    for (std::size_t l = static_cast<std::size_t>(whole.level) + 1; l < p.size(); ++l)
+      find_similar(p[l], work.quiet());
+}
+
+// What lies in the block that the settings name, and what can be told of its matches.
+void hand_over(LocalRegion&& region, const SolidSettings& s, SolidResult& out) {
   const LocalBox box = block_box(s);
-  BlendSources* const sources = s.sources ? &out.sources : nullptr;
-  auto everywhere = local.measure(sources, work.part(0, 0.4));
-  LocalRegion region = everywhere ? std::move(*everywhere) : local.make(box, sources, work.part(0.4, 1));
   out.size = box.size(), out.origin = box.lo;
   out.measures = measure_copies(families_in(box, region));
   region.families.clear();
@@ -89,6 +88,45 @@ void by_blocks(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& 
   out.sources.texel = crop(box, region, out.sources.texel);
   out.sources.exemplar = crop(box, region, out.sources.exemplar);
   out.sources.features = crop(box, region, out.sources.features);
+}
+
+}  // namespace
+
+LocalBase measure_base(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
+                       std::vector<MatchFamily> families, const SolidSettings& s, SolidResult& out,
+                       const Work& work) {
+  const std::vector<int> iterations = iterations_of(s, out.levels);
+  LocalBase base{{whole_level(s, out.levels), std::move(families), std::move(out.field)}, {}};
+  find_similar_above(base.whole, pyramids, work);
+  LocalLevels local(working, pyramids, s, iterations, out.axes.channels, base.whole);
+  local.measure(nullptr, work);
+  base.statistics = local.statistics();
+  base.whole.field = {};
+  return base;
+}
+
+void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
+                const LocalBase& base, const SolidSettings& s, LocalGl* gl, SolidResult& out,
+                const Work& work) {
+  const std::vector<int> iterations = iterations_of(s, out.levels);
+  find_similar_above(base.whole, pyramids, work);
+  LocalLevels local(working, pyramids, s, iterations, out.axes.channels, base.whole, gl);
+  local.set_statistics(base.statistics);
+  hand_over(local.make(block_box(s), s.sources ? &out.sources : nullptr, work), s, out);
+}
+
+void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
+                std::vector<MatchFamily> families, const SolidSettings& s, LocalGl* gl, SolidResult& out,
+                const Work& work) {
+  const std::vector<int> iterations = iterations_of(s, out.levels);
+  WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};
+  find_similar_above(whole, pyramids, work);
+  LocalLevels local(working, pyramids, s, iterations, out.axes.channels, whole, gl);
+  BlendSources* const sources = s.sources ? &out.sources : nullptr;
+  auto everywhere = local.measure(sources, work.part(0, 0.4));
+  whole.field = {};
+  hand_over(everywhere ? std::move(*everywhere) : local.make(block_box(s), sources, work.part(0.4, 1)), s,
+            out);
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -29,16 +29,16 @@ LocalBox box_below(const LocalBox& part, const Vec3i& level, const Vec3i& below)
 }
 
 LocalLevels::LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>& pyramids,
-                         const SolidSettings& s, const std::vector<int>& iterations, WholeLevel&& whole,
-                         LocalGl* gl)
+                         const SolidSettings& s, const std::vector<int>& iterations, int channels,
+                         const WholeLevel& whole, LocalGl* gl)
     : gl_(gl),
       working_(working),
       pyramids_(pyramids),
       settings_(s),
       iterations_(iterations),
-      whole_(std::move(whole)),
+      whole_(whole),
       levels_(static_cast<int>(iterations.size())),
-      channels_(static_cast<int>(whole_.field.channel.size())),
+      channels_(channels),
       statistics_(iterations.size()) {
   for (const auto& e : working) bands_.push_back(finest_bands(e, channels_));
   std::vector<BandStatistics> pictures;

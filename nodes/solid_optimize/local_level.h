@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "nodes/solid_optimize/levels.h"
@@ -28,11 +29,15 @@ class LocalLevels {
   // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for
   // the finish.
   LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
-              const std::vector<int>& iterations, WholeLevel&&, LocalGl* gl = nullptr);
+              const std::vector<int>& iterations, int channels, const WholeLevel&, LocalGl* gl = nullptr);
 
   // Fixes the statistics of all levels above the whole one. Once, before anything is made. Where the probe is
   // all of the finest level, that is made then, with `sources` as make() takes them.
+  // The whole level's field is needed for this alone.
   std::optional<LocalRegion> measure(BlendSources* sources, const Work&);
+  // Of each level; what was measured once will do for another object of the same exemplars and settings.
+  const std::vector<LevelStatistics>& statistics() const { return statistics_; }
+  void set_statistics(std::vector<LevelStatistics> s) { statistics_ = std::move(s); }
   // A part of the finest level. `sources` may be null; its arrays get the shape of the region's field.
   LocalRegion make(const LocalBox&, BlendSources* sources, const Work&) const;
 
@@ -66,7 +71,7 @@ class LocalLevels {
   const std::vector<Pyramid>& pyramids_;
   const SolidSettings& settings_;
   const std::vector<int>& iterations_;
-  WholeLevel whole_;
+  const WholeLevel& whole_;
   int levels_, channels_;
   std::vector<std::vector<std::vector<Quantiles>>> bands_;  // [exemplar][channel][band]
   std::vector<Quantiles> finished_;                         // [channel]: of all planes' exemplars

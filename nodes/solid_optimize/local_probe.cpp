@@ -130,7 +130,6 @@ std::optional<LocalRegion> LocalLevels::measure(BlendSources* sources, const Wor
             work.part((level - whole_.level - 1) / n, (level - whole_.level) / n));
     if (all) everywhere = std::move(probe);
   }
-  whole_.field = {};
   return everywhere;
 }
 

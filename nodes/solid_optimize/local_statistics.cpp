@@ -2,11 +2,12 @@
 
 namespace terrazzo::solid_optimize {
 
-ValueMap::ValueMap(const std::vector<float>& values, Quantiles target)
-    : made_(std::make_shared<Made>(std::move(target))) {
+ValueMap::ValueMap(const std::vector<float>& values, const Quantiles& target) {
+  Remap map(target);
   Remap::Counts counts(Remap::kBins, 0);
-  made_->map.count(values.data(), values.size(), counts);
-  made_->map.finish(counts);
+  map.count(values.data(), values.size(), counts);
+  map.finish(counts);
+  map_ = std::make_shared<const Remap>(map.low(), map.scale(), map.bins());
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -12,17 +12,13 @@ namespace terrazzo::solid_optimize {
 class ValueMap {
  public:
   // What turns the distribution of `values` into `target`. Values added later are mapped likewise.
-  ValueMap(const std::vector<float>& values, Quantiles target);
-  void apply(float* values, std::size_t n) const { made_->map.apply(values, n); }
-  const Remap& map() const { return made_->map; }
+  ValueMap(const std::vector<float>& values, const Quantiles& target);
+  explicit ValueMap(Remap finished) : map_(std::make_shared<const Remap>(std::move(finished))) {}
+  void apply(float* values, std::size_t n) const { map_->apply(values, n); }
+  const Remap& map() const { return *map_; }
 
  private:
-  struct Made {
-    Quantiles target;
-    Remap map;
-    explicit Made(Quantiles t) : target(std::move(t)), map(target) {}
-  };
-  std::shared_ptr<Made> made_;
+  std::shared_ptr<const Remap> map_;
 };
 
 // Of one channel after a round of the finish: each plane's bands, then the values.

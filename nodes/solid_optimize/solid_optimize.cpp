@@ -153,11 +153,16 @@ void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, Sol
   out.measures = measure_copies(families);
 }
 
-}  // namespace
+// What every way begins with.
+struct Prepared {
+  std::vector<SolidExemplar> working;  // in the working axes
+  std::vector<Pyramid> pyramids;
+  SolidResult out;  // its axes and levels
+};
 
-SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
-                           const Work& work, LocalGl* gl) {
-  SolidResult out;
+Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s, const Work& work) {
+  Prepared p;
+  SolidResult& out = p.out;
   out.size = s.size;
   std::vector<const std::vector<Vec3f>*> pictures;
   for (const auto& e : exemplars) pictures.push_back(&e.pixels);
@@ -165,15 +170,15 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
   const int channels = out.axes.channels;
   if (channels == 0)
     throw Error("one-color", "the exemplar is of one colour", "there is no texture in it to synthesise");
-  std::vector<SolidExemplar> working = exemplars;
-  for (auto& e : working)
-    for (auto& p : e.pixels) p = out.axes.to(p);
+  p.working = exemplars;
+  for (auto& e : p.working)
+    for (auto& pixel : e.pixels) pixel = out.axes.to(pixel);
 
   const int levels = out.levels = s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
   if (s.local && levels < 2)
     throw Error("bad-value", "a solid of one level is not made locally: its only level would be the whole",
                 "take method coherence, or a larger exemplar")
-        .parameter("method");
+        .parameter("levels");
   for (const auto& e : exemplars)
     if (s.local && std::min(e.width, e.height) < kFinishLeast)
       throw Error("exemplar-too-small",
@@ -181,25 +186,47 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
                               e.height),
                   fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
   const int guided = guided_levels(s, levels);
-  if (guided > 0) guide_by_phases(working, s.guide, kGuideReach);
-  std::vector<Pyramid> pyramids;
-  for (auto& e : working)
-    pyramids.push_back(
+  if (guided > 0) guide_by_phases(p.working, s.guide, kGuideReach);
+  for (auto& e : p.working)
+    p.pyramids.push_back(
         s.papers ? exemplar_levels(e, channels, guided, levels, 0.95, PatchTree::kMostDims,
                                    PatchTree::kMostDims, work.quiet())
                  : exemplar_levels(e, channels, guided, levels, 0.98, kDims, kLastDims, work.quiet()));
+  return p;
+}
+
+}  // namespace
+
+SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
+                           const Work& work, LocalGl* gl) {
+  auto [working, pyramids, out] = prepare(exemplars, s, work);
   if (s.papers)
     by_papers(pyramids, s, out, work.part(0, 0.97));
   else if (s.local)
-    by_blocks(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, gl, out,
-              work.part(0.3, 0.97));
+    make_block(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, gl, out,
+               work.part(0.3, 0.97));
   else
     out.measures =
         measure_copies(by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97)));
   pyramids.clear();
   if (s.finish > 0 && !s.papers && !s.local) finish_bands(working, s, out.field, work.part(0.85, 0.97));
   measure_planes(working, s, out.field, out.measures, work.part(0.97, 1));
-  return out;
+  return std::move(out);
+}
+
+LocalBase solid_base(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s, const Work& work) {
+  auto [working, pyramids, out] = prepare(exemplars, s, work);
+  auto families = by_coherence(working, pyramids, s, out, work.part(0, 0.6));
+  return measure_base(working, pyramids, std::move(families), s, out, work.part(0.6, 1));
+}
+
+SolidResult solid_block(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
+                        const LocalBase& base, const Work& work, LocalGl* gl) {
+  auto [working, pyramids, out] = prepare(exemplars, s, work);
+  make_block(working, pyramids, base, s, gl, out, work.part(0, 0.97));
+  pyramids.clear();
+  measure_planes(working, s, out.field, out.measures, work.part(0.97, 1));
+  return std::move(out);
 }
 
 }  // namespace terrazzo::solid_optimize

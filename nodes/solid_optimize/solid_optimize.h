@@ -12,6 +12,7 @@
 namespace terrazzo::solid_optimize {
 
 class LocalGl;
+struct LocalBase;
 
 // Sizes that decide how a local solid is made, and what it becomes; tests make them small.
 struct LocalLimits {
@@ -74,6 +75,12 @@ struct SolidResult {
 // A local solid's finer levels are made by `gl` where there is one, which lives on this thread.
 SolidResult optimize_solid(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&,
                            LocalGl* gl = nullptr);
+
+// A local solid in two steps: what all its blocks share (blocks.h), and the block that the settings name; the
+// same exemplars and settings but for that. Blocks are those of the solid that optimize_solid makes.
+LocalBase solid_base(const std::vector<SolidExemplar>&, const SolidSettings&, const Work&);
+SolidResult solid_block(const std::vector<SolidExemplar>&, const SolidSettings&, const LocalBase&,
+                        const Work&, LocalGl* gl = nullptr);
 
 // Levels that optimize_solid takes for `levels` = 0.
 int natural_levels(const std::vector<SolidExemplar>&, const Vec3i& size);

@@ -82,13 +82,13 @@ struct Levels {
   std::vector<so::SolidExemplar> working{exemplar()};
   std::vector<so::Pyramid> pyramids;
   std::vector<int> iterations;
+  so::WholeLevel coarse;
   std::unique_ptr<so::LocalLevels> made;
   static constexpr int kChannels = 3;
 
   explicit Levels(const so::SolidSettings& settings) : s(settings), iterations(so::iterations_of(s, 3)) {
     pyramids.push_back(so::exemplar_levels(working[0], kChannels, 0, 3, 0.98, 32, 16, Work()));
     for (auto& level : pyramids[0]) so::find_similar(level, Work());
-    so::WholeLevel coarse;
     const Vec3i size = coarse.field.size = so::box_at(s.size, 0, 3);
     for (int c = 0; c < kChannels; ++c) {
       std::vector<float> v(so::voxels(size));
@@ -96,7 +96,7 @@ struct Levels {
       coarse.field.channel.push_back(v);
     }
     for (int a = 0; a < 3; ++a) coarse.families.push_back(so::random_matches(size, a, 0, pyramids[0][0], 1));
-    made = std::make_unique<so::LocalLevels>(working, pyramids, s, iterations, std::move(coarse));
+    made = std::make_unique<so::LocalLevels>(working, pyramids, s, iterations, kChannels, coarse);
   }
   so::LocalBox closed() const {
     so::LocalBox box;
