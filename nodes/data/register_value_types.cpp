@@ -14,6 +14,9 @@ namespace terrazzo {
 struct Volume;  // declared alone: volume.h would bring in OpenVDB
 template <>
 const ValueType& value_type<Volume>();
+struct SolidBase;  // made by one node, for one other
+template <>
+const ValueType& value_type<SolidBase>();
 
 void register_value_types(ValueTypes& types) {
   types.add(value_type<Image>());
@@ -26,6 +29,7 @@ void register_value_types(ValueTypes& types) {
   types.add(value_type<Volume>());
   types.add(value_type<Strokes>());
   types.add(value_type<Table>());
+  types.add(value_type<SolidBase>());
 }
 
 }  // namespace terrazzo

@@ -50,32 +50,44 @@ double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox&
   return std::max({own, carrying, part_bytes(s, level - 1, levels, below, false)});
 }
 
-}  // namespace
+int levels_of(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+  return s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
+}
 
-double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
-  const int levels = s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
+// Patches' features, similar ones, texels; of all levels together a third more.
+double exemplar_bytes(const std::vector<SolidExemplar>& exemplars) {
   double pixels = 0;
   for (const auto& e : exemplars) pixels += static_cast<double>(e.width) * e.height;
-  // Patches' features, similar ones, texels; of all levels together a third more.
-  const double exemplar = pixels * (32 * 4 + ExemplarLevel::kSimilar * 4 + 16 + 40) * 4 / 3;
-  const bool local = s.local && levels > 1;
-  const Vec3i made = local ? block_box(s).size() : s.size;
-  const double voxels = made.cast<double>().prod();
-  double optimizing;
-  if (local) {
-    double most = 0;
-    for (int l = whole_level(s, levels) + 1; l < levels; ++l)
-      most = std::max(most, part_bytes(s, l, levels, probe_box(box_at(s.size, l, levels), s.local_limits),
-                                       l + 1 == levels));
-    most = std::max(most, part_bytes(s, levels - 1, levels, block_box(s), true));
-    optimizing = exemplar + whole_bytes(s, levels, box_at(s.size, whole_level(s, levels), levels)) + most;
-  } else {
-    optimizing = whole_bytes(s, levels, s.size) + exemplar;
-  }
-  // The sum of changes and the slices' spectra: of a block there are none.
-  const double finishing = s.blocks == Vec3i::Ones() ? voxels * (4 * kChannels + 4 + 4) : 0;
+  return pixels * (32 * 4 + ExemplarLevel::kSimilar * 4 + 16 + 40) * 4 / 3;
+}
+
+}  // namespace
+
+double base_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+  const int levels = levels_of(exemplars, s), whole = whole_level(s, levels);
+  double most = 0;
+  for (int l = whole + 1; l < levels; ++l)
+    most = std::max(most, part_bytes(s, l, levels, probe_box(box_at(s.size, l, levels), s.local_limits),
+                                     l + 1 == levels));
+  return exemplar_bytes(exemplars) + whole_bytes(s, levels, box_at(s.size, whole, levels)) + most;
+}
+
+double block_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+  const int levels = levels_of(exemplars, s);
+  const double whole = box_at(s.size, whole_level(s, levels), levels).cast<double>().prod() * planes(s) * 2,
+               voxels = block_box(s).size().cast<double>().prod();
+  return std::max(exemplar_bytes(exemplars) + whole + part_bytes(s, levels - 1, levels, block_box(s), true),
+                  voxels * (4 * kChannels + 14));
+}
+
+double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+  const double voxels = s.size.cast<double>().prod();
+  if (s.local && levels_of(exemplars, s) > 1)
+    return std::max(base_forecast(exemplars, s), block_forecast(exemplars, s));
+  const double optimizing = whole_bytes(s, levels_of(exemplars, s), s.size) + exemplar_bytes(exemplars);
+  const double finishing = voxels * (4 * kChannels + 4 + 4);  // the sum of changes and the slices' spectra
   const double handing_over = voxels * (4 * kChannels + 14);
-  return std::max({optimizing, finishing, handing_over}) + voxels * (s.sources && !local ? 5 : 0);
+  return std::max({optimizing, finishing, handing_over}) + voxels * (s.sources ? 5 : 0);
 }
 
 }  // namespace terrazzo::solid_optimize

@@ -84,7 +84,9 @@ SolidResult solid_block(const std::vector<SolidExemplar>&, const SolidSettings&,
 
 // Levels that optimize_solid takes for `levels` = 0.
 int natural_levels(const std::vector<SolidExemplar>&, const Vec3i& size);
-// Bytes at the peak, within a tenth or so.
+// Bytes at the peak, within a tenth or so: of a whole solid, and of the two steps of a local one.
 double memory_forecast(const std::vector<SolidExemplar>&, const SolidSettings&);
+double base_forecast(const std::vector<SolidExemplar>&, const SolidSettings&);
+double block_forecast(const std::vector<SolidExemplar>&, const SolidSettings&);
 
 }  // namespace terrazzo::solid_optimize

@@ -17,6 +17,7 @@
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 #include "nodes/register_nodes.h"
+#include "nodes/solid_base/solid_base.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
 #include "tests/support/arithmetic.h"
@@ -131,11 +132,12 @@ TEST_P(EveryNode, ItsExampleRunsTheSameOnAnyNumberOfThreads) {
 // A value of each type with nothing in it.
 Value empty_value(const std::string& type) {
   static const std::map<std::string, Value> values = {
-      {"Image", Value::of(Image{})},       {"Labels", Value::of(Labels{})},
-      {"Profiles", Value::of(Profiles{})}, {"Shapes", Value::of(Shapes{})},
-      {"KMatrix", Value::of(KMatrix{})},   {"SizeDistribution", Value::of(SizeDistribution{})},
-      {"Table", Value::of(Table{})},       {"Particles", Value::of(Particles{})},
-      {"Volume", Value::of(Volume{})},     {"Strokes", Value::of(Strokes{})}};
+      {"Image", Value::of(Image{})},        {"Labels", Value::of(Labels{})},
+      {"Profiles", Value::of(Profiles{})},  {"Shapes", Value::of(Shapes{})},
+      {"KMatrix", Value::of(KMatrix{})},    {"SizeDistribution", Value::of(SizeDistribution{})},
+      {"Table", Value::of(Table{})},        {"Particles", Value::of(Particles{})},
+      {"Volume", Value::of(Volume{})},      {"Strokes", Value::of(Strokes{})},
+      {"SolidBase", Value::of(SolidBase{})}};
   const auto it = values.find(type);
   return it == values.end() ? Value() : it->second;
 }

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
+#include <map>
 #include <memory>
 #include <numeric>
+#include <string>
 
 #include "nodes/data/volume.h"
 #include "nodes/solid_optimize/blocks.h"
@@ -48,6 +51,7 @@ void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidSettings s) {
   const Vec3i size = s.size;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   ASSERT_EQ(whole.size, size);
+  const so::LocalBase base = so::solid_base({exemplar()}, s, Work());
   s.blocks = blocks;
   std::vector<int> order(static_cast<std::size_t>(blocks.prod()));
   std::iota(order.begin(), order.end(), 0);
@@ -58,7 +62,7 @@ void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidSettings s) {
     s.block = order[i];
     so::SolidResult block;
     tbb::task_arena arena(std::array{1, 2, 7}[i % 3]);
-    arena.execute([&] { block = so::optimize_solid({exemplar()}, s, Work()); });
+    arena.execute([&] { block = so::solid_block({exemplar()}, s, base, Work()); });
     EXPECT_EQ(different(whole, block), 0u) << "block " << s.block;
     covered += block.field.channel[0].size();
   }
@@ -164,44 +168,61 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
   GTEST_SKIP() << "sanitizers keep memory of their own for every byte";
 #endif
   so::SolidSettings s = settings_of(Vec3i::Constant(192));
-  s.iterations = {1}, s.local_iterations = 1, s.blocks = Vec3i(2, 2, 2), s.block = 5;
+  s.iterations = {1}, s.local_iterations = 1;
+  so::LocalBase base;
+  const auto fits = [](double used, double forecast) {
+    EXPECT_LT(used, 1.1 * forecast + 8e6);  // threads and tables that do not grow with the solid
+    EXPECT_GT(used, 0.5 * forecast);
+  };
+  const double of_base = test::peak_of([&] { base = so::solid_base({exemplar()}, s, Work()); });
+  if (of_base < 0) GTEST_SKIP() << "peaks are not told here";
+  fits(of_base, so::base_forecast({exemplar()}, s));
+  s.blocks = Vec3i(2, 2, 2), s.block = 5;
   so::SolidResult r;
-  const double used = test::peak_of([&] { r = so::optimize_solid({exemplar()}, s, Work()); }),
-               forecast = so::memory_forecast({exemplar()}, s);
-  if (used < 0) GTEST_SKIP() << "peaks are not told here";
-  EXPECT_LT(used, 1.1 * forecast + 8e6);  // threads and tables that do not grow with the solid
-  EXPECT_GT(used, 0.5 * forecast);
-  // Of a solid of any size a block takes as much, but for its coarsest level.
+  const double of_block = test::peak_of([&] { r = so::solid_block({exemplar()}, s, base, Work()); }),
+               forecast = so::block_forecast({exemplar()}, s);
+  if (of_block >= 0) fits(of_block, forecast);
+  // Of a solid of any size a block takes as much, but for the matches of its coarsest level.
   so::SolidSettings large = s;
   large.size = Vec3i::Constant(384), large.blocks = Vec3i::Constant(4), large.block = 21;
-  EXPECT_LT(so::memory_forecast({exemplar()}, large), 2 * forecast);
+  EXPECT_LT(so::block_forecast({exemplar()}, large), 1.5 * forecast);
   large.blocks = Vec3i::Ones(), large.block = 0;
   EXPECT_GT(so::memory_forecast({exemplar()}, large), 4 * forecast);
 }
 
 TEST(SolidBlocks, StopWhenCancelled) {
   so::SolidSettings s = settings_of(Vec3i::Constant(40));
+  const so::LocalBase base = so::solid_base({exemplar()}, s, Work());
   s.blocks = Vec3i(2, 1, 1);
   for (const double stop : {0.2, 0.4, 0.6, 0.9}) {
     std::atomic<bool> cancel{false};
     const Work::Report report = [&](double fraction, const std::string&) { cancel = fraction >= stop; };
-    EXPECT_THROW(so::optimize_solid({exemplar()}, s, Work(&cancel, &report)), Cancelled) << stop;
+    EXPECT_THROW(so::solid_base({exemplar()}, s, Work(&cancel, &report)), Cancelled) << stop;
+    cancel = false;
+    EXPECT_THROW(so::solid_block({exemplar()}, s, base, Work(&cancel, &report)), Cancelled) << stop;
   }
 }
 
-test::NodeRun run(std::map<std::string, std::string> p) {
-  p.try_emplace("method", "local");
+using Parameters = std::map<std::string, std::string>;
+using Inputs = std::multimap<std::string, Value>;
+
+Inputs pictures() {
+  return {{"exemplar", Value::of<Image>(test::blobs(64, 64, 8, 1))},
+          {"features", Value::of<Image>(test::blobs(64, 64, 5, 2))}};
+}
+
+test::NodeRun base_of(Parameters p = {}) {
   p.try_emplace("size", "40");
   p.try_emplace("iterations", "[4, 2]");
-  return test::run_node("SolidOptimize",
-                        {{"exemplar", Value::of<Image>(test::blobs(64, 64, 8, 1))},
-                         {"features", Value::of<Image>(test::blobs(64, 64, 5, 2))}},
-                        p);
+  return test::run_node("SolidBase", pictures(), p);
 }
 
 TEST(SolidBlocks, LieAtTheirPlaceInTheWhole) {
-  const auto whole = run({{"sources", "true"}});
-  const auto block = run({{"sources", "true"}, {"blocks", "[2, 1, 2]"}, {"block", "3"}});
+  const auto whole =
+      test::run_node("SolidOptimize", pictures(),
+                     {{"size", "40"}, {"iterations", "[4, 2]"}, {"method", "local"}, {"sources", "true"}});
+  const auto block = test::run_node("SolidBlock", {{"base", base_of().outputs.at("base")}},
+                                    {{"sources", "true"}, {"blocks", "[2, 1, 2]"}, {"block", "3"}});
   EXPECT_EQ(whole.metrics.count("seam_ratio"), 1u);
   EXPECT_EQ(block.metrics.count("seam_ratio"), 0u);  // it has no wrap
   const auto& volume = block.output<Volume>("volume");
@@ -223,22 +244,25 @@ TEST(SolidBlocks, LieAtTheirPlaceInTheWhole) {
 }
 
 TEST(SolidBlocks, SayWhatIsWrong) {
-  const auto wrong = [](const std::map<std::string, std::string>& p) {
+  const auto wrong = [](const std::function<void()>& go) {
     try {
-      run(p);
+      go();
     } catch (const Error& e) {
       return e.diagnostic().code + " " + e.diagnostic().parameter;
     }
     return std::string("none");
   };
-  EXPECT_EQ(wrong({{"blocks", "2"}, {"block", "8"}}), "bad-value block");
-  EXPECT_EQ(wrong({{"block", "1"}}), "bad-value block");
-  EXPECT_EQ(wrong({{"blocks", "4"}}), "bad-value blocks");
-  EXPECT_EQ(wrong({{"blocks", "[2, 2]"}}), "bad-value blocks");
-  EXPECT_EQ(wrong({{"blocks", "2"}, {"method", "coherence"}}), "bad-value blocks");
-  EXPECT_EQ(wrong({{"levels", "1"}}), "bad-value method");
-  EXPECT_EQ(wrong({{"size", "2048"}}), "too-large size");
-  EXPECT_EQ(wrong({{"size", "2048"}, {"blocks", "2"}}), "too-large size");
+  const Value base = base_of().outputs.at("base");
+  const auto block = [&](const Parameters& p) {
+    return wrong([&] { test::run_node("SolidBlock", {{"base", base}}, p); });
+  };
+  EXPECT_EQ(block({{"blocks", "2"}, {"block", "8"}}), "bad-value block");
+  EXPECT_EQ(block({{"block", "1"}}), "bad-value block");
+  EXPECT_EQ(block({{"blocks", "4"}}), "bad-value blocks");
+  EXPECT_EQ(block({{"blocks", "[2, 2]"}}), "bad-value blocks");
+  EXPECT_EQ(block({{"memory", "1"}}), "too-large blocks");
+  EXPECT_EQ(wrong([] { base_of({{"levels", "1"}}); }), "bad-value levels");
+  EXPECT_EQ(wrong([] { base_of({{"size", "4096"}, {"memory", "100"}}); }), "too-large size");
 }
 
 TEST(SolidBlocks, ExemplarsLeaveTheFinishSomethingToMeasure) {

@@ -1,0 +1,31 @@
+#include "graph/node_type.h"
+#include "nodes/solid_base/solid_base.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  SolidBase out;
+  out.request = solid_optimize::read_request(c, "local");
+  const auto& [exemplars, settings, voxel] = out.request;
+  solid_optimize::check_request(c, out.request, solid_optimize::base_forecast(exemplars, settings));
+  out.base = solid_optimize::solid_base(exemplars, settings, c.work());
+  c.metric("levels", static_cast<double>(out.base.statistics.size()));
+  c.metric("voxel", voxel);
+  c.output("base", std::move(out));
+}
+
+}  // namespace
+
+NodeType solid_base_node() {
+  NodeType type = NodeType("SolidBase", 1)
+                      .doc_(
+                          "Begins a solid texture that is too large for memory: makes its coarse levels and "
+                          "measures what its blocks, each made by SolidBlock, have to agree upon")
+                      .source_("as SolidOptimize with method local");
+  solid_optimize::declare_exemplars(type).output("base", "SolidBase", "what all blocks share");
+  solid_optimize::declare_settings(solid_optimize::declare_size(type)).compute_(compute);
+  return type;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "graph/node_type.h"
+#include "nodes/solid_base/solid_base.h"
+#include "nodes/solid_optimize/give_solid.h"
+
+namespace terrazzo {
+namespace {
+using namespace solid_optimize;
+
+constexpr int kLeastBlock = 16;  // voxels
+
+// How the solid is cut, and which block of it is wanted.
+void read_block(const Context& c, SolidSettings& s) {
+  const auto blocks = c.ints("blocks");
+  if (blocks.size() == 2)
+    throw Error("bad-value", "two numbers", "write one number of blocks, or three").parameter("blocks");
+  for (int a = 0; a < 3; ++a)
+    s.blocks[a] = static_cast<int>(blocks.size() == 1 ? blocks[0] : blocks[static_cast<std::size_t>(a)]);
+  s.block = static_cast<int>(c.integer("block"));
+  for (int a = 0; a < 3; ++a)
+    if (s.size[a] / s.blocks[a] < kLeastBlock)
+      throw Error(
+          "bad-value",
+          fmt::format("{} blocks along {} voxels are thinner than {}", s.blocks[a], s.size[a], kLeastBlock),
+          "cut the solid into fewer")
+          .parameter("blocks");
+  if (s.block >= s.blocks.prod())
+    throw Error("bad-value", fmt::format("there is no block {} of {}", s.block, s.blocks.prod()),
+                fmt::format("count from 0 to {}, x fastest, z slowest", s.blocks.prod() - 1))
+        .parameter("block");
+}
+
+void compute(Context& c) {
+  const SolidBase& base = c.input<SolidBase>("base");
+  if (base.request.exemplars.empty())
+    throw Error("empty-base", "the base has no exemplars", "connect the output base of a SolidBase");
+  SolidSettings s = base.request.settings;
+  read_block(c, s);
+  s.sources = c.boolean("sources");
+  for (const auto& e : base.request.exemplars) s.sources |= !e.features.empty();
+  const double bytes = block_forecast(base.request.exemplars, s);
+  if (bytes > c.number("memory") * 1e6)
+    throw Error(
+        "too-large",
+        fmt::format("the block needs about {:.0f} MB, more than {:.0f}", bytes / 1e6, c.number("memory")),
+        "cut the solid into more blocks, or raise memory")
+        .parameter("blocks");
+  SolidResult r;
+  {
+    const auto gl = open_device(c);
+    r = solid_block(base.request.exemplars, s, base.base, c.work().part(0, 0.97), gl.get());
+  }
+  give_solid(c, std::move(r), base.request.exemplars, s.blocks == Vec3i::Ones(), base.request.voxel,
+             c.work().part(0.97, 1));
+}
+
+}  // namespace
+
+NodeType solid_block_node() {
+  NodeType type =
+      NodeType("SolidBlock", 1)
+          .doc_(
+              "Makes one block of a solid texture that is too large for memory: the same voxels as of the "
+              "whole, at their place in it, whatever else is made, and in whatever order")
+          .source_("as SolidOptimize with method local")
+          .input("base", "SolidBase", "what all blocks share");
+  declare_solid(type)
+      .parameter(Parameter::ints("blocks", {1})
+                     .count(1, 3)
+                     .range(1, 256)
+                     .doc_("Into how many the solid is cut, along all axes or each: large ones cost less, "
+                           "since each is made with some voxels around it"))
+      .parameter(
+          Parameter::integer("block", 0).range(0, 16777215).doc_("The one to make, x fastest, z slowest"));
+  declare_sources(declare_device(type))
+      .parameter(Parameter::number("memory", 4000)
+                     .range(1, 1e7)
+                     .unit_("MB")
+                     .doc_("Blocks that need more are refused before any work"))
+      .compute_(compute);
+  return type;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,271 @@
+#include "nodes/solid_optimize/from_context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "graph/diagnostic.h"
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "nodes/solid_optimize/measures.h"
+
+namespace terrazzo::solid_optimize {
+namespace {
+
+constexpr const char* kPorts[3] = {"exemplar", "exemplar_y", "exemplar_z"};
+constexpr const char* kAxes[3] = {"x", "y", "z"};
+
+Vec3i solid_size(const Context& c) {
+  const auto written = c.ints("size");
+  if (written.size() == 2)
+    throw Error("bad-value", "two numbers", "write one size, or three").parameter("size");
+  Vec3i size;
+  for (int a = 0; a < 3; ++a) size[a] = static_cast<int>(written.size() == 1 ? written[0] : written[a]);
+  return size;
+}
+
+// Rows upwards, the first section.
+template <class Use>
+void each_upwards(int width, int height, Use&& use) {
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = 0; x < width; ++x) use(x, y);
+}
+
+SolidExemplar exemplar_of(Context& c, const char* port, int which) {
+  const Image& image = c.input<Image>(port);
+  if (image.width < 16 || image.height < 16)
+    throw Error("exemplar-too-small", fmt::format("{} has {} × {} pixels", port, image.width, image.height),
+                "take 16 × 16 at least: patches have 8 × 8");
+  if (image.sections > 1) c.warn(fmt::format("{} has {} sections: the first is used", port, image.sections));
+  SolidExemplar e;
+  e.width = image.width, e.height = image.height;
+  each_upwards(e.width, e.height, [&](int x, int y) {
+    const Vec3f& p = image.at(x, y);
+    if (!p.allFinite())
+      throw Error("bad-pixels", fmt::format("{} is NaN or infinite at ({}, {})", port, x, y),
+                  "mend the picture");
+    e.pixels.push_back(p);
+  });
+  const auto fits = [&](const char* what, int width, int height) {
+    if (width != e.width || height != e.height)
+      throw Error("size-mismatch",
+                  fmt::format("{} {} has {} × {} pixels, {} has {} × {}", what, which + 1, width, height,
+                              port, e.width, e.height),
+                  "take pictures of one size");
+  };
+  const auto& masks = c.list("masks");
+  if (which < static_cast<int>(masks.size())) {
+    if (masks[which].is<Labels>()) {
+      const Labels& m = masks[which].as<Labels>();
+      fits("mask", m.width, m.height);
+      each_upwards(e.width, e.height,
+                   [&](int x, int y) { e.usable.push_back(m.ids[m.index(x, y, 0)] != 0); });
+    } else {
+      const Image& m = masks[which].as<Image>();
+      fits("mask", m.width, m.height);
+      each_upwards(e.width, e.height, [&](int x, int y) { e.usable.push_back(m.at(x, y).mean() > 0.2f); });
+    }
+  }
+  const auto& features = c.list("features");
+  if (which < static_cast<int>(features.size())) {
+    const Image& f = features[which].as<Image>();
+    fits("features", f.width, f.height);
+    each_upwards(e.width, e.height, [&](int x, int y) { e.features.push_back(f.at(x, y)); });
+  }
+  return e;
+}
+
+// Shrinks so that the shorter side has no more than `most` pixels. Returns the factor ≥ 1 that a pixel grew
+// by.
+double fit(SolidExemplar& e, int most) {
+  const int side = std::min(e.width, e.height);
+  if (side <= most) return 1;
+  const double by = static_cast<double>(most) / side;
+  e = shrink(e, static_cast<int>(std::lround(e.width * by)), static_cast<int>(std::lround(e.height * by)));
+  return 1 / by;
+}
+
+std::array<int, 3> planes_of(Context& c, const std::vector<SolidExemplar>& exemplars,
+                             const std::array<int, 3>& source) {
+  std::array<int, 3> plane = {-1, -1, -1};
+  if (c.keyword("planes").empty()) {
+    for (const auto& name : c.texts("planes")) {
+      const auto axis = std::find(std::begin(kAxes), std::end(kAxes), name) - std::begin(kAxes);
+      if (axis == 3)
+        throw Error("bad-value", fmt::format("'{}' is no axis", name), "planes lie across x, y and z")
+            .parameter("planes");
+      plane[static_cast<std::size_t>(axis)] = source[static_cast<std::size_t>(axis)];
+    }
+    if (std::count(plane.begin(), plane.end(), -1) > 1)
+      c.warn("with one plane constrained, the slices of a solid have nothing to do with one another");
+    return plane;
+  }
+  // Grain in a plane's picture cannot run the same way on three planes, but on two whose pictures share an
+  // axis.
+  const double directed = directedness(exemplars[0]);
+  c.metric("directedness", directed);
+  if (exemplars.size() == 1 && directed > 0.35) {
+    c.warn(fmt::format(
+        "the exemplar has a direction ({:.2f} of 1), which three planes cannot share: it is seen on planes "
+        "across x and y, upright in both; set planes to choose",
+        directed));
+    return {source[0], source[1], -1};
+  }
+  return source;
+}
+
+}  // namespace
+
+SolidRequest read_request(Context& c, const std::string& method) {
+  SolidRequest request;
+  SolidSettings& s = request.settings;
+  std::vector<SolidExemplar>& exemplars = request.exemplars;
+  s.size = solid_size(c);
+  std::array<int, 3> source = {0, 0, 0};
+  for (int a = 0; a < 3; ++a) {
+    if (!c.has(kPorts[a])) continue;
+    source[static_cast<std::size_t>(a)] = static_cast<int>(exemplars.size());
+    exemplars.push_back(exemplar_of(c, kPorts[a], static_cast<int>(exemplars.size())));
+  }
+  for (const char* list : {"masks", "features"})
+    if (c.list(list).size() > exemplars.size())
+      throw Error("too-many-inputs",
+                  fmt::format("{} {} for {} exemplars", c.list(list).size(), list, exemplars.size()),
+                  "connect one for each exemplar, in their order, or fewer");
+  request.voxel = c.input<Image>("exemplar").pixel_size;
+  const int most = c.keyword("exemplar_size").empty() ? static_cast<int>(c.integer("exemplar_size"))
+                                                      : std::max(64, s.size.maxCoeff());
+  for (std::size_t e = 0; e < exemplars.size(); ++e) {
+    const double by = fit(exemplars[e], most);
+    if (e == 0) request.voxel *= by;
+  }
+  for (std::size_t e = 1; e < exemplars.size(); ++e)
+    if (std::min(exemplars[e].width, exemplars[e].height) !=
+        std::min(exemplars[0].width, exemplars[0].height))
+      c.warn(fmt::format("exemplars of {} × {} and {} × {} pixels: a pixel of either is one voxel",
+                         exemplars[0].width, exemplars[0].height, exemplars[e].width, exemplars[e].height));
+  s.plane = planes_of(c, exemplars, source);
+  s.iterations.clear();
+  s.papers = method == "papers", s.local = method == "local";
+  s.local_iterations = c.keyword("iterations").empty() ? 0 : SolidSettings().local_iterations;
+  if (!c.keyword("iterations").empty())
+    s.iterations = s.papers ? std::vector<int>{100, 20, 10} : std::vector<int>{20, 10, 5};
+  else
+    for (const auto i : c.ints("iterations")) s.iterations.push_back(static_cast<int>(i));
+  s.levels = c.keyword("levels").empty() ? static_cast<int>(c.integer("levels")) : 0;
+  s.lab = c.text("color") == "lab";
+  s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.copying = c.number("copying"),
+  s.window = c.number("window");
+  s.guide = c.number("guide");
+  s.finish = !c.keyword("finish").empty() ? (s.local ? 1 : 2) : static_cast<int>(c.integer("finish"));
+  s.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  return request;
+}
+
+void check_request(Context& c, const SolidRequest& r, double bytes) {
+  const SolidSettings& s = r.settings;
+  if (bytes > c.number("memory") * 1e6)
+    throw Error("too-large",
+                fmt::format("{} × {} × {} voxels need about {:.0f} MB, more than {:.0f}", s.size.x(),
+                            s.size.y(), s.size.z(), bytes / 1e6, c.number("memory")),
+                "make the solid smaller (it tiles), or raise memory")
+        .parameter("size");
+  if (const double coarse = coarseness(r.exemplars[0]); coarse > 0.7)
+    c.warn(fmt::format(
+        "{:.0f} % of the exemplar's variance lies in details larger than an eighth of its side: it shows too "
+        "few of them to tell how they lie in space",
+        100 * coarse));
+}
+
+NodeType& declare_exemplars(NodeType& type) {
+  type.input("exemplar", "Image",
+             "what slices look like: those across x, and those across y and z where these have no "
+             "exemplar of their "
+             "own. On x and y a picture's columns run along y and x, its rows upwards along z; on z "
+             "along x and y")
+      .optional_input("exemplar_y", {"Image"},
+                      "what slices across y look like, a pixel being one voxel as in exemplar")
+      .optional_input("exemplar_z", {"Image"}, "what slices across z look like")
+      .input_list(
+          "masks", {"Labels", "Image"},
+          "where each exemplar may be used, in their order: labels other than 0, or brighter than 0.2")
+      .input_list("features", {"Image"},
+                  "three further values for each pixel of each exemplar (height, roughness, a distance), "
+                  "carried along "
+                  "with its colours");
+  for (Port& p : type.inputs) p.optional |= p.many;
+  return type;
+}
+
+NodeType& declare_size(NodeType& type) {
+  return type
+      .parameter(Parameter::ints("size", {128})
+                     .count(1, 3)
+                     .range(16, 4096)
+                     .unit_("voxels")
+                     .doc_("Edge, or one for each axis"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Int, "exemplar_size", "auto")
+              .range(16, 4096)
+              .unit_("pixels")
+              .doc_("Shorter side to which larger exemplars are reduced before synthesis; voxels grow with "
+                    "their pixels. auto: the solid's longest edge, 64 at least"))
+      .parameter(Parameter::with_keyword(ParameterKind::Ints, "iterations", "auto")
+                     .count(1, 8)
+                     .range(1, 1000)
+                     .doc_("Of each level, from the coarsest on; the last number counts for all further "
+                           "levels. auto: "
+                           "20, 10, 5, and 2 of those that are made locally; with papers 100, 20, 10"));
+}
+
+NodeType& declare_settings(NodeType& type) {
+  return type
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "planes", "auto")
+                     .count(1, 3)
+                     .doc_("Axes across which slices look like an exemplar: [x, y, z] or fewer. auto: "
+                           "all three, or x "
+                           "and y where a single exemplar has a direction"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "levels", "auto")
+                     .range(1, 8)
+                     .doc_("Scales, each of half the size of the next. auto: until the exemplar's "
+                           "shorter side has 24 "
+                           "to 47 pixels"))
+      .parameter(Parameter::choice("color", "lab", {"lab", "linear"})
+                     .doc_("The colour space of distances and means: Oklab, or scene-linear Rec. 709"))
+      .parameter(Parameter::number("exponent", 0.8)
+                     .range(0, 2)
+                     .doc_("r of the energy ‖patch − match‖^r: below 2 bad matches count less"))
+      .parameter(Parameter::number("overuse", 1)
+                     .range(0, 100)
+                     .doc_("How much further an exemplar patch counts that is in use more often than the "
+                           "mean: 0 lets one motif repeat"))
+      .parameter(Parameter::number("copying", 1)
+                     .range(0, 100)
+                     .doc_("How much further an exemplar patch counts that goes on from all four of its "
+                           "neighbours as they lie there: 0 lets whole pieces be copied, much more "
+                           "breaks them up"))
+      .parameter(Parameter::number("guide", 1)
+                     .range(0, 10)
+                     .doc_("How much the distance to the border between dark and light counts beside "
+                           "colours, of which all count 1: keeps veins and joints in one piece. Not with "
+                           "papers, and of local the levels that are made whole"))
+      .parameter(Parameter::number("window", 0.05)
+                     .range(0, 10)
+                     .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
+                           "standard deviation; "
+                           "it starts ten times as wide. 0: plain means, which blur"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
+                     .range(0, 20)
+                     .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
+                           "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
+      .parameter(Parameter::number("memory", 4000)
+                     .range(1, 1e7)
+                     .unit_("MB")
+                     .doc_("Sizes that need more are refused before any work"))
+      .parameter(
+          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the start and of the search"));
+}
+
+}  // namespace terrazzo::solid_optimize
