@@ -49,29 +49,32 @@ Section section_of_particles(Context& c) {
   return section;
 }
 
-Section section_of_volume(Context& c) {
+// `colors_alone`: it has nothing to tell profiles by, as solid textures have not.
+Section section_of_volume(Context& c, bool& colors_alone) {
   if (c.has("particles") || c.has("shapes"))
     throw Error("two-sources", "both particles and a volume are connected", "connect one of them");
   const Volume& volume = *c.optional<Volume>("volume");
   const VolumeBox box = volume_box(volume);
   VolumeSection section =
       cut_volume(volume, choose_planes(choice_of(c), box.size, box.periodic, box.voxel), c.work());
-  if (section.label_grid.empty())
-    c.warn("the volume has no grid id and no density: there are no labels and no profiles");
+  colors_alone = section.label_grid.empty();
   if (section.label_grid == "density")
     c.warn("the volume has no grid id: particles that touch count as one profile");
   return section;
 }
 
 void compute(Context& c) {
-  Section section = c.has("volume") ? section_of_volume(c) : section_of_particles(c);
+  bool colors_alone = false;
+  Section section = c.has("volume") ? section_of_volume(c, colors_alone) : section_of_particles(c);
   const Profiles& profiles = section.profiles;
-  double weights = 0;
-  for (const Profile& p : profiles.profiles) weights += p.weight;
-  c.metric("profiles", static_cast<double>(profiles.profiles.size()));
-  c.metric("area_fraction", profiles.area_fraction);
-  c.metric("profiles_per_area", weights / profiles.observed_area);
-  if (profiles.profiles.empty()) c.warn("the planes meet no particle");
+  if (!colors_alone) {
+    double weights = 0;
+    for (const Profile& p : profiles.profiles) weights += p.weight;
+    c.metric("profiles", static_cast<double>(profiles.profiles.size()));
+    c.metric("area_fraction", profiles.area_fraction);
+    c.metric("profiles_per_area", weights / profiles.observed_area);
+    if (profiles.profiles.empty()) c.warn("the planes meet no particle");
+  }
   c.output("image", std::move(section.image));
   c.output("labels", std::move(section.labels));
   c.output("profiles", std::move(section.profiles));
@@ -81,7 +84,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType section_node() {
-  return NodeType("Section", 2)
+  return NodeType("Section", 3)
       .doc_(
           "Cuts a packing, or a volume, with planes: picture, labels and exact profiles. Planes across an "
           "axis show one "
@@ -97,7 +100,8 @@ NodeType section_node() {
               "the sections, one below the other in the stack; particles antialiased over the binder")
       .output("labels", "Labels", "the profile at each pixel's centre, 0 for binder")
       .output("profiles", "Profiles",
-              "one per connected region: of particles exact, of volumes counted in pixels")
+              "one per connected region: of particles exact, of volumes counted in pixels; none where a "
+              "volume has colours alone")
       .output(
           "table", "Table",
           "per profile its section, particle, class, area, of particles also perimeter and holes, and weight")

@@ -147,5 +147,16 @@ TEST(SectionOfVolume, NodeTakesAVolumeAndOnlyThat) {
   }
 }
 
+// A solid texture has no particles to miss.
+TEST(SectionOfVolume, OfColoursAloneThereIsNothingToWarnOf) {
+  Volume v = block_volume({2, 2, 2});
+  v.grids.resize(1);
+  const auto run = test::run_node("Section", {{"volume", Value::of(v)}});
+  EXPECT_TRUE(run.warnings.empty());
+  EXPECT_TRUE(run.metrics.empty());
+  EXPECT_TRUE(run.output<Profiles>("profiles").profiles.empty());
+  EXPECT_EQ(run.output<Image>("image").width, n);
+}
+
 }  // namespace
 }  // namespace terrazzo
