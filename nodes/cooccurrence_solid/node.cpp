@@ -2,6 +2,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/common/dense_grid.h"
+#include "nodes/common/one_or_three.h"
 #include "nodes/cooccurrence_solid/cooccurrence_solid.h"
 #include "nodes/data/table.h"
 #include "runtime/context.h"
@@ -21,12 +22,7 @@ void compute(Context& c) {
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
   s.space = c.text("space"), s.from_noise = c.text("start") == "noise",
   s.seed = static_cast<std::uint64_t>(c.integer("seed"));
-  const auto size = c.ints("size");
-  if (size.size() == 2)
-    throw Error("bad-value", "size has two numbers", "give one edge, or one for each of three axes")
-        .parameter("size");
-  for (int a = 0; a < 3; ++a)
-    s.size[a] = static_cast<int>(size[size.size() == 1 ? 0 : static_cast<std::size_t>(a)]);
+  s.size = one_or_three(c, "size");
   const double voxels = s.size.cast<double>().prod();
   if (voxels > 1 << 30)
     throw Error("too-large", fmt::format("{} × {} × {} voxels", s.size.x(), s.size.y(), s.size.z()),

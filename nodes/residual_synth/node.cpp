@@ -7,6 +7,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/color.h"
 #include "nodes/common/dense_grid.h"
+#include "nodes/common/one_or_three.h"
 #include "nodes/common/steerable_pyramid.h"
 #include "nodes/residual_synth/radial.h"
 #include "nodes/residual_synth/residual_image.h"
@@ -17,11 +18,7 @@ namespace terrazzo {
 namespace {
 
 Vec3i volume_size(const Context& c) {
-  const auto written = c.ints("size");
-  if (written.size() == 2)
-    throw Error("bad-value", "two numbers", "write one size, or three").parameter("size");
-  Vec3i size;
-  for (int a = 0; a < 3; ++a) size[a] = static_cast<int>(written.size() == 1 ? written[0] : written[a]);
+  const Vec3i size = one_or_three(c, "size");
   if (size.cast<double>().prod() > 5.4e8)
     throw Error("too-large", fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()),
                 "at most 800³: the volume tiles")

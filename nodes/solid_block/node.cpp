@@ -2,6 +2,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/node_type.h"
+#include "nodes/common/one_or_three.h"
 #include "nodes/solid_base/solid_base.h"
 #include "nodes/solid_optimize/give_solid.h"
 
@@ -13,11 +14,7 @@ constexpr int kLeastBlock = 16;  // voxels
 
 // How the solid is cut, and which block of it is wanted.
 void read_block(const Context& c, SolidSettings& s) {
-  const auto blocks = c.ints("blocks");
-  if (blocks.size() == 2)
-    throw Error("bad-value", "two numbers", "write one number of blocks, or three").parameter("blocks");
-  for (int a = 0; a < 3; ++a)
-    s.blocks[a] = static_cast<int>(blocks.size() == 1 ? blocks[0] : blocks[static_cast<std::size_t>(a)]);
+  s.blocks = one_or_three(c, "blocks");
   s.block = static_cast<int>(c.integer("block"));
   for (int a = 0; a < 3; ++a)
     if (s.size[a] / s.blocks[a] < kLeastBlock)

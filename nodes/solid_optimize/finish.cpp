@@ -29,8 +29,7 @@ void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings
       values.push_back(&wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].values[c]);
     const Quantiles target = mixture(values);
     for (int round = 0; round < s.finish; ++round) {
-      // A wave is seen by two of three planes; a mean of what they want changed would need more rounds.
-      const auto planes = static_cast<float>(axes.size()), share = 2 / std::max(2.0f, planes);
+      const float planes = static_cast<float>(axes.size()), share = finish_share(axes.size());
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = (1 - share * planes) * field.channel[c][i];
       for (int a : axes) {
         const SliceFamily family(field.size, a, scales);

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/one_or_three.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/solid_optimize/measures.h"
@@ -15,16 +16,6 @@ namespace terrazzo::solid_optimize {
 namespace {
 
 constexpr const char* kPorts[3] = {"exemplar", "exemplar_y", "exemplar_z"};
-constexpr const char* kAxes[3] = {"x", "y", "z"};
-
-Vec3i solid_size(const Context& c) {
-  const auto written = c.ints("size");
-  if (written.size() == 2)
-    throw Error("bad-value", "two numbers", "write one size, or three").parameter("size");
-  Vec3i size;
-  for (int a = 0; a < 3; ++a) size[a] = static_cast<int>(written.size() == 1 ? written[0] : written[a]);
-  return size;
-}
 
 // Rows upwards, the first section.
 template <class Use>
@@ -122,7 +113,7 @@ SolidRequest read_request(Context& c, const std::string& method) {
   SolidRequest request;
   SolidSettings& s = request.settings;
   std::vector<SolidExemplar>& exemplars = request.exemplars;
-  s.size = solid_size(c);
+  s.size = one_or_three(c, "size");
   std::array<int, 3> source = {0, 0, 0};
   for (int a = 0; a < 3; ++a) {
     if (!c.has(kPorts[a])) continue;

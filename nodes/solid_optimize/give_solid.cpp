@@ -12,8 +12,6 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr const char* kAxes[3] = {"x", "y", "z"};
-
 Table table_of(const std::vector<PlaneMeasures>& measures) {
   Table t;
   t.columns = {"axis",   "histogram",    "patches",       "patches floor",

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "nodes/common/slice_axes.h"
+#include "nodes/solid_optimize/finish.h"
 #include "nodes/solid_optimize/levels.h"
 
 namespace terrazzo::solid_optimize {
@@ -164,8 +165,7 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
       for (const auto& m : fixed) maps.bands.back().push_back(*m);
     }
   }
-  // A wave is seen by two of three planes, and a mean would need more rounds.
-  const float share = 2.0f / std::max(2.0f, static_cast<float>(region.families.size()));
+  const float share = finish_share(region.families.size());
   const Strides strides(region);
   std::vector<float> sum = region.field.channel[c];
   for (std::size_t k = 0; k < region.families.size(); ++k) {

@@ -74,6 +74,13 @@ struct LocalGl::Gl {
     MemoryBarrier(GL_ALL_BARRIER_BITS);
     check();
   }
+  // The same over first … last − 1, for programs that are told so.
+  void dispatch(const Vec3i& first, const Vec3i& last, const Work& work) const {
+    dispatch(last - first, work, [&](int z, int end) {
+      set("first", Vec3i(first + Vec3i(0, 0, z)));
+      set("last", Vec3i(last.x(), last.y(), first.z() + end));
+    });
+  }
 };
 
 namespace {
@@ -257,11 +264,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
       gl.set(fmt::format("from[{}]", a), lines[a].from);
       first[k] = box.lo[k] - lines[a].from, last[k] = box.hi[k] - lines[a].from;
     }
-    const auto part = [&](int z, int end) {
-      gl.set("first", Vec3i(first + Vec3i(0, 0, z)));
-      gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
-    };
-    gl.dispatch(last - first, step, part);
+    gl.dispatch(first, last, step);
     if (probe) {
       for (std::size_t c = 0; c < channels; ++c)
         field.read(c * voxels * sizeof(float), region.field.channel[c]);
@@ -278,7 +281,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
       const Remap& map = passes.statistics.values[i][c].map();
       gl.set("channel", static_cast<int>(c));
       gl.set("map_low", map.low()), gl.set("map_scale", map.scale());
-      gl.dispatch(last - first, work.quiet(), part);
+      gl.dispatch(first, last, work.quiet());
     }
     for (std::size_t c = 0; c < channels; ++c)
       copy_beyond(field, c * voxels, stored, Vec3i(tables.voxels[0], tables.voxels[1], tables.voxels[2]));
@@ -318,10 +321,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
     const auto columns = u.patches_over(box, ua), rows = v.patches_over(box, va);
     const Vec3i first(columns[0], rows[0], box.lo[f.axis] - s.from),
         last(columns[1], rows[1], box.hi[f.axis] - s.from);
-    gl.dispatch(last - first, step, [&](int z, int end) {
-      gl.set("first", Vec3i(first + Vec3i(0, 0, z)));
-      gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
-    });
+    gl.dispatch(first, last, step);
     next.copy(0, matches, at, bytes);
   };
 
@@ -340,10 +340,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
     gl.set("inverse_floor", 1 / passes.statistics.floor[i][k]);
     const Vec3i first(columns[0], rows[0], box.lo[f.axis] - lines[axis].from),
         last(columns[1], rows[1], box.hi[f.axis] - lines[axis].from);
-    gl.dispatch(last - first, work.quiet(), [&](int z, int end) {
-      gl.set("first", Vec3i(first + Vec3i(0, 0, z)));
-      gl.set("last", Vec3i(last.x(), last.y(), first.z() + end));
-    });
+    gl.dispatch(first, last, work.quiet());
     const Vec3i size(f.columns, f.rows, f.slices),
         from(tables.patches[static_cast<std::size_t>(ua)], tables.patches[static_cast<std::size_t>(va)],
              tables.voxels[axis]);

@@ -11,6 +11,8 @@
 
 namespace terrazzo::solid_optimize {
 
+constexpr const char* kAxes[3] = {"x", "y", "z"};  // as parameters and tables name them
+
 class LocalGl;
 struct LocalBase;
 
