@@ -1,6 +1,7 @@
 // A node type: the one declaration from which schema, keys, reference pages and help all come.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct NodeType {
   std::vector<Parameter> parameters;
   std::vector<std::string> former_names;  // still read in graph files, with a note
   bool writes_files = false;              // its results are files under the output folder
+  // Further files that reading an input file opens, such as the .img beside a .hdr. Their content enters the
+  // key like the file's own. Null if the node opens only the files that its parameters name.
+  std::vector<std::filesystem::path> (*companion_files)(const std::filesystem::path&) = nullptr;
   void (*compute)(Context&) = nullptr;
 
   NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
@@ -42,6 +46,7 @@ struct NodeType {
   NodeType& parameter(Parameter);
   NodeType& was(std::string former_name);
   NodeType& writes_files_();
+  NodeType& companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&));
   NodeType& compute_(void (*fn)(Context&));
 
   const Port* find_input(const std::string&) const;

@@ -7,8 +7,17 @@ Hash record_key(const NodeType& type, const Hash& key, const std::filesystem::pa
   return hash_of(key.text() + std::filesystem::absolute(output_folder).lexically_normal().string());
 }
 
-Hash content_with_extension(const Hash& content, const std::filesystem::path& path) {
-  return hash_of(content.text() + path.extension().string());
+std::optional<Hash> input_content(const NodeType& type, const std::filesystem::path& path,
+                                  FileHashes& hashes) {
+  const auto hash = hashes.hash(path);
+  if (!hash) return {};
+  std::string text = hash->text() + path.extension().string();
+  if (type.companion_files)
+    for (const auto& companion : type.companion_files(path)) {
+      const auto other = hashes.hash(companion);
+      text += "\n" + companion.filename().string() + "=" + (other ? other->text() : "none");
+    }
+  return hash_of(text);
 }
 
 InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
@@ -23,9 +32,9 @@ InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
                   "paths in a graph are relative to the graph file")
           .parameter(p.name);
     for (const auto& path : paths) {
-      const auto hash = hashes.hash(path);
-      if (!hash) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
-      out.hashes[p.name].push_back(content_with_extension(*hash, path));
+      const auto content = input_content(*node.type, path, hashes);
+      if (!content) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
+      out.hashes[p.name].push_back(*content);
     }
   }
   return out;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,11 +24,12 @@ Hash record_key(const NodeType&, const Hash& key, const std::filesystem::path& o
 // A path parameter's files and their content. Throws Error "no-file" with the parameter.
 struct InputFiles {
   std::map<std::string, std::vector<std::filesystem::path>> paths;
-  std::map<std::string, std::vector<Hash>> hashes;  // of content and extension
+  std::map<std::string, std::vector<Hash>> hashes;  // input_content
 };
 InputFiles input_files(const GraphNode&, FileHashes&);
 
-// Readers choose the format by extension, so it belongs to the content.
-Hash content_with_extension(const Hash& content, const std::filesystem::path&);
+// What a node reads when it opens this file: content, extension (readers choose the format by it), and the
+// content of companion files. Nothing if the file cannot be read.
+std::optional<Hash> input_content(const NodeType&, const std::filesystem::path&, FileHashes&);
 
 }  // namespace terrazzo

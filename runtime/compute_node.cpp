@@ -1,9 +1,10 @@
 #include "runtime/compute_node.h"
 
-#include <cmath>
+#include <algorithm>
 #include <new>
 
 #include "runtime/files.h"
+#include "runtime/memory.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -13,6 +14,8 @@ class NodeContext : public Context {
  public:
   explicit NodeContext(ComputeRequest r) : request_(std::move(r)) {
     work_ = request_.work;
+    memory_ = available_memory();
+    if (request_.memory > 0) memory_ = std::min(memory_, request_.memory);
     inputs_ = std::move(request_.inputs);
     parameters_ = std::move(request_.parameters);
     files_ = std::move(request_.files);

@@ -19,6 +19,7 @@ struct ComputeRequest {
   std::filesystem::path output_folder;
   std::string provenance;  // JSON
   Work work;
+  std::uint64_t memory = 0;  // bytes that loaders may take; 0: what the machine has left
 };
 
 struct ComputeResult {

@@ -48,6 +48,10 @@ class Context {
   // here.
   const std::vector<std::filesystem::path>& files(const std::string& name) const;
 
+  // Bytes that this computation may allocate for what a file's header asks for. Loaders compare it with what
+  // they need before they allocate (require_memory in runtime/memory.h).
+  std::uint64_t memory() const { return memory_; }
+
   // --- results.
   template <class T>
   void output(const std::string& name, T v) {
@@ -73,6 +77,7 @@ class Context {
   const ParameterValue& raw(const std::string& name) const;
 
   Work work_;
+  std::uint64_t memory_ = 0;
   std::map<std::string, std::vector<Value>> inputs_;
   std::map<std::string, ParameterValue> parameters_;
   std::map<std::string, std::vector<std::filesystem::path>> files_;

@@ -189,8 +189,7 @@ std::optional<ComputeRequest> request_again(const ActionRecord& record, const Re
     }
   for (const auto& [name, list] : record.input_files)
     for (const auto& f : list) {
-      const auto hash = hashes.hash(f.path);
-      if (!hash || content_with_extension(*hash, f.path) != f.content) return {};
+      if (input_content(*q.type, f.path, hashes) != f.content) return {};
       q.files[name].push_back(f.path);
     }
   q.work = work;

@@ -312,6 +312,7 @@ class Run {
     q.output_folder = options_.output_folder;
     if (q.type->writes_files) q.provenance = provenance(i);
     q.work = std::move(work);
+    q.memory = options_.memory;
     return q;
   }
 

@@ -58,7 +58,8 @@ struct RunOptions {
   const std::atomic<bool>* cancel = nullptr;
   const std::deque<std::atomic<bool>>* cancel_node = nullptr;  // one a node: stops that node alone
   Observer* observer = nullptr;
-  std::string provenance;  // JSON object, handed to nodes that write files
+  std::uint64_t memory = 0;  // bytes that one loaded file may take; 0: what the machine has left
+  std::string provenance;    // JSON object, handed to nodes that write files
 };
 
 class Evaluator {

@@ -151,6 +151,7 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
   o.targets = target_nodes(*graph_, targets);
   o.output_folder = options_.output_folder;
   o.threads = options_.threads;
+  o.memory = options_.file_memory;
   o.cancel = options_.cancel;
   o.cancel_node = &e->cancel_node_;
   o.observer = observer;

@@ -20,6 +20,7 @@ namespace terrazzo {
 struct SessionOptions {
   std::filesystem::path cache_folder = {};  // empty: results live in memory alone
   std::uint64_t memory = Store::default_memory;
+  std::uint64_t file_memory = 0;  // bytes that one loaded file may take; 0: what the machine has left
   std::filesystem::path output_folder = "out";
   int threads = 0;                            // 0: as many as the machine has
   const std::atomic<bool>* cancel = nullptr;  // stops every evaluation

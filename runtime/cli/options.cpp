@@ -13,7 +13,7 @@
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
 
-GraphOptions::GraphOptions() : cache_limit(default_cache_limit), memory(Store::default_memory) {}
+GraphOptions::GraphOptions() : cache_limit(default_cache_limit) {}
 
 std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& list,
                                                                    const std::string& option) {
@@ -33,7 +33,12 @@ Overrides overrides(const GraphOptions& o) {
 }
 
 SessionOptions session_options(const GraphOptions& o) {
-  return {cache_folder(o), o.memory, o.out, threads(o), cancel_on_interrupt()};
+  return {.cache_folder = cache_folder(o),
+          .memory = o.memory > 0 ? o.memory : Store::default_memory,
+          .file_memory = o.memory,
+          .output_folder = o.out,
+          .threads = threads(o),
+          .cancel = cancel_on_interrupt()};
 }
 
 int threads(const GraphOptions& o) {

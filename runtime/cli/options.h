@@ -18,7 +18,8 @@ struct GraphOptions {
   std::vector<std::string> set, parameters, targets;  // "NODE.PARAM=VALUE", "NAME=VALUE", "NODE[.PORT]"
   std::string out = "out";
   std::string cache;  // "": the user's default folder
-  std::uint64_t cache_limit, memory;
+  std::uint64_t cache_limit;
+  std::uint64_t memory = 0;  // 0: not given
   bool no_cache = false;
   bool quiet = false;
   int threads = 0;

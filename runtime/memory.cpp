@@ -1,0 +1,113 @@
+#include "runtime/memory.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
+
+std::optional<std::uint64_t> number_in(const fs::path& file) {
+  std::ifstream in(file);
+  std::uint64_t value;
+  if (in >> value) return value;
+  return {};  // "max", or no such file
+}
+
+std::uint64_t left_of(std::uint64_t limit, std::uint64_t used) { return limit > used ? limit - used : 0; }
+
+std::uint64_t left_on_machine() {
+  std::ifstream file("/proc/meminfo");
+  std::string name, rest;
+  std::uint64_t kilobytes;
+  while (file >> name >> kilobytes) {
+    if (name == "MemAvailable:") return 1024 * kilobytes;
+    std::getline(file, rest);
+  }
+  return unlimited;
+}
+
+// Pages of the page cache count as used by a control group, but the kernel drops them before it refuses memory.
+std::uint64_t reclaimable(const fs::path& group) {
+  std::ifstream in(group / "memory.stat");
+  std::string name;
+  std::uint64_t value, sum = 0;
+  while (in >> name >> value)
+    if (name == "inactive_file" || name == "active_file") sum += value;
+  return sum;
+}
+
+// The group's limit and those of all groups around it.
+std::uint64_t left_in_group(const fs::path& mount, const std::string& path, const char* limit_name,
+                            const char* usage_name) {
+  std::uint64_t left = unlimited;
+  fs::path group = mount / fs::path(path).relative_path();
+  std::error_code error;
+  // Inside a container the path may name a folder of the host that is not mounted here.
+  if (!fs::exists(group / usage_name, error)) group = mount;
+  while (true) {
+    const auto limit = number_in(group / limit_name), used = number_in(group / usage_name);
+    if (limit && used)
+      left = std::min(left, left_of(*limit, left_of(*used, reclaimable(group))));
+    if (group == mount || group == group.parent_path()) return left;
+    group = group.parent_path();
+  }
+}
+
+std::uint64_t left_in_groups() {
+  std::uint64_t left = unlimited;
+  std::ifstream in("/proc/self/cgroup");
+  for (std::string line; std::getline(in, line);) {
+    const auto first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string path = line.substr(second + 1);
+    if (controllers == ",,")
+      left = std::min(left, left_in_group("/sys/fs/cgroup", path, "memory.max", "memory.current"));
+    else if (controllers.find(",memory,") != std::string::npos)
+      left = std::min(left, left_in_group("/sys/fs/cgroup/memory", path, "memory.limit_in_bytes",
+                                          "memory.usage_in_bytes"));
+  }
+  return left;
+}
+
+std::uint64_t left_in_address_space() {
+  struct rlimit limit;
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
+  std::ifstream in("/proc/self/statm");
+  std::uint64_t pages = 0;
+  in >> pages;
+  return left_of(limit.rlim_cur, pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
+}
+
+std::string bytes_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+}  // namespace
+
+std::uint64_t available_memory() {
+  return std::min({left_on_machine(), left_in_groups(), left_in_address_space()});
+}
+
+void require_memory(double bytes, std::uint64_t limit, const std::string& what) {
+  if (bytes <= static_cast<double>(limit)) return;
+  throw Error("too-large",
+              fmt::format("{} needs {} of memory; {} may be used", what, bytes_text(bytes),
+                          bytes_text(static_cast<double>(limit))),
+              "use a smaller file, or raise --memory if the machine has more");
+}
+
+}  // namespace terrazzo
