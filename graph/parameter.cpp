@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "graph/nearest.h"
+#include "graph/output_path.h"
 
 namespace terrazzo {
 
@@ -211,6 +212,12 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
     case ParameterKind::InputPath:
     case ParameterKind::OutputPath:
       if (word.empty()) return why = "the path is empty", std::nullopt;
+      if (word.find('\0') != std::string::npos) return why = "the path holds a zero byte", std::nullopt;
+      if (p.kind == ParameterKind::OutputPath && leaves_folder(word))
+        return why = fmt::format("'{}' lies outside the output folder (write a path below it; --out chooses the "
+                                 "folder)",
+                                 word),
+               std::nullopt;
       return word;
     case ParameterKind::Ints: {
       std::vector<std::int64_t> v;

@@ -1,6 +1,9 @@
 #include "runtime/action_key.h"
 
+#include "runtime/files.h"
+
 namespace terrazzo {
+namespace fs = std::filesystem;
 
 Hash record_key(const NodeType& type, const Hash& key, const std::filesystem::path& output_folder) {
   if (!type.writes_files) return key;
@@ -35,6 +38,10 @@ InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
       const auto content = input_content(*node.type, path, hashes);
       if (!content) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
       out.hashes[p.name].push_back(*content);
+      auto files = node.type->companion_files ? node.type->companion_files(path) : std::vector<fs::path>{};
+      files.insert(files.begin(), path);
+      for (const auto& f : files)
+        if (const auto hash = hashes.hash(f)) out.read.push_back({f.string(), *hash});
     }
   }
   return out;

@@ -10,21 +10,22 @@
 
 #include "graph/graph.h"
 #include "runtime/action_record.h"
-#include "runtime/files.h"
+#include "runtime/file_hashes.h"
 
 namespace terrazzo {
 
 Hash action_key(const GraphNode&, const std::map<std::string, std::vector<Hash>>& files,
                 const std::map<std::string, std::vector<OutputRecord>>& inputs);
 
-// The key under which the computation is recorded. What a node writes lies in one output folder and says which
-// run wrote it: each folder has its own record.
+// The key under which the computation is recorded. What a node writes lies in one output folder and says
+// which run wrote it: each folder has its own record.
 Hash record_key(const NodeType&, const Hash& key, const std::filesystem::path& output_folder);
 
 // A path parameter's files and their content. Throws Error "no-file" with the parameter.
 struct InputFiles {
   std::map<std::string, std::vector<std::filesystem::path>> paths;
   std::map<std::string, std::vector<Hash>> hashes;  // input_content
+  std::vector<FileRecord> read;                     // every file, companions included, with its own content
 };
 InputFiles input_files(const GraphNode&, FileHashes&);
 

@@ -3,12 +3,35 @@
 #include <algorithm>
 #include <new>
 
+#include "graph/output_path.h"
 #include "runtime/files.h"
 #include "runtime/memory.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
+
+// The path below the folder, with links in it resolved. Throws Error "outside-output" if it leads out.
+fs::path confined(const fs::path& folder, const std::string& relative) {
+  std::error_code error;
+  const fs::path path = folder / relative, root = fs::weakly_canonical(folder, error);
+  const fs::path parent = error ? fs::path() : fs::weakly_canonical(path.parent_path(), error);
+  if (error) throw Error("write-failed", "cannot write '" + path.string() + "': " + error.message());
+  if (leaves_folder(relative) || leaves_folder(parent.lexically_relative(root)))
+    throw Error("outside-output",
+                "'" + relative + "' leads out of the output folder '" + folder.string() + "'",
+                "write a path below it that no link redirects; --out chooses the folder")
+        .parameter("path");
+  return path;
+}
+
+// Whether writing `to` would replace `file`. A link with that name would be replaced, not what it points to.
+bool same_place(const fs::path& file, const fs::path& to) {
+  std::error_code error;
+  const fs::path place = fs::weakly_canonical(to.parent_path(), error) / to.filename();
+  return place == fs::weakly_canonical(file.parent_path(), error) / file.filename() ||
+         place == fs::weakly_canonical(file, error);
+}
 
 class NodeContext : public Context {
  public:
@@ -28,7 +51,14 @@ class NodeContext : public Context {
   void write_file(const std::string& relative, const std::function<void(const fs::path&)>& write) override {
     if (!request_.type->writes_files)
       throw Error("node-bug", request_.type->name + " writes a file without saying so");
-    write_atomically(request_.output_folder / relative, [&](const fs::path& temporary) {
+    const fs::path final = confined(request_.output_folder, relative);
+    for (const auto& input : request_.protected_files)
+      if (same_place(input, final))
+        throw Error("overwrites-input",
+                    "'" + relative + "' would overwrite '" + input.string() + "', which the graph reads",
+                    "write to another name, or to another folder with --out")
+            .parameter("path");
+    write_atomically(final, [&](const fs::path& temporary) {
       write(temporary);
       work_.check();  // cancelled while writing: the final name stays as it was
     });

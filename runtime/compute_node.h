@@ -17,7 +17,8 @@ struct ComputeRequest {
   std::map<std::string, ParameterValue> parameters;  // all of them, defaults filled in
   std::map<std::string, std::vector<std::filesystem::path>> files;
   std::filesystem::path output_folder;
-  std::string provenance;  // JSON
+  std::vector<std::filesystem::path> protected_files;  // that the node must not overwrite: the graph's inputs
+  std::string provenance;                              // JSON
   Work work;
   std::uint64_t memory = 0;  // bytes that loaders may take; 0: what the machine has left
 };

@@ -1,18 +1,15 @@
 #include "runtime/disk_cache.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <functional>
 #include <unordered_map>
 
 #include "runtime/action_key.h"
+#include "runtime/cache_folder.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
 #include "runtime/store.h"
@@ -20,29 +17,6 @@
 namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
-
-struct Found {
-  fs::path path;
-  Hash name;  // zero where the file is none of ours
-  std::uint64_t bytes;
-  double age;  // seconds since its last use
-};
-
-// Files that go while we look are no mistake.
-void each_file(const fs::path& folder, const std::function<void(const Found&)>& use) {
-  struct timespec now;
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  std::error_code error;
-  for (auto it =
-           fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied, error);
-       !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
-    struct stat s;
-    if (::lstat(it->path().c_str(), &s) != 0 || !S_ISREG(s.st_mode)) continue;
-    const std::string name = it->path().filename().string();
-    use({it->path(), name.size() == 32 ? Hash::parse(name) : Hash{}, static_cast<std::uint64_t>(s.st_size),
-         static_cast<double>(now.tv_sec - s.st_mtim.tv_sec)});
-  }
-}
 
 // The type's name, which a value file begins with.
 std::string type_in(const fs::path& path) {
@@ -62,113 +36,132 @@ bool removed(const fs::path& path) {
 
 constexpr double hour = 3600, day = 24 * hour;
 
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : fd_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    held_ = fd_ >= 0 && ::flock(fd_, LOCK_EX | LOCK_NB) == 0;
-  }
-  ~FolderLock() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  bool held() const { return held_; }
+std::shared_ptr<const ActionRecord> record_in(const CacheFile& f) {
+  const auto text = f.name ? read_file(f.path) : std::nullopt;
+  return text ? parse_action(*text) : nullptr;
+}
 
- private:
-  int fd_;
-  bool held_;
-};
+bool any_value_of(const fs::path& folder, const ActionRecord& record) {
+  std::error_code error;
+  for (const auto& [port, o] : record.outputs)
+    if (fs::exists(cache_entry(folder, "values", o.content), error)) return true;
+  return false;
+}
+
+// What nobody misses: what writers that were interrupted left, and what 90 days without use made worthless.
+// True if it was removed.
+bool remove_worthless(const fs::path& folder, const char* table, const CacheFile& f, Collected& out) {
+  if (f.age <= (f.name ? 90 * day : hour)) return false;  // younger leftovers may still be written to
+  const std::string name = table;
+  if (f.name && name == "values") return false;
+  const bool is_record = f.name && name == "actions";
+  if (is_record)
+    if (const auto record = record_in(f); record && any_value_of(folder, *record)) return false;
+  if (!removed(f.path)) return false;
+  ++(is_record ? out.records : out.leftovers), out.bytes += f.bytes;
+  return true;
+}
 
 }  // namespace
 
 CacheStats cache_stats(const fs::path& folder) {
   CacheStats out;
-  const auto add = [](CacheStats::Kind& k, const Found& f) { ++k.count, k.bytes += f.bytes; };
-  each_file(folder, [&](const Found& f) {
-    const std::string table = f.path.lexically_relative(folder).begin()->string();
-    if (f.name && table == "actions") {
-      add(out.records, f);
-      if (const auto text = read_file(f.path))
-        if (const auto record = parse_action(*text)) out.seconds += record->seconds;
-    } else if (f.name && table == "values") {
-      add(out.values, f);
-      add(out.by_type[type_in(f.path)], f);
-    } else {
-      add(out.other, f);
-    }
-  });
+  const auto add = [](CacheStats::Kind& k, const CacheFile& f) { ++k.count, k.bytes += f.bytes; };
+  for (const char* table : cache_tables)
+    each_cache_file(folder, table, -1, [&](const CacheFile& f) {
+      const std::string name = table;
+      if (f.name && name == "actions") {
+        add(out.records, f);
+        if (const auto record = record_in(f)) out.seconds += record->seconds;
+      } else if (f.name && name == "values") {
+        add(out.values, f);
+        add(out.by_type[type_in(f.path)], f);
+      } else {
+        add(out.other, f);
+      }
+    });
   return out;
 }
 
 Collected collect_cache(const fs::path& folder, std::uint64_t limit) {
   Collected out;
-  const FolderLock lock(folder);
+  const CacheLock lock(folder);
   if (!lock.held()) return out.busy = true, out;
 
-  std::vector<Found> values;
-  each_file(folder / "values", [&](const Found& f) {
-    if (f.name)
-      values.push_back(f), out.left += f.bytes;
-    else if (f.age > hour && removed(f.path))  // younger ones may still be written to
-      ++out.leftovers, out.bytes += f.bytes;
-  });
-  std::unordered_map<Hash, double> seconds;  // that a value saves
-  struct Record {
-    Found file;
-    std::vector<Hash> outputs;
+  struct Entry {
+    CacheFile file;
+    double seconds;
+    bool is_value;
   };
-  std::vector<Record> records;
-  each_file(folder / "actions", [&](const Found& f) {
-    const auto text = f.name ? read_file(f.path) : std::nullopt;
-    const auto record = text ? parse_action(*text) : nullptr;
-    if (!record) {
-      if (f.age > hour && removed(f.path)) ++out.leftovers, out.bytes += f.bytes;
-      return;
-    }
-    records.push_back({f, {}});
-    for (const auto& [port, o] : record->outputs) {
-      double& s = seconds[o.content];
-      s = std::max(s, record->seconds);
-      records.back().outputs.push_back(o.content);
-    }
-  });
-
+  std::vector<Entry> entries;
+  std::unordered_map<Hash, double> seconds;  // that a value saves
+  for (const char* table : cache_tables)
+    each_cache_file(folder, table, -1, [&](const CacheFile& f) {
+      if (remove_worthless(folder, table, f, out)) return;
+      out.left += f.bytes;
+      if (!f.name) return;
+      if (table == std::string("values")) return entries.push_back({f, 0, true});
+      if (table != std::string("actions")) return;
+      const auto record = record_in(f);
+      entries.push_back({f, record ? record->seconds : 0, false});
+      if (!record) return;
+      for (const auto& [port, o] : record->outputs) {
+        double& s = seconds[o.content];
+        s = std::max(s, record->seconds);
+      }
+    });
   if (out.left > limit) {
-    const auto worth = [&](const Found& f) {
-      const auto it = seconds.find(f.name);
-      const double saved = it == seconds.end() ? 0 : it->second;
-      return saved / (static_cast<double>(f.bytes) + 1) / (f.age / day + 1);
+    const auto worth = [&](const Entry& e) {
+      const auto it = e.is_value ? seconds.find(e.file.name) : seconds.end();
+      const double saved = it != seconds.end() ? it->second : e.seconds;
+      return saved / (static_cast<double>(e.file.bytes) + 1) / (e.file.age / day + 1);
     };
     std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < values.size(); ++i) order.emplace_back(worth(values[i]), i);
+    for (std::size_t i = 0; i < entries.size(); ++i) order.emplace_back(worth(entries[i]), i);
     std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-      return std::pair(a.first, values[a.second].name) < std::pair(b.first, values[b.second].name);
+      return std::pair(a.first, entries[a.second].file.name) <
+             std::pair(b.first, entries[b.second].file.name);
     });
     for (const auto& [w, i] : order) {
       if (static_cast<double>(out.left) <= 0.9 * static_cast<double>(limit)) break;
-      if (!removed(values[i].path)) continue;
-      ++out.values, out.bytes += values[i].bytes, out.left -= values[i].bytes;
+      const Entry& e = entries[i];
+      if (!removed(e.file.path)) continue;
+      ++(e.is_value ? out.values : out.records), out.bytes += e.file.bytes, out.left -= e.file.bytes;
     }
   }
-  for (const auto& r : records) {
-    std::error_code error;
-    const bool any = std::any_of(r.outputs.begin(), r.outputs.end(),
-                                 [&](const Hash& h) { return fs::exists(value_path(folder, h), error); });
-    if (!any && r.file.age > 90 * day && removed(r.file.path)) ++out.records, out.bytes += r.file.bytes;
-  }
-  for (const char* table : {"files", "history"})
-    each_file(folder / table, [&](const Found& f) {
-      if (f.age > (f.name ? 90 * day : hour) && removed(f.path)) ++out.leftovers, out.bytes += f.bytes;
-    });
+  CacheUsage(folder).set(out.left);
+  return out;
+}
+
+Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
+  const CacheUsage usage(folder);
+  const std::uint64_t bytes = usage.add(0);
+  if (bytes > limit) return collect_cache(folder, limit);
+  Collected out;
+  const int part = usage.next_part();
+  for (const char* table : cache_tables)
+    each_cache_file(folder, table, part,
+                    [&](const CacheFile& f) { remove_worthless(folder, table, f, out); });
+  if (out.bytes > 0) usage.add(-static_cast<std::int64_t>(out.bytes));
+  out.left = bytes - std::min(bytes, out.bytes);
   return out;
 }
 
 void clear_cache(const fs::path& folder) {
-  for (const char* table : {"actions", "values", "files", "history", "lock"}) {
-    std::error_code error;
-    fs::remove_all(folder / table, error);
-    if (error)
-      throw Error("cache-clear", "cannot remove '" + (folder / table).string() + "': " + error.message());
+  std::string trouble;
+  for (const char* table : cache_tables) {
+    each_cache_file(folder, table, -1, [&](const CacheFile& f) {
+      std::error_code error;
+      fs::remove(f.path, error);
+      if (error && trouble.empty()) trouble = "'" + f.path.string() + "': " + error.message();
+    });
+    // Folders that are empty now; one with a file of the user's in it stays.
+    std::error_code ignored;
+    for (int part = 0; part < 256; ++part) fs::remove(folder / table / fmt::format("{:02x}", part), ignored);
+    fs::remove(folder / table, ignored);
   }
+  if (!trouble.empty()) throw Error("cache-clear", "cannot remove " + trouble);
+  CacheUsage(folder).set(0);
 }
 
 namespace {
@@ -202,7 +195,7 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
                       std::uint64_t sample, std::uint64_t seed, const Work& work) {
   Verified out;
   std::vector<std::pair<Hash, std::pair<Hash, std::shared_ptr<const ActionRecord>>>> records;
-  each_file(folder / "values", [&](const Found& f) {
+  each_cache_file(folder, "values", -1, [&](const CacheFile& f) {
     work.check();
     if (!f.name) return;
     ++out.values;
@@ -210,7 +203,7 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     if (text && value_payload(*text, f.name).empty() && removed(f.path))
       out.damaged.push_back(f.path.string());
   });
-  each_file(folder / "actions", [&](const Found& f) {
+  each_cache_file(folder, "actions", -1, [&](const CacheFile& f) {
     work.check();
     if (!f.name) return;
     ++out.records;

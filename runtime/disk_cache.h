@@ -18,25 +18,31 @@ inline constexpr std::uint64_t default_cache_limit = 20'000'000'000;
 
 struct CacheStats {
   struct Kind {
-    std::uint64_t count = 0, bytes = 0;
+    std::uint64_t count = 0, bytes = 0;  // bytes on the disk, in whole blocks
   };
   Kind records, values, other;          // other: file hashes, history, what interrupted writers left
   std::map<std::string, Kind> by_type;  // values
   double seconds = 0;                   // that the records' computations took
+  std::uint64_t bytes() const { return records.bytes + values.bytes + other.bytes; }
 };
 CacheStats cache_stats(const std::filesystem::path& folder);
 
 struct Collected {
-  std::uint64_t values = 0, records = 0, leftovers = 0, bytes = 0;
-  std::uint64_t left = 0;  // bytes of values that stay
+  std::uint64_t values = 0, records = 0, leftovers = 0, bytes = 0;  // removed
+  std::uint64_t left = 0;  // bytes that stay, records and all else included
   bool busy = false;       // another process is collecting: nothing was done
 };
-// Removes what interrupted writers left, records unused for 90 days without values, and, where values take
-// more than `limit` bytes, the least valuable of them down to nine tenths of it: fewest seconds of computing
-// per byte and day unused.
+// Looks at every entry: removes what interrupted writers left more than an hour ago and what was not used for
+// 90 days and saves nothing, and, if the folder takes more than `limit` bytes, the least valuable values and
+// records down to nine tenths of it: fewest seconds of computing per byte and day unused.
 Collected collect_cache(const std::filesystem::path& folder, std::uint64_t limit);
 
-// Removes every entry, and nothing that is not ours.
+// What a command does after it wrote to the cache. Collects if the folder takes more than `limit` bytes; else
+// only sweeps the next of 256 parts for leftovers and what is long unused, so that it stays fast in a full
+// cache.
+Collected tend_cache(const std::filesystem::path& folder, std::uint64_t limit);
+
+// Removes every entry. Keeps the mark, and every file whose name this program does not give.
 void clear_cache(const std::filesystem::path& folder);
 
 struct Verified {

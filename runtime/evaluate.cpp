@@ -12,6 +12,7 @@
 
 #include "graph/write_graph.h"
 #include "runtime/compute_node.h"
+#include "runtime/files.h"
 #include "runtime/thread_marks.h"
 
 namespace terrazzo {
@@ -214,23 +215,46 @@ class Run {
         }
         inputs[port].push_back(source.outputs.at(w.port));
       }
-    state(i).files = input_files(node(i), e_.hashes_);
-    r.key = action_key(node(i), state(i).files.hashes, inputs);
-    r.record = record_key(*node(i).type, r.key, options_.output_folder);
-    if (use_cached(i)) return true;
+    // A file that changes while the node reads it gives a value that belongs to no key: once more then.
+    for (int attempt = 0; attempt < 3; ++attempt) {
+      state(i).files = input_files(node(i), e_.hashes_);
+      r.read = state(i).files.read;
+      r.key = action_key(node(i), state(i).files.hashes, inputs);
+      r.record = record_key(*node(i).type, r.key, options_.output_folder);
+      if (use_cached(i)) return true;
+      switch (compute_alone(i, inputs)) {
+        case Outcome::Done:
+          return true;
+        case Outcome::Elsewhere:
+          return false;
+        case Outcome::FilesChanged:
+          break;
+      }
+    }
+    throw Error("file-changed", "an input file changed each of the three times that it was read",
+                "run again once nothing writes to it")
+        .parameter(state(i).files.paths.begin()->first);
+  }
+
+  enum class Outcome { Done, Elsewhere, FilesChanged };
+  using Inputs = std::map<std::string, std::vector<OutputRecord>>;
+
+  // Computes the node unless another task or run is computing the same key.
+  Outcome compute_alone(int i, const Inputs& inputs) {
+    const NodeResult& r = result(i);
     const auto later = [&]() -> std::function<void()> {
       auto handle = std::make_shared<tbb::task_handle>(group_.defer([this, i] { visit(i); }));
       return [this, handle] { arena_.enqueue(std::move(*handle)); };
     };
-    if (!e_.begin(r.record, later)) return false;
+    if (!e_.begin(r.record, later)) return Outcome::Elsewhere;
     struct End {
       Evaluator& e;
       const Hash key;
       ~End() { e.end(key); }
     } end{e_, r.record};
     // Between the first look and begin() another may have finished.
-    if (!use_cached(i)) compute(i, std::move(inputs));
-    return true;
+    if (use_cached(i) || compute(i, inputs)) return Outcome::Done;
+    return Outcome::FilesChanged;
   }
 
   bool use_cached(int i) {
@@ -252,7 +276,20 @@ class Run {
     return true;
   }
 
-  void compute(int i, std::map<std::string, std::vector<OutputRecord>> inputs) {
+  // Whether an input file is another than when its key was made.
+  bool files_changed(int i) {
+    const InputFiles& before = state(i).files;
+    if (before.paths.empty()) return false;
+    try {
+      const InputFiles now = input_files(node(i), e_.hashes_);
+      return now.paths != before.paths || now.hashes != before.hashes;
+    } catch (const Error&) {
+      return true;  // gone; the next attempt says so
+    }
+  }
+
+  // False if an input file changed meanwhile: nothing is kept then.
+  bool compute(int i, const Inputs& inputs) {
     NodeResult& r = result(i);
     if (options_.observer) {
       const std::lock_guard lock(observer_mutex_);
@@ -273,8 +310,15 @@ class Run {
     for (const auto& [name, paths] : state(i).files.paths)
       for (std::size_t k = 0; k < paths.size(); ++k)
         record->input_files[name].push_back({paths[k].string(), state(i).files.hashes.at(name)[k]});
-    record->inputs = std::move(inputs);
-    ComputeResult computed = compute_node(std::move(q));
+    record->inputs = inputs;
+    ComputeResult computed;
+    try {
+      computed = compute_node(std::move(q));
+    } catch (const Error&) {
+      if (files_changed(i)) return false;
+      throw;
+    }
+    if (files_changed(i)) return false;
     for (auto& [port, value] : computed.outputs) {
       record->outputs[port] = e_.store_.put_value(value, seconds());
       keep(i, port, std::move(value));
@@ -290,6 +334,7 @@ class Run {
     r.files = record->files;
     r.status = Status::Computed;
     e_.store_.put_action(r.record, std::move(record));
+    return true;
   }
 
   // A value that cannot be read back from the disk stays here while anybody may ask for it; the others are
@@ -310,19 +355,41 @@ class Run {
     q.parameters = effective_parameters(*q.type, written);
     q.files = state(i).files.paths;
     q.output_folder = options_.output_folder;
-    if (q.type->writes_files) q.provenance = provenance(i);
+    if (q.type->writes_files) q.provenance = provenance(i), q.protected_files = all_input_files();
     q.work = std::move(work);
     q.memory = options_.memory;
     return q;
   }
 
-  // What the caller says of the graph, the keys of all nodes upstream, and a graph that makes this again.
+  // Of every node of the graph, needed or not.
+  std::vector<fs::path> all_input_files() const {
+    std::vector<fs::path> out{graph_.file};
+    for (const auto& n : graph_.nodes)
+      for (const auto& p : n.type->parameters)
+        if (const auto it = n.parameters.find(p.name);
+            p.kind == ParameterKind::InputPath && it != n.parameters.end())
+          for (const auto& path : expand_glob(std::get<std::string>(it->second.value))) {
+            out.push_back(path);
+            if (!n.type->companion_files) continue;
+            for (const auto& companion : n.type->companion_files(path)) out.push_back(companion);
+          }
+    return out;
+  }
+
+  // What the caller says of the graph, the keys of all nodes upstream and the content of the files that they
+  // read, and a graph that makes this again.
   std::string provenance(int i) {
     nlohmann::json all =
         options_.provenance.empty() ? nlohmann::json::object() : nlohmann::json::parse(options_.provenance);
     const auto upstream = needed_nodes(graph_, {i});
-    for (std::size_t k = 0; k < upstream.size(); ++k)
-      if (upstream[k]) all["keys"][graph_.nodes[k].path] = result_.nodes[k].key.text();
+    all["files"] = nlohmann::json::array();
+    for (std::size_t k = 0; k < upstream.size(); ++k) {
+      if (!upstream[k]) continue;
+      all["keys"][graph_.nodes[k].path] = result_.nodes[k].key.text();
+      for (const auto& f : result_.nodes[k].read)
+        all["files"].push_back(
+            {{"name", fs::path(f.path).filename().string()}, {"content", f.content.text()}});
+    }
     all["document"] = write_graph(graph_, upstream, options_.output_folder);
     return all.dump();
   }
@@ -361,7 +428,19 @@ class Run {
     }
     const auto start = std::chrono::steady_clock::now();
     s.files = input_files(node(i), e_.hashes_);
+    Inputs inputs;
+    for (const auto& [port, wires] : node(i).inputs)
+      for (const auto& w : wires) inputs[port].push_back(result(w.node).outputs.at(w.port));
+    const auto changed = [&] {
+      return placed_error(Error("file-changed",
+                                "an input file changed after the run began, so the value that was computed "
+                                "from it before cannot be computed again",
+                                "run again"),
+                          node(i));
+    };
+    if (action_key(node(i), s.files.hashes, inputs) != r.key) throw changed();
     ComputeResult again = compute_node(request(i, work(i, nullptr)));
+    if (files_changed(i)) throw changed();
     s.seconds_again = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (auto& [port, value] : again.outputs) {
       if (e_.store_.put_value(value, s.seconds_again) != r.outputs.at(port)) {

@@ -14,7 +14,7 @@
 
 #include "graph/graph.h"
 #include "runtime/action_key.h"
-#include "runtime/files.h"
+#include "runtime/file_hashes.h"
 #include "runtime/store.h"
 
 namespace terrazzo {
@@ -31,7 +31,8 @@ struct NodeResult {
   std::map<std::string, OutputRecord> outputs;
   std::map<std::string, double> metrics;
   std::vector<std::string> warnings;
-  std::vector<FileRecord> files;
+  std::vector<FileRecord> files;  // written
+  std::vector<FileRecord> read;   // that its parameters name
   std::optional<Diagnostic> error;
 };
 

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cinttypes>
 #include <cstring>
 
 namespace terrazzo {
@@ -56,100 +55,7 @@ struct Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
 };
 
-std::int64_t nanoseconds(const struct timespec& t) {
-  return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
-}
-
-FileStamp stamp_of(const struct stat& s) {
-  return {static_cast<std::uint64_t>(s.st_dev), static_cast<std::uint64_t>(s.st_ino),
-          static_cast<std::uint64_t>(s.st_size), nanoseconds(s.st_mtim), nanoseconds(s.st_ctim)};
-}
-
-// Whether a change from now on would show in the stamp: a file younger than the grain of its times could change
-// without changing them. File systems that keep no fractions of a second have grains of up to 2 s.
-bool settled(const FileStamp& stamp) {
-  struct timespec clock;
-  ::clock_gettime(CLOCK_REALTIME, &clock);
-  const std::int64_t youngest = std::max(stamp.modified, stamp.changed);
-  const bool whole_seconds =
-      stamp.modified % 1'000'000'000 == 0 && stamp.changed % 1'000'000'000 == 0;
-  return nanoseconds(clock) - youngest > (whole_seconds ? 2'500'000'000 : 50'000'000);
-}
-
-// The hash of one state of the file, and its stamp. Nothing if the file cannot be read or keeps changing.
-struct HashedState {
-  Hash hash;
-  FileStamp stamp;
-  bool settled;
-};
-std::optional<HashedState> hash_state(const fs::path& path) {
-  std::vector<char> buffer(1 << 20);
-  for (int attempt = 0; attempt < 5; ++attempt) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    struct stat before, after;
-    if (file.fd < 0 || ::fstat(file.fd, &before) != 0 || !S_ISREG(before.st_mode)) return {};
-    const FileStamp stamp = stamp_of(before);
-    const bool is_settled = settled(stamp);
-    HashWriter writer;
-    while (true) {
-      const ssize_t n = ::read(file.fd, buffer.data(), buffer.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return {};
-      if (n == 0) break;
-      writer.bytes(buffer.data(), static_cast<std::size_t>(n));
-    }
-    if (::fstat(file.fd, &after) != 0) return {};
-    if (stamp_of(after) == stamp) return HashedState{writer.hash(), stamp, is_settled};
-  }
-  return {};
-}
-
 }  // namespace
-
-std::optional<FileStamp> stamp_of(const fs::path& path) {
-  struct stat s;
-  if (::stat(path.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return {};
-  return stamp_of(s);
-}
-
-std::optional<Hash> FileHashes::hash(const fs::path& path) {
-  const auto now = stamp_of(path);
-  if (!now) return {};
-  const std::string name = fs::absolute(path).lexically_normal().string();
-  const fs::path memo = folder_.empty() ? fs::path() : folder_ / hash_of(name).text();
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto it = entries_.find(name); it != entries_.end() && it->second.stamp == *now)
-      return it->second.hash;
-  }
-  if (!memo.empty())
-    if (const auto text = read_file(memo)) {
-      Entry e{};
-      char hex[33] = {};
-      if (std::sscanf(text->c_str(), "%" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNd64 " %" SCNd64 " %32s",
-                      &e.stamp.device, &e.stamp.inode, &e.stamp.size, &e.stamp.modified, &e.stamp.changed,
-                      hex) == 6 &&
-          e.stamp == *now && (e.hash = Hash::parse(hex))) {
-        const std::lock_guard lock(mutex_);
-        entries_[name] = e;
-        return e.hash;
-      }
-    }
-  const auto state = hash_state(path);
-  if (!state) return {};
-  if (state->settled) {
-    const std::lock_guard lock(mutex_);
-    entries_[name] = {state->stamp, state->hash};
-    const FileStamp& s = state->stamp;
-    if (!memo.empty()) try {
-        write_text_atomically(memo, fmt::format("{} {} {} {} {} {}\n", s.device, s.inode, s.size, s.modified,
-                                                s.changed, state->hash.text()));
-      } catch (const Error&) {
-        // The memo only saves time; a full or read-only cache must not stop the run.
-      }
-  }
-  return state->hash;
-}
 
 std::optional<std::string> read_file(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -168,58 +74,28 @@ std::optional<std::string> read_file(const fs::path& path) {
 
 namespace {
 
-// Distinct on every host and in every container: their process ids may be equal.
-std::string temporary_name(const fs::path& final) {
-  static const std::string host = [] {
-    char name[65] = {};
-    ::gethostname(name, sizeof name - 1);
+[[noreturn]] void cannot_write(const fs::path& path, const std::string& why) {
+  throw Error("write-failed", fmt::format("cannot write '{}': {}", path.string(), why));
+}
+
+// Process ids are equal on many hosts and in many containers.
+const std::string& host() {
+  static const std::string name = [] {
+    char text[65] = {};
+    ::gethostname(text, sizeof text - 1);
     std::string out;
-    for (const char* c = name; *c && out.size() < 24; ++c)
+    for (const char* c = text; *c && out.size() < 24; ++c)
       if (std::isalnum(static_cast<unsigned char>(*c)) || *c == '-') out += *c;
     return out.empty() ? "host" : out;
   }();
+  return name;
+}
+
+std::string temporary_name(const std::string& stem, const std::string& extension) {
   std::uint64_t bits = 0;
   if (::getrandom(&bits, sizeof bits, 0) != sizeof bits)
     throw Error("write-failed", "the system gives no random numbers");
-  return fmt::format(".{}.{}.{}.{:016x}.tmp{}", final.stem().string().substr(0, 100), host, ::getpid(), bits,
-                     final.extension().string());
-}
-
-}  // namespace
-
-void write_atomically(const fs::path& final, const std::function<void(const fs::path&)>& write) {
-  const auto fail = [&](const std::string& why) {
-    throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), why));
-  };
-  std::error_code error;
-  const fs::path folder = final.parent_path();
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) fail(error.message());
-  fs::path temporary;
-  for (int attempt = 0; temporary.empty(); ++attempt) {
-    const fs::path candidate = folder / temporary_name(final);
-    const Descriptor made(::open(candidate.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-    if (made.fd >= 0)
-      temporary = candidate;
-    else if (errno != EEXIST || attempt == 100)
-      fail(std::strerror(errno));
-  }
-  struct Remover {
-    const fs::path& path;
-    ~Remover() {
-      std::error_code ignored;
-      fs::remove(path, ignored);  // gone already after the rename
-    }
-  } remover{temporary};
-  write(temporary);
-  {
-    const Descriptor file(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
-    if (file.fd < 0) fail(std::strerror(errno));
-    if (::fsync(file.fd) != 0) fail(std::strerror(errno));
-  }
-  fs::rename(temporary, final, error);
-  if (error) fail(error.message());
-  sync_folder(folder);
+  return fmt::format(".{}.{}.{}.{:016x}.tmp{}", stem, host(), ::getpid(), bits, extension);
 }
 
 void sync_folder(const fs::path& folder) {
@@ -227,6 +103,60 @@ void sync_folder(const fs::path& folder) {
       ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some network file systems cannot sync a folder; the file in it is whole all the same.
   if (directory.fd >= 0) ::fsync(directory.fd);
+}
+
+}  // namespace
+
+TemporaryFile::TemporaryFile(const fs::path& folder, const std::string& stem, const std::string& extension) {
+  std::error_code error;
+  if (!folder.empty()) fs::create_directories(folder, error);
+  if (error) cannot_write(folder / (stem + extension), error.message());
+  for (int attempt = 0; path_.empty(); ++attempt) {
+    const fs::path candidate = folder / temporary_name(stem, extension);
+    const Descriptor made(::open(candidate.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (made.fd >= 0)
+      path_ = candidate;
+    else if (errno != EEXIST || attempt == 100)
+      cannot_write(folder / (stem + extension), std::strerror(errno));
+  }
+}
+
+TemporaryFile::~TemporaryFile() {
+  std::error_code ignored;
+  if (!path_.empty()) fs::remove(path_, ignored);
+}
+
+void TemporaryFile::rename_to(const fs::path& final) {
+  {
+    const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
+    if (file.fd < 0 || ::fsync(file.fd) != 0) cannot_write(final, std::strerror(errno));
+  }
+  std::error_code error;
+  fs::rename(path_, final, error);
+  if (error) cannot_write(final, error.message());
+  path_.clear();
+  sync_folder(final.parent_path());
+}
+
+bool is_temporary_name(const std::string& name, const std::string& stem) {
+  if (!name.starts_with("." + stem + ".")) return false;
+  std::vector<std::string> parts(1);  // host, pid, bits, "tmp"
+  for (const char c : name.substr(stem.size() + 2))
+    if (c == '.')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  const auto only = [](const std::string& text, const char* characters) {
+    return !text.empty() && text.find_first_not_of(characters) == std::string::npos;
+  };
+  return parts.size() == 4 && parts[0].size() <= 24 && only(parts[1], "0123456789") &&
+         parts[2].size() == 16 && only(parts[2], "0123456789abcdef") && parts[3] == "tmp";
+}
+
+void write_atomically(const fs::path& final, const std::function<void(const fs::path&)>& write) {
+  TemporaryFile file(final.parent_path(), final.stem().string().substr(0, 100), final.extension().string());
+  write(file.path());
+  file.rename_to(final);
 }
 
 void write_text_atomically(const fs::path& final, const std::string& text) {

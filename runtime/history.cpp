@@ -2,17 +2,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/cache_folder.h"
+#include "runtime/files.h"
+
 namespace terrazzo {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-fs::path History::path(const Graph& graph, const GraphNode& node) const {
-  return folder_ / hash_of(fs::absolute(graph.file).lexically_normal().string() + "\n" + node.path).text();
+namespace {
+
+Hash name_of(const Graph& graph, const GraphNode& node) {
+  return hash_of(fs::absolute(graph.file).lexically_normal().string() + "\n" + node.path);
 }
+
+}  // namespace
 
 std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& node) const {
   if (folder_.empty()) return {};
-  const auto text = read_file(path(graph, node));
+  const auto text = read_file(cache_entry(folder_, "history", name_of(graph, node)));
   if (!text) return {};
   try {
     const json j = json::parse(*text);
@@ -63,9 +70,9 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
                     {"version", e.version}, {"parameters", e.parameters},
                     {"files", e.files},     {"inputs", e.inputs}};
     const std::string text = j.dump();
-    const fs::path place = path(graph, graph.nodes[i]);
-    if (read_file(place) != text) try {
-        write_text_atomically(place, text);
+    const Hash name = name_of(graph, graph.nodes[i]);
+    if (read_file(cache_entry(folder_, "history", name)) != text) try {
+        write_cache_entry(folder_, "history", name, text);
       } catch (const Error&) {
         return;  // explanations are lost, results are not
       }

@@ -22,13 +22,13 @@ struct HistoryEntry {
 
 class History {
  public:
-  explicit History(std::filesystem::path folder) : folder_(std::move(folder)) {}  // empty: remembers nothing
+  explicit History(std::filesystem::path cache_folder)  // empty: remembers nothing
+      : folder_(std::move(cache_folder)) {}
   std::optional<HistoryEntry> find(const Graph&, const GraphNode&) const;
   // Keeps what a finished run knows; entries that did not change are not written again.
   void record(const Graph&, const RunResult&, FileHashes&) const;
 
  private:
-  std::filesystem::path path(const Graph&, const GraphNode&) const;
   std::filesystem::path folder_;
 };
 

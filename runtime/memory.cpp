@@ -39,7 +39,8 @@ std::uint64_t left_on_machine() {
   return unlimited;
 }
 
-// Pages of the page cache count as used by a control group, but the kernel drops them before it refuses memory.
+// Pages of the page cache count as used by a control group, but the kernel drops them before it refuses
+// memory.
 std::uint64_t reclaimable(const fs::path& group) {
   std::ifstream in(group / "memory.stat");
   std::string name;
@@ -59,8 +60,7 @@ std::uint64_t left_in_group(const fs::path& mount, const std::string& path, cons
   if (!fs::exists(group / usage_name, error)) group = mount;
   while (true) {
     const auto limit = number_in(group / limit_name), used = number_in(group / usage_name);
-    if (limit && used)
-      left = std::min(left, left_of(*limit, left_of(*used, reclaimable(group))));
+    if (limit && used) left = std::min(left, left_of(*limit, left_of(*used, reclaimable(group))));
     if (group == mount || group == group.parent_path()) return left;
     group = group.parent_path();
   }

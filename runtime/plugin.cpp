@@ -1,5 +1,7 @@
 #include "runtime/plugin.h"
 
+#include "runtime/trust.h"
+
 #include <dlfcn.h>
 
 #include <algorithm>
@@ -11,6 +13,10 @@ namespace fs = std::filesystem;
 namespace {
 
 void load(const fs::path& file, Registry& registry, ValueTypes& types) {
+  // A plugin is a program that runs as this user: nobody else may have had a hand in it.
+  if (const std::string why = who_else_may_write(file); !why.empty())
+    throw Error("plugin", "the plugin '" + file.string() + "' is not loaded: " + why,
+                "keep plugins in a folder that only you can write to (chmod go-w)");
   // Never closed: node types point into it.
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw Error("plugin", ::dlerror());

@@ -35,8 +35,8 @@ Session::Session(const Registry& registry, const ValueTypes& types, SessionOptio
     : registry_(registry),
       options_(std::move(options)),
       store_(types, options_.cache_folder, options_.memory),
-      hashes_(options_.cache_folder.empty() ? fs::path() : options_.cache_folder / "files"),
-      history_(options_.cache_folder.empty() ? fs::path() : options_.cache_folder / "history"),
+      hashes_(store_.folder()),
+      history_(store_.folder()),
       evaluator_(types, store_, hashes_) {}
 
 Session::~Session() {

@@ -5,10 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "runtime/cache_folder.h"
 #include "runtime/files.h"
 
 namespace terrazzo {
@@ -51,24 +52,17 @@ class FileWriter : public Writer {
   HashWriter hash_;
 };
 
-fs::path two_level(const fs::path& base, const Hash& h) {
-  const std::string name = h.text();
-  return base / name.substr(0, 2) / name;
-}
-
-// Renews a file's time of last use, at most once an hour: what is long unused is collected first.
+// Renews a file's time of last use, at most once an hour: what is long unused is collected first. A time in
+// the future, as after a clock was wrong, is renewed too.
 void touch(const fs::path& path) {
   struct stat s;
   struct timespec now;
   ::clock_gettime(CLOCK_REALTIME, &now);
-  if (::stat(path.c_str(), &s) == 0 && now.tv_sec - s.st_mtim.tv_sec > 3600)
+  if (::stat(path.c_str(), &s) == 0 && std::abs(now.tv_sec - s.st_mtim.tv_sec) > 3600)
     ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
 }
 
 }  // namespace
-
-fs::path action_path(const fs::path& folder, const Hash& h) { return two_level(folder / "actions", h); }
-fs::path value_path(const fs::path& folder, const Hash& h) { return two_level(folder / "values", h); }
 
 std::shared_ptr<const ActionRecord> parse_action(const std::string& text) {
   // First line: hash of the rest.
@@ -93,10 +87,12 @@ std::string_view value_payload(const std::string& text, const Hash& content) {
 Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t memory)
     : types_(types), folder_(std::move(folder)), memory_(memory) {
   if (folder_.empty()) return;
-  std::error_code error;
-  fs::create_directories(folder_ / "actions", error);
-  if (!error) fs::create_directories(folder_ / "values", error);
-  if (error) note_trouble("cannot use the cache folder '" + folder_.string() + "': " + error.message());
+  try {
+    open_cache_folder(folder_);
+  } catch (const Error& e) {
+    note_trouble(e.diagnostic().message);
+    folder_.clear();  // nothing in it is believed
+  }
 }
 
 void Store::note_trouble(const std::string& what) {
@@ -116,7 +112,7 @@ std::shared_ptr<const ActionRecord> Store::find_action(const Hash& key, Tier& fr
   }
   from = Tier::None;
   if (folder_.empty()) return {};
-  const fs::path path = action_path(folder_, key);
+  const fs::path path = cache_entry(folder_, "actions", key);
   const auto text = read_file(path);
   if (!text) return {};
   if (auto record = parse_action(*text)) {
@@ -140,7 +136,7 @@ void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
   if (folder_.empty()) return;
   const std::string body = to_json(*r).dump();
   try {
-    write_text_atomically(action_path(folder_, key), hash_of(body).text() + "\n" + body);
+    write_cache_entry(folder_, "actions", key, hash_of(body).text() + "\n" + body);
   } catch (const Error& e) {
     note_trouble(e.diagnostic().message);
   }
@@ -152,7 +148,7 @@ void Store::drop_action(const Hash& key) {
     actions_.erase(key);
   }
   std::error_code ignored;
-  if (!folder_.empty()) fs::remove(action_path(folder_, key), ignored);
+  if (!folder_.empty()) fs::remove(cache_entry(folder_, "actions", key), ignored);
 }
 
 OutputRecord Store::put_value(const Value& v, double seconds) {
@@ -163,29 +159,22 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
     v.type().encode(v.data(), w);
   };
   if (!folder_.empty() && trouble().empty()) try {
-      // The name is the content's hash, known only once written: into a temporary name first, then renamed.
-      static std::atomic<unsigned> serial{0};
-      const fs::path place = folder_ / "values" / fmt::format("incoming-{}-{}", ::getpid(), ++serial);
-      Hash content;
-      std::uint64_t size = 0;
-      write_atomically(place, [&](const fs::path& temporary) {
-        FileWriter w(temporary);
-        w.raw(value_magic, sizeof value_magic);
-        encode(w);
-        w.close();
-        content = w.hash().hash(), size = w.hash().size();
-      });
-      record.content = content, record.bytes = size;
+      // The name is the content's hash, known only once the value is written.
+      TemporaryFile file(folder_ / "values", "incoming");
+      FileWriter w(file.path());
+      w.raw(value_magic, sizeof value_magic);
+      encode(w);
+      w.close();
+      record.content = w.hash().hash(), record.bytes = w.hash().size();
+      const fs::path place = cache_entry(folder_, "values", record.content);
       std::error_code error;
-      fs::create_directories(value_path(folder_, content).parent_path(), error);
-      fs::rename(place, value_path(folder_, content), error);
-      if (error) {
-        std::error_code ignored;
-        fs::remove(place, ignored);
-        throw Error("cache-write", "cannot write to the cache: " + error.message());
+      if (!fs::exists(place, error)) {
+        fs::create_directories(place.parent_path(), error);
+        CacheUsage(folder_).add(static_cast<std::int64_t>(bytes_on_disk(record.bytes + sizeof value_magic)));
       }
+      file.rename_to(place);
+      written_ += record.bytes;
       on_disk = true;
-      written_ += size;
     } catch (const Error& e) {
       note_trouble(e.diagnostic().message);
     }
@@ -227,7 +216,7 @@ bool Store::has_value(const OutputRecord& r) {
     if (values_.count(r.content)) return true;
   }
   std::error_code error;
-  return !folder_.empty() && fs::exists(value_path(folder_, r.content), error);
+  return !folder_.empty() && fs::exists(cache_entry(folder_, "values", r.content), error);
 }
 
 Value Store::get_value(const OutputRecord& r, double seconds) {
@@ -243,7 +232,7 @@ Value Store::get_value(const OutputRecord& r, double seconds) {
   }
   const ValueType* type = types_.find(r.type);
   if (folder_.empty() || !type) return {};
-  const fs::path path = value_path(folder_, r.content);
+  const fs::path path = cache_entry(folder_, "values", r.content);
   const auto data = read_file(path);
   if (!data) return {};
   if (const auto payload = value_payload(*data, r.content); !payload.empty()) try {

@@ -21,7 +21,8 @@ class Store {
  public:
   static constexpr std::uint64_t default_memory = 2ull << 30;
 
-  // Without a folder everything stays in memory. `memory`: bytes of values kept there beyond those in use.
+  // Without a folder everything stays in memory. So it does, with trouble() saying why, if the folder is no
+  // cache and cannot become one. `memory`: bytes of values kept in memory beyond those in use.
   Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = default_memory);
 
   // Null where there is none.
@@ -67,10 +68,6 @@ class Store {
   std::unordered_map<Hash, std::shared_ptr<const ActionRecord>> actions_;
   std::string trouble_;
 };
-
-// Where the entries of a cache folder lie.
-std::filesystem::path action_path(const std::filesystem::path& folder, const Hash&);
-std::filesystem::path value_path(const std::filesystem::path& folder, const Hash&);
 
 // A record file's content: null where it is damaged or foreign.
 std::shared_ptr<const ActionRecord> parse_action(const std::string& text);

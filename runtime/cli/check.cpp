@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "runtime/cli/commands.h"
+#include "runtime/files.h"
 
 namespace terrazzo::cli {
 

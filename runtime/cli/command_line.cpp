@@ -62,8 +62,9 @@ int run_command_line(int argc, char** argv, const Program& program) {
   } catch (const Error& e) {
     std::cerr << e.what() << '\n';
     const auto& code = e.diagnostic().code;
-    return code == "usage" || code == "unknown-node" || code == "unknown-port" ? cli::wrong_usage
-                                                                               : cli::node_failed;
+    for (const char* usage : {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder"})
+      if (code == usage) return cli::wrong_usage;
+    return cli::node_failed;
   } catch (const Cancelled&) {
     return cli::interrupted;
   } catch (const std::exception& e) {

@@ -1,6 +1,7 @@
 #include "runtime/cli/options.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,7 +9,9 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "runtime/cache_folder.h"
 #include "runtime/disk_cache.h"
+#include "runtime/trust.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -55,12 +58,41 @@ bool open_graph(Session& session, const GraphOptions& o) {
   return !has_errors(found);
 }
 
-fs::path cache_folder(const GraphOptions& o) {
-  if (o.no_cache) return {};
-  if (!o.cache.empty()) return o.cache;
+fs::path default_cache() {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "terrazzo";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "terrazzo";
   return fs::temp_directory_path() / fmt::format("terrazzo-cache-{}", ::getuid());
+}
+
+namespace {
+
+// Why the default folder must not be used, or "". In a temporary folder anybody may have made it before us.
+std::string unsafe_default(const fs::path& folder) {
+  struct stat s;
+  if (::lstat(folder.c_str(), &s) == 0 && S_ISDIR(s.st_mode) && s.st_uid == ::geteuid())
+    ::chmod(folder.c_str(), 0700);
+  return who_else_may_write(folder);
+}
+
+}  // namespace
+
+fs::path cache_folder(const GraphOptions& o) {
+  if (o.no_cache) return {};
+  if (o.cache.empty()) {
+    const fs::path folder = default_cache();
+    const std::string why = unsafe_default(folder);
+    if (why.empty()) return folder;
+    std::cerr << "warning: results are not kept on disk: " << why
+              << " (choose a folder of your own with --cache)\n";
+    return {};
+  }
+  try {
+    open_cache_folder(o.cache);
+  } catch (const Error& e) {
+    // A disk that cannot be written to costs time, not results: the end of the run says so.
+    if (e.diagnostic().code != "cache-unusable") throw;
+  }
+  return o.cache;
 }
 
 void finish(Session& session, const GraphOptions& o) {
@@ -68,7 +100,7 @@ void finish(Session& session, const GraphOptions& o) {
   if (const std::string trouble = store.trouble(); !trouble.empty())
     std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
   else if (store.written() > 0)
-    collect_cache(store.folder(), o.cache_limit);
+    tend_cache(store.folder(), o.cache_limit);
 }
 
 namespace {

@@ -31,7 +31,10 @@ std::vector<std::pair<std::string, std::string>> split_assignments(const std::ve
                                                                    const std::string& option);
 Overrides overrides(const GraphOptions&);
 SessionOptions session_options(const GraphOptions&);
-std::filesystem::path cache_folder(const GraphOptions&);  // empty with --no-cache
+std::filesystem::path default_cache();  // where results are kept if nobody says where
+// The cache folder to use, or none with --no-cache and, with a warning, where the default folder could be changed by
+// other users. Throws Error "not-a-cache" or "unsafe-folder" for a folder given with --cache.
+std::filesystem::path cache_folder(const GraphOptions&);
 int threads(const GraphOptions&);
 
 // Prints all messages to standard error.

@@ -8,6 +8,7 @@
 
 #include "graph/describe.h"
 #include "runtime/cli/write_value.h"
+#include "runtime/files.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;

@@ -34,6 +34,8 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
       outputs[port] = {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
     for (const auto& [name, v] : r.metrics) metrics[name] = v;
     for (const auto& f : r.files) files.push_back({{"path", f.path}, {"content", f.content.text()}});
+    json reads = json::array();
+    for (const auto& f : r.read) reads.push_back({{"path", f.path}, {"content", f.content.text()}});
     json error = nullptr;
     if (r.error)
       error = {{"code", r.error->code},          {"message", r.error->message},
@@ -49,7 +51,8 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
                      {"outputs", outputs},
                      {"metrics", metrics},
                      {"warnings", r.warnings},
-                     {"files", files}});
+                     {"files", files},
+                     {"reads", reads}});
   }
   std::vector<bool> needed;
   for (const auto& r : run.nodes) needed.push_back(r.status != Status::Unneeded);

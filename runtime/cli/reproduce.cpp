@@ -1,14 +1,19 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
+#include "graph/output_path.h"
+#include "graph/raw_document.h"
 #include "graph/write_graph.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
+#include "runtime/files.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -17,21 +22,28 @@ namespace {
 
 struct ReproduceCommand : GraphOptions {
   std::string file;
+  std::vector<std::string> allow_read;
+  bool yes = false;
 };
 
 // How a file was made.
 struct Made {
   std::string document;
   std::map<std::string, std::string> keys;  // by node
+  std::set<std::string> contents;           // of the files that were read
 };
 
 Made made_from_report(const json& report) {
-  Made made{report.at("document"), {}};
-  for (const auto& node : report.at("nodes")) made.keys[node.at("name")] = node.at("key");
+  Made made{report.at("document"), {}, {}};
+  for (const auto& node : report.at("nodes")) {
+    made.keys[node.at("name")] = node.at("key");
+    if (node.contains("reads"))
+      for (const auto& f : node.at("reads")) made.contents.insert(f.at("content"));
+  }
   return made;
 }
 
-// Formats without room for provenance are told of by the report that lies beside them, or above.
+// Formats without metadata fall back to a report.json beside the file or above it.
 std::optional<Made> made_by_report_beside(const fs::path& file) {
   const fs::path path = fs::absolute(file).lexically_normal();
   fs::path folder = path.parent_path();
@@ -56,8 +68,10 @@ Made how_made(const Program& program, const fs::path& file) {
       return made_from_report(j);
     const std::string inside = program.read_provenance ? program.read_provenance(file) : "";
     if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
-      Made made{j.at("document"), {}};
+      Made made{j.at("document"), {}, {}};
       for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
+      if (j.contains("files"))
+        for (const auto& f : j.at("files")) made.contents.insert(f.at("content"));
       return made;
     }
     if (const auto made = made_by_report_beside(file)) return *made;
@@ -102,14 +116,98 @@ void compare_keys(const Graph& graph, const RunResult& result, const Made& made)
   std::cout << fmt::format("{} of {} nodes are computed from exactly the same as then\n", same, all);
 }
 
+// A file may come from anybody, so its graph reads nothing that it could not name by content, unless the user
+// grants it.
+bool granted(const fs::path& file, const ReproduceCommand& o) {
+  std::error_code error;
+  const fs::path real = fs::canonical(file, error);
+  if (error) return false;
+  for (const auto& folder : o.allow_read) {
+    const fs::path root = fs::canonical(folder, error);
+    if (!error && !leaves_folder(real.lexically_relative(root))) return true;
+  }
+  return false;
+}
+
+bool is_from_command_line(const SetParameter& p) { return p.place.file.starts_with("command line"); }
+
+// Prints what would be read. False if some of it must not be.
+bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o) {
+  FileHashes hashes;
+  bool all = true;
+  for (const auto& node : graph.nodes)
+    for (const auto& p : node.type->parameters) {
+      const auto it = node.parameters.find(p.name);
+      if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
+      for (const auto& path : expand_glob(std::get<std::string>(it->second.value))) {
+        auto files = node.type->companion_files ? node.type->companion_files(path) : std::vector<fs::path>{};
+        files.insert(files.begin(), path);
+        for (const auto& f : files) {
+          const bool allowed = is_from_command_line(it->second) || granted(f, o);
+          const auto content = allowed ? std::nullopt : hashes.hash(f);
+          const bool named = content && made.contents.count(content->text());
+          if (!allowed && !named && !fs::exists(f)) continue;  // the run says that it is missing
+          std::cout << "  reads  " << f.string()
+                    << (allowed ? ""
+                        : named ? ", the file it was made from"
+                                : ", which is NOT the file it was made from")
+                    << '\n';
+          all = all && (allowed || named);
+        }
+      }
+    }
+  return all;
+}
+
+// The files that nodes write, as far as the graph says; stacks become several.
+void show_writes(const Graph& graph, const fs::path& graph_file, const ReproduceCommand& o) {
+  std::vector<fs::path> files{graph_file};
+  for (const auto& node : graph.nodes)
+    for (const auto& p : node.type->parameters)
+      if (const auto it = node.parameters.find(p.name);
+          p.kind == ParameterKind::OutputPath && it != node.parameters.end())
+        files.push_back(fs::path(o.out) / std::get<std::string>(it->second.value));
+  for (const auto& f : files)
+    std::cout << "  writes " << f.string() << (fs::exists(f) ? ", in place of the file there" : "") << '\n';
+}
+
+bool confirmed(const ReproduceCommand& o) {
+  if (o.yes) return true;
+  if (!::isatty(STDIN_FILENO)) {
+    std::cerr << "error: nothing was run (--yes runs it without asking)\n";
+    return false;
+  }
+  std::cout << "Run this? [y/N] " << std::flush;
+  std::string answer;
+  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
+}
+
+// Graph files that a document refers to would be read whatever they hold.
+void refuse_subgraphs(const Made& made) {
+  Diagnostics ignored;
+  for (const auto& node : read_document(made.document, "document.yaml", ignored).nodes)
+    if (!node.graph.empty())
+      throw Error("usage", "the graph that made this file refers to another graph file, '" + node.graph + "'",
+                  "terrazzo writes graphs that stand alone: this one was changed");
+}
+
 int reproduce(const Program& program, ReproduceCommand& o) {
   const Made made = how_made(program, o.file);
+  refuse_subgraphs(made);
   Diagnostics found;
   const Graph graph = open_made(program, made, o.file, overrides(o), found);
   print(found);
   if (has_errors(found)) return wrong_usage;
   const fs::path path = fs::path(o.out) / (fs::path(o.file).stem().string() + ".yaml");
-  write_text_atomically(path, write_graph(graph, {}, o.out));
+  const std::string text = write_graph(graph, {}, o.out);
+  std::cout << text << "\nThis graph\n";
+  const bool may_read = show_reads(graph, made, o);
+  show_writes(graph, path, o);
+  if (!may_read)
+    throw Error("usage", "the graph would read files that the provenance does not name",
+                "if you trust it, grant their folder with --allow-read DIR, or name another file with --set");
+  if (!confirmed(o)) return wrong_usage;
+  write_text_atomically(path, text);
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
   o.set.clear(), o.parameters.clear();  // they stand in the file now
@@ -132,7 +230,8 @@ int reproduce(const Program& program, ReproduceCommand& o) {
 
 void add_reproduce(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand(
-      "reproduce", "Write the graph that made a file, overrides included, and run it again");
+      "reproduce",
+      "Show the graph that made a file, what it reads and writes, and run it again after asking");
   auto o = std::make_shared<ReproduceCommand>();
   o->out = "reproduced";
   command->add_option("file", o->file, "A file that terrazzo wrote, or its report.json")->required();
@@ -140,6 +239,12 @@ void add_reproduce(CLI::App& app, const Program& program, int& exit_code) {
       ->take_all()
       ->expected(1);
   add_run_options(*command, *o);
+  command
+      ->add_option("--allow-read", o->allow_read,
+                   "Folder whose files the graph may read, beside those that the file names by content")
+      ->take_all()
+      ->expected(1);
+  command->add_flag("--yes", o->yes, "Run without asking");
   command->add_flag("--quiet", o->quiet, "Errors only");
   command->callback([o, &program, &exit_code] { exit_code = reproduce(program, *o); });
 }

@@ -8,6 +8,7 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
+#include "runtime/files.h"
 
 namespace terrazzo::cli {
 namespace {

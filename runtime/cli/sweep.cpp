@@ -10,6 +10,7 @@
 #include "runtime/cli/commands.h"
 #include "runtime/cli/report.h"
 #include "runtime/cli/write_value.h"
+#include "runtime/files.h"
 #include "runtime/provenance.h"
 
 namespace terrazzo::cli {

@@ -132,5 +132,35 @@ TEST_F(CacheUnderStress, FourProcessesOnOneFolder) {
   }
 }
 
+// As in two containers that share a disk: both processes have the same process id.
+TEST_F(CacheUnderStress, TwoPidNamespacesOnOneFolder) {
+  const std::vector<std::string> unshare = {"unshare", "--pid", "--fork"};
+  auto probe = unshare;
+  probe.insert(probe.end(), {"sh", "-c", "test $$ -lt 10"});
+  if (test::run_command(probe).exit_code != 0) GTEST_SKIP() << "this system makes no pid namespaces";
+  ASSERT_EQ(run_program(arguments(folder / "clean", "clean_out")).exit_code, 0);
+  const auto clean = contents("clean_out");
+  const fs::path cache = folder / "cache";
+  for (int round = 0; round < 3; ++round) {
+    fs::remove_all(cache), fs::remove_all(folder / "out");
+    test::ProgramRun runs[2];
+    std::thread processes[2];
+    for (int i = 0; i < 2; ++i)
+      processes[i] = std::thread([&, i] {
+        auto command = unshare;
+        command.push_back((test::build_folder() / "terrazzo").string());
+        for (const auto& a : arguments(cache, "out")) command.push_back(a);
+        runs[i] = test::run_command(command);
+      });
+    for (auto& p : processes) p.join();
+    for (const auto& r : runs) EXPECT_EQ(r.exit_code, 0) << r.err;
+    EXPECT_EQ(contents("out"), clean);
+    const auto verified = run_program({"cache", "verify", "--sample", "100", "--cache", cache.string()});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+    ASSERT_EQ(run_program(arguments(cache, "out")).exit_code, 0);
+    EXPECT_EQ(contents("out"), clean);
+  }
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -42,8 +42,8 @@ TEST_F(Reproduce, EveryFormatTellsHowItWasMade) {
   for (const char* file : {"deep/pack.glb", "grids.vdb", "copy.png", "deep/pack.csv", "report.json"}) {
     const fs::path again = folder / "again";
     fs::remove_all(again);
-    const auto r = run_program({"reproduce", (folder / "out" / file).string(), "--out", again.string(),
-                                "--cache", (folder / "cache").string()});
+    const auto r = run_program({"reproduce", (folder / "out" / file).string(), "--yes", "--out",
+                                again.string(), "--cache", (folder / "cache").string()});
     EXPECT_EQ(r.exit_code, 0) << file << ": " << r.err;
     EXPECT_EQ(r.out.find("something else"), std::string::npos) << r.out;
     EXPECT_NE(r.out.find("are computed from exactly the same as then"), std::string::npos) << r.out;
@@ -62,13 +62,20 @@ TEST_F(Reproduce, EveryFormatTellsHowItWasMade) {
 
 TEST_F(Reproduce, WhatChangedSinceThenIsSaid) {
   fs::copy_file(folder / "out" / "grids.vdb", folder / "photo.png", fs::copy_options::overwrite_existing);
-  const auto other = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--out",
-                                  (folder / "again").string(), "--no-cache"});
+  const std::vector<std::string> again = {
+      "reproduce", (folder / "out" / "copy.png").string(), "--yes", "--out", (folder / "again").string(),
+      "--no-cache"};
+  const auto refused = run_program(again);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.out.find("photo.png, which is NOT the file it was made from"), std::string::npos)
+      << refused.out;
+  auto granted = again;
+  granted.insert(granted.end(), {"--allow-read", folder.string()});
+  const auto other = run_program(granted);
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.out.find("photo is computed from something else"), std::string::npos) << other.out;
   fs::remove(folder / "photo.png");
-  const auto gone = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--out",
-                                 (folder / "again").string(), "--no-cache"});
+  const auto gone = run_program(again);
   EXPECT_EQ(gone.exit_code, 1);
   EXPECT_NE(gone.err.find("there is no file"), std::string::npos) << gone.err;
 }
@@ -80,6 +87,79 @@ TEST_F(Reproduce, AFileOfSomebodyElseIsRefused) {
     EXPECT_EQ(r.exit_code, 2) << r.err;
     EXPECT_NE(r.err.find(file.string()), std::string::npos) << r.err;
   }
+}
+
+TEST_F(Reproduce, AsksBeforeItRunsAnything) {
+  const auto r = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--out",
+                              (folder / "again").string(), "--no-cache"});
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("--yes"), std::string::npos) << r.err;
+  EXPECT_FALSE(fs::exists(folder / "again"));
+  // It shows the graph, what it would read and what it would write.
+  for (const std::string& part : {std::string("type: LoadImage"), "reads  " + (folder / "photo.png").string(),
+                                  "writes " + (folder / "again" / "copy.png").string(),
+                                  "writes " + (folder / "again" / "copy.yaml").string()})
+    EXPECT_NE(r.out.find(part), std::string::npos) << part << " in " << r.out;
+}
+
+// A report as a stranger could write it.
+class StrangersFile : public Reproduce {
+ protected:
+  test::ProgramRun reproduce(const std::string& nodes, std::vector<std::string> more = {}) {
+    const nlohmann::json report = {{"document", "terrazzo: 1\nnodes:\n" + nodes},
+                                   {"nodes", nlohmann::json::array()}};
+    fs::create_directories(folder / "mail");
+    std::ofstream(folder / "mail" / "report.json") << report.dump();
+    std::vector<std::string> arguments = {"reproduce",
+                                          (folder / "mail" / "report.json").string(),
+                                          "--yes",
+                                          "--out",
+                                          (folder / "again").string(),
+                                          "--no-cache"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+};
+
+TEST_F(StrangersFile, ReadsNothingThatItCannotNameByContent) {
+  fs::create_directories(folder / "private");
+  fs::copy_file(folder / "photo.png", folder / "private" / "secret.png");
+  const std::string nodes =
+      "  p: {type: LoadImage, params: {path: '" + (folder / "private").string() +
+      "/*.png'}}\n  w: {type: Export, inputs: {image: p.image}, params: {path: stolen.png}}\n";
+  const auto refused = reproduce(nodes);
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  EXPECT_NE(refused.out.find("secret.png, which is NOT"), std::string::npos) << refused.out;
+  EXPECT_FALSE(fs::exists(folder / "again"));
+  EXPECT_EQ(reproduce(nodes, {"--allow-read", (folder / "mail").string()}).exit_code, 2);
+  fs::create_directory_symlink(folder / "private",
+                               folder / "mail" / "link");  // does not widen what is granted
+  const std::string through =
+      "  p: {type: LoadImage, params: {path: '" + (folder / "mail" / "link").string() +
+      "/secret.png'}}\n  w: {type: Export, inputs: {image: p.image}, params: {path: x.png}}\n";
+  EXPECT_EQ(reproduce(through, {"--allow-read", (folder / "mail").string()}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(folder / "again"));
+  const auto granted = reproduce(nodes, {"--allow-read", (folder / "private").string()});
+  EXPECT_EQ(granted.exit_code, 0) << granted.err;
+  EXPECT_TRUE(fs::exists(folder / "again" / "stolen.png"));
+}
+
+TEST_F(StrangersFile, WritesNothingOutsideTheOutputFolder) {
+  for (const std::string& path : {std::string("../x.obj"), (folder / "x.obj").string()}) {
+    const auto r =
+        reproduce("  s: {type: Shape}\n  w: {type: Export, inputs: {shapes: s.shapes}, params: {path: '" +
+                  path + "'}}\n");
+    EXPECT_EQ(r.exit_code, 2) << r.err;
+    EXPECT_NE(r.err.find("outside the output folder"), std::string::npos) << r.err;
+  }
+  EXPECT_FALSE(fs::exists(folder / "x.obj"));
+}
+
+TEST_F(StrangersFile, OpensNoOtherGraph) {
+  std::ofstream(folder / "private.yaml") << "terrazzo: 1\nnodes:\n  secret: {type: Shape}\n";
+  const auto r = reproduce("  g: {graph: '" + (folder / "private.yaml").string() + "'}\n");
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_NE(r.err.find("refers to another graph file"), std::string::npos) << r.err;
 }
 
 TEST_F(Reproduce, ShowWritesAnyValue) {

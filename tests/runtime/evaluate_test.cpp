@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "runtime/explain.h"
+#include "runtime/files.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
@@ -29,19 +30,19 @@ class Evaluate : public ::testing::Test {
   RunResult run(const Graph& g, RunOptions o = {}) {
     // A store of its own each time: what is shared is the folder alone, as between two processes.
     Store store(test::value_types(), cache);
-    FileHashes hashes(cache / "files");
+    FileHashes hashes(cache);
     Evaluator e(test::value_types(), store, hashes);
     o.output_folder = folder / "out";
     RunResult r = e.run(g, o);
-    History(cache / "history").record(g, r, hashes);
+    History(cache).record(g, r, hashes);
     return r;
   }
   Plan plan(const Graph& g) {
     Store store(test::value_types(), cache);
-    FileHashes hashes(cache / "files");
+    FileHashes hashes(cache);
     RunOptions o;
     o.output_folder = folder / "out";
-    return plan_run(g, o, store, hashes, History(cache / "history"));
+    return plan_run(g, o, store, hashes, History(cache));
   }
   std::filesystem::path folder = test::temporary_folder();
   std::filesystem::path cache = folder / "cache";

@@ -1,0 +1,222 @@
+#include "runtime/cache_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "graph/diagnostic.h"
+#include "runtime/files.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* version_file = "terrazzo-cache";
+constexpr const char* version_text = "1\n";
+constexpr const char* tag_text =
+    "Signature: 8a477f597d28d172789f06886806bc55\n"
+    "# This folder is a cache made by terrazzo. Its content can be computed again.\n"
+    "# For information about cache directory tags see https://bford.info/cachedir/\n";
+
+bool is_table(const std::string& name) {
+  for (const char* table : cache_tables)
+    if (name == table) return true;
+  return false;
+}
+
+bool is_part(const std::string& name) {
+  return name.size() == 2 && name.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+// The entry that a file's name gives, or zero.
+Hash entry_of(const std::string& name) {
+  return name.find_first_not_of("0123456789abcdef") == std::string::npos ? Hash::parse(name) : Hash{};
+}
+
+// A temporary name of a table's file: ".ab0123….host.pid.bits.tmp" or ".incoming.host.pid.bits.tmp". Versions
+// before 0.2 gave ".incoming-PID-N.PID.N.tmp", "incoming-PID-N" and ".ab0123….PID.N.tmp".
+bool is_leftover(const std::string& name) {
+  if (is_temporary_name(name, "incoming")) return true;
+  if (name.size() > 33 && name[0] == '.' && entry_of(name.substr(1, 32)) &&
+      is_temporary_name(name, name.substr(1, 32)))
+    return true;
+  const auto digits_and = [](const std::string& text, const char* others) {
+    return text.find_first_not_of(std::string("0123456789") + others) == std::string::npos;
+  };
+  if (name.starts_with("incoming-")) return digits_and(name.substr(9), "-");
+  if (!name.ends_with(".tmp")) return false;
+  const std::string stem = name.substr(0, name.size() - 4);
+  if (stem.starts_with(".incoming-")) return digits_and(stem.substr(10), "-.");
+  return stem.size() > 33 && stem[0] == '.' && entry_of(stem.substr(1, 32)) && stem[33] == '.' &&
+         digits_and(stem.substr(33), ".");
+}
+
+// What may lie in a folder of a version that did not mark it. Stops at the first name that is none of ours.
+bool holds_only_entries(const fs::path& folder, std::string& stranger) {
+  std::error_code error;
+  for (auto it = fs::recursive_directory_iterator(folder, error);
+       !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const bool is_folder = it->is_directory(error) && !it->is_symlink(error);
+    const bool ours =
+        it.depth() == 0 ? (is_folder ? is_table(name)
+                                     : name == "lock" || name == "usage" || name == version_file ||
+                                           name == "CACHEDIR.TAG" || is_temporary_name(name, version_file) ||
+                                           is_temporary_name(name, "CACHEDIR"))
+        : is_folder     ? it.depth() == 1 && is_part(name)
+                        : bool(entry_of(name)) || is_leftover(name);
+    if (!ours) return stranger = it->path().lexically_relative(folder).string(), false;
+  }
+  if (error) stranger = error.message();
+  return !error;
+}
+
+struct Clock {
+  double now;
+  Clock() {
+    struct timespec t;
+    ::clock_gettime(CLOCK_REALTIME, &t);
+    now = static_cast<double>(t.tv_sec);
+  }
+  double age(const struct stat& s) const {
+    return std::max(0.0, now - static_cast<double>(s.st_mtim.tv_sec));
+  }
+};
+
+void each_file_in(const fs::path& folder, const std::string& part, const Clock& clock,
+                  const std::function<void(const CacheFile&)>& use) {
+  std::error_code error;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator();
+       it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    const Hash entry = entry_of(name);
+    if (entry ? !part.empty() && !name.starts_with(part) : !is_leftover(name)) continue;
+    struct stat s;
+    if (::lstat(it->path().c_str(), &s) != 0 || !S_ISREG(s.st_mode)) continue;
+    use({it->path(), entry, bytes_on_disk(static_cast<std::uint64_t>(s.st_size)), clock.age(s)});
+  }
+}
+
+}  // namespace
+
+bool is_cache_folder(const fs::path& folder) { return read_file(folder / version_file) == version_text; }
+
+void open_cache_folder(const fs::path& folder) {
+  const auto fail = [&](const char* code, const std::string& why, const std::string& hint) {
+    throw Error(code, fmt::format("cannot use '{}' as a cache folder: {}", folder.string(), why), hint);
+  };
+  std::error_code error;
+  if (!fs::exists(folder, error)) {
+    if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
+    if (!error && ::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
+      error = std::error_code(errno, std::generic_category());
+  }
+  if (error) fail("cache-unusable", error.message(), "choose another folder with --cache, or --no-cache");
+  struct stat s;
+  if (::stat(folder.c_str(), &s) != 0 || !S_ISDIR(s.st_mode))
+    fail("cache-unusable", "it is not a folder", "choose another folder with --cache, or --no-cache");
+  if (s.st_mode & S_IWOTH)
+    fail("unsafe-folder", "everybody may write to it, and so change results",
+         fmt::format("chmod o-w '{}', or choose another folder", folder.string()));
+  if (const auto version = read_file(folder / version_file)) {
+    if (*version == version_text) return;
+    fail("not-a-cache", "it belongs to another version of terrazzo",
+         "choose another folder, or remove this one if that version is gone");
+  }
+  std::string stranger;
+  if (!holds_only_entries(folder, stranger))
+    fail("not-a-cache", fmt::format("it is not empty and not a cache: it holds '{}'", stranger),
+         "choose an empty or new folder; terrazzo marks a cache folder with a file 'terrazzo-cache'");
+  const bool fresh = fs::is_empty(folder, error);
+  try {
+    if (fresh) CacheUsage(folder).set(0);
+    write_text_atomically(folder / "CACHEDIR.TAG", tag_text);
+    write_text_atomically(folder / version_file, version_text);
+  } catch (const Error& e) {
+    fail("cache-unusable", e.diagnostic().message, "choose another folder with --cache, or --no-cache");
+  }
+}
+
+fs::path cache_entry(const fs::path& folder, const char* table, const Hash& h) {
+  const std::string name = h.text();
+  return folder / table / name.substr(0, 2) / name;
+}
+
+void write_cache_entry(const fs::path& folder, const char* table, const Hash& h, const std::string& text) {
+  const fs::path path = cache_entry(folder, table, h);
+  std::error_code error;
+  const auto before = fs::file_size(path, error);
+  write_text_atomically(path, text);
+  CacheUsage(folder).add(static_cast<std::int64_t>(bytes_on_disk(text.size())) -
+                         static_cast<std::int64_t>(error ? 0 : bytes_on_disk(before)));
+}
+
+void each_cache_file(const fs::path& folder, const char* table, int part,
+                     const std::function<void(const CacheFile&)>& use) {
+  const Clock clock;
+  const fs::path base = folder / table;
+  each_file_in(base, "", clock, use);  // files on their way, and entries of versions before 0.2
+  for (int k = part < 0 ? 0 : part; k <= (part < 0 ? 255 : part); ++k) {
+    const std::string name = fmt::format("{:02x}", k);
+    each_file_in(base / name, name, clock, use);
+  }
+}
+
+template <class Change>
+auto CacheUsage::change(Change change) const {
+  struct State {
+    std::uint64_t bytes = std::numeric_limits<std::uint64_t>::max();
+    int part = 0;
+  } state;
+  const int file = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) return change(state);
+  while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
+  }
+  char text[64] = {};
+  unsigned long long bytes;
+  int part;
+  if (::pread(file, text, sizeof text - 1, 0) > 0 && std::sscanf(text, "%llu %d", &bytes, &part) == 2)
+    state = {bytes, part & 255};
+  const auto result = change(state);
+  const std::string line = fmt::format("{:020d} {:03d}\n", state.bytes, state.part);
+  // If this fails the sum is too small, and is right again after the next collection.
+  [[maybe_unused]] const auto done = ::pwrite(file, line.data(), line.size(), 0);
+  ::close(file);
+  return result;
+}
+
+std::uint64_t CacheUsage::add(std::int64_t bytes) const {
+  return change([&](auto& s) {
+    if (s.bytes != std::numeric_limits<std::uint64_t>::max()) s.bytes += static_cast<std::uint64_t>(bytes);
+    return s.bytes;
+  });
+}
+
+void CacheUsage::set(std::uint64_t bytes) const {
+  change([&](auto& s) { return s.bytes = bytes; });
+}
+
+int CacheUsage::next_part() const {
+  return change([&](auto& s) {
+    const int part = s.part;
+    s.part = (part + 1) & 255;
+    return part;
+  });
+}
+
+CacheLock::CacheLock(const fs::path& folder)
+    : file_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)),
+      held_(file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) == 0) {}
+
+CacheLock::~CacheLock() {
+  if (file_ >= 0) ::close(file_);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,126 @@
+#include "runtime/file_hashes.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cinttypes>
+#include <cstdio>
+#include <vector>
+
+#include "runtime/cache_folder.h"
+#include "runtime/files.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+struct Descriptor {
+  int fd;
+  explicit Descriptor(int fd) : fd(fd) {}
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+};
+
+std::int64_t nanoseconds(const struct timespec& t) {
+  return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+
+FileStamp stamp_of(const struct stat& s) {
+  return {static_cast<std::uint64_t>(s.st_dev), static_cast<std::uint64_t>(s.st_ino),
+          static_cast<std::uint64_t>(s.st_size), nanoseconds(s.st_mtim), nanoseconds(s.st_ctim)};
+}
+
+// Whether a change from now on would show in the stamp: a file younger than the grain of its times could
+// change without changing them. File systems that keep no fractions of a second have grains of up to 2 s.
+bool settled(const FileStamp& stamp) {
+  struct timespec clock;
+  ::clock_gettime(CLOCK_REALTIME, &clock);
+  const std::int64_t youngest = std::max(stamp.modified, stamp.changed);
+  const bool whole_seconds = stamp.modified % 1'000'000'000 == 0 && stamp.changed % 1'000'000'000 == 0;
+  return nanoseconds(clock) - youngest > (whole_seconds ? 2'500'000'000 : 50'000'000);
+}
+
+// The hash of one state of the file, and its stamp. Nothing if the file cannot be read or keeps changing.
+struct HashedState {
+  Hash hash;
+  FileStamp stamp;
+  bool settled;
+};
+std::optional<HashedState> hash_state(const fs::path& path) {
+  std::vector<char> buffer(1 << 20);
+  for (int attempt = 0; attempt < 5; ++attempt) {
+    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    struct stat before, after;
+    if (file.fd < 0 || ::fstat(file.fd, &before) != 0 || !S_ISREG(before.st_mode)) return {};
+    const FileStamp stamp = stamp_of(before);
+    const bool is_settled = settled(stamp);
+    HashWriter writer;
+    while (true) {
+      const ssize_t n = ::read(file.fd, buffer.data(), buffer.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) return {};
+      if (n == 0) break;
+      writer.bytes(buffer.data(), static_cast<std::size_t>(n));
+    }
+    if (::fstat(file.fd, &after) != 0) return {};
+    if (stamp_of(after) == stamp) return HashedState{writer.hash(), stamp, is_settled};
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<FileStamp> stamp_of(const fs::path& path) {
+  struct stat s;
+  if (::stat(path.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) return {};
+  return stamp_of(s);
+}
+
+std::optional<Hash> FileHashes::hash(const fs::path& path) {
+  const auto now = stamp_of(path);
+  if (!now) return {};
+  const std::string name = fs::absolute(path).lexically_normal().string();
+  const fs::path memo = folder_.empty() ? fs::path() : cache_entry(folder_, "files", hash_of(name));
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto it = entries_.find(name); it != entries_.end() && it->second.stamp == *now)
+      return it->second.hash;
+  }
+  if (!memo.empty())
+    if (const auto text = read_file(memo)) {
+      Entry e{};
+      char hex[33] = {};
+      if (std::sscanf(text->c_str(), "%" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNd64 " %" SCNd64 " %32s",
+                      &e.stamp.device, &e.stamp.inode, &e.stamp.size, &e.stamp.modified, &e.stamp.changed,
+                      hex) == 6 &&
+          e.stamp == *now && (e.hash = Hash::parse(hex))) {
+        const std::lock_guard lock(mutex_);
+        entries_[name] = e;
+        return e.hash;
+      }
+    }
+  const auto state = hash_state(path);
+  if (!state) return {};
+  if (state->settled) {
+    const std::lock_guard lock(mutex_);
+    entries_[name] = {state->stamp, state->hash};
+    const FileStamp& s = state->stamp;
+    if (!memo.empty()) try {
+        write_cache_entry(folder_, "files", hash_of(name),
+                          fmt::format("{} {} {} {} {} {}\n", s.device, s.inode, s.size, s.modified, s.changed,
+                                      state->hash.text()));
+      } catch (const Error&) {
+        // The memo only saves time; a full or read-only cache must not stop the run.
+      }
+  }
+  return state->hash;
+}
+
+}  // namespace terrazzo
