@@ -58,20 +58,24 @@ bool is_leftover(const std::string& name) {
          digits_and(stem.substr(33), ".");
 }
 
-// What may lie in a folder of a version that did not mark it. Stops at the first name that is none of ours.
+// What lies beside the tables, and what making it leaves if it is interrupted.
+bool is_upkeep(const std::string& name) {
+  const std::string tag = "CACHEDIR.TAG";
+  return name == "lock" || name == "usage" || name == version_file || name == tag ||
+         is_temporary_name(name, version_file) ||
+         (name.ends_with(".TAG") && is_temporary_name(name.substr(0, name.size() - 4), "CACHEDIR"));
+}
+
+// What may lie in a folder that is not marked yet. Stops at the first name that is none of ours.
 bool holds_only_entries(const fs::path& folder, std::string& stranger) {
   std::error_code error;
   for (auto it = fs::recursive_directory_iterator(folder, error);
        !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
     const std::string name = it->path().filename().string();
     const bool is_folder = it->is_directory(error) && !it->is_symlink(error);
-    const bool ours =
-        it.depth() == 0 ? (is_folder ? is_table(name)
-                                     : name == "lock" || name == "usage" || name == version_file ||
-                                           name == "CACHEDIR.TAG" || is_temporary_name(name, version_file) ||
-                                           is_temporary_name(name, "CACHEDIR"))
-        : is_folder     ? it.depth() == 1 && is_part(name)
-                        : bool(entry_of(name)) || is_leftover(name);
+    const bool ours = it.depth() == 0 ? (is_folder ? is_table(name) : is_upkeep(name))
+                      : is_folder     ? it.depth() == 1 && is_part(name)
+                                      : bool(entry_of(name)) || is_leftover(name);
     if (!ours) return stranger = it->path().lexically_relative(folder).string(), false;
   }
   if (error) stranger = error.message();

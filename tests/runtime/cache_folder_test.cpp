@@ -86,6 +86,13 @@ TEST_F(CacheFolder, OfAVersionWithoutMarksIsTakenOver) {
   EXPECT_TRUE(is_cache_folder(cache));
 }
 
+TEST_F(CacheFolder, ThatSomebodyIsJustMarkingIsJoined) {
+  write(cache / "usage", ""), write(cache / ".CACHEDIR.host.1.0123456789abcdef.tmp.TAG", "");
+  write(cache / ".terrazzo-cache.host.1.0123456789abcdef.tmp", "");
+  EXPECT_EQ(code(cache), "");
+  EXPECT_TRUE(is_cache_folder(cache));
+}
+
 TEST_F(CacheFolder, ThatEverybodyMayWriteToIsRefused) {
   fs::create_directories(cache);
   ASSERT_EQ(::chmod(cache.c_str(), 0777), 0);
