@@ -61,4 +61,12 @@ Diagnostics load_plugins(const std::string& path_list, Registry& registry, Value
   return found;
 }
 
+fs::path library_folder() {
+  static const int here =
+      0;  // an object of this library: a function's address may be that of a caller's stub
+  Dl_info found;
+  if (!::dladdr(&here, &found)) throw Error("program", "cannot find the folder of Terrazzo's own libraries");
+  return fs::canonical(found.dli_fname).parent_path();
+}
+
 }  // namespace terrazzo

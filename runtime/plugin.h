@@ -5,6 +5,7 @@
 // The program loads it from TERRAZZO_PLUGIN_PATH: folders (every *.so in them) and files, parted by colons.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "graph/diagnostic.h"
@@ -18,6 +19,9 @@ inline constexpr int plugin_interface = 1;
 
 // What could not be loaded is reported, and the rest is loaded.
 Diagnostics load_plugins(const std::string& path_list, Registry&, ValueTypes&);
+
+// The folder of the library that this function is in. The program's other libraries lie beside it.
+std::filesystem::path library_folder();
 
 }  // namespace terrazzo
 

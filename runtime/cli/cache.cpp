@@ -37,7 +37,7 @@ void print_collected(const Collected& c) {
 
 int verify(const Program& program, const fs::path& folder, const CacheCommand& o) {
   const Work work(cancel_on_interrupt(), nullptr);
-  const Verified v = verify_cache(folder, program.registry, program.types, o.sample, o.seed, work);
+  const Verified v = verify_cache(folder, program.registry(), program.types(), o.sample, o.seed, work);
   for (const auto& f : v.damaged) std::cout << "damaged, removed: " << f << '\n';
   for (const auto& d : v.differing) std::cout << "computed again it differs, forgotten: " << d << '\n';
   std::cout << fmt::format(

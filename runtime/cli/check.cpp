@@ -31,7 +31,7 @@ void add_check(CLI::App& app, const Program& program, int& exit_code) {
   auto o = std::make_shared<GraphOptions>();
   add_graph_options(*command, *o);
   command->callback([o, &program, &exit_code] {
-    Session session(program.registry, program.types);
+    Session session(program.registry(), program.types());
     const bool ok = open_graph(session, *o);
     const Graph& graph = *session.graph();
     const Diagnostics missing = ok ? missing_files(graph) : Diagnostics{};

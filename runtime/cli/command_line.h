@@ -12,14 +12,24 @@ class App;
 
 namespace terrazzo {
 
+// The node types that a program runs, the values that they exchange and the files that they write.
+struct NodeSet {
+  Registry registry;
+  ValueTypes types;
+  // Returns the provenance that a written file holds, as JSON; "" if it holds none. Null: no format is known.
+  std::string (*read_provenance)(const std::filesystem::path&) = nullptr;
+};
+
 // What the program is made of.
 struct Program {
-  const Registry& registry;
-  const ValueTypes& types;
-  // The provenance that a written file holds, as JSON; "" where it holds none. Null: no format is known.
-  std::string (*read_provenance)(const std::filesystem::path&) = nullptr;
+  // Loads the node types on the first call. Their libraries take 0.3 s to load, so a command calls this only
+  // when it runs: help and usage errors do without.
+  const NodeSet& (*nodes)();
   // Adds the commands that need more than the runtime; each stores the exit code. May be null.
   void (*add_commands)(CLI::App&, int& exit_code) = nullptr;
+
+  const Registry& registry() const { return nodes().registry; }
+  const ValueTypes& types() const { return nodes().types; }
 };
 
 int run_command_line(int argc, char** argv, const Program&);

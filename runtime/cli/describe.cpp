@@ -25,7 +25,7 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
       ->check(CLI::IsMember({"dot", "svg", "mermaid"}))
       ->capture_default_str();
   command->callback([o, &program, &exit_code] {
-    Session session(program.registry, program.types);
+    Session session(program.registry(), program.types());
     if (!open_graph(session, *o)) {
       exit_code = wrong_usage;
       return;
@@ -47,7 +47,7 @@ struct NodesCommand : GraphOptions {
 // A graph file told of like a node: what it takes, gives and lets its user set.
 std::optional<NodeType> graph_as_type(const Program& program, const std::string& file) {
   Diagnostics found;
-  const Graph graph = load_graph(file, program.registry, {}, found);
+  const Graph graph = load_graph(file, program.registry(), {}, found);
   // A graph meant for use inside others lacks what its user sets there.
   std::erase_if(
       found, [](const Diagnostic& d) { return d.code == "missing-parameter" || d.code == "missing-input"; });
@@ -61,7 +61,7 @@ int nodes(const Program& program, const NodesCommand& o) {
     write_reference(program, o.out, o.examples, o.pictures, o);
     return done;
   }
-  std::vector<const NodeType*> types = program.registry.all();
+  std::vector<const NodeType*> types = program.registry().all();
   std::optional<NodeType> graph;
   if (const auto extension = std::filesystem::path(o.type).extension();
       extension == ".yaml" || extension == ".yml") {
@@ -69,10 +69,10 @@ int nodes(const Program& program, const NodesCommand& o) {
     if (!graph) return wrong_usage;
     types = {&*graph};
   } else if (!o.type.empty()) {
-    const NodeType* t = program.registry.find(o.type);
+    const NodeType* t = program.registry().find(o.type);
     if (!t) {
       std::cerr << "error: there is no node type '" << o.type << "'"
-                << did_you_mean(o.type, program.registry.names()) << '\n';
+                << did_you_mean(o.type, program.registry().names()) << '\n';
       return wrong_usage;
     }
     types = {t};
@@ -105,7 +105,7 @@ void add_nodes(CLI::App& app, const Program& program, int& exit_code) {
 
 void add_schema(CLI::App& app, const Program& program, int&) {
   auto* command = app.add_subcommand("schema", "Print the JSON Schema of graph files");
-  command->callback([&program] { std::cout << graph_schema(program.registry).dump(2) << '\n'; });
+  command->callback([&program] { std::cout << graph_schema(program.registry()).dump(2) << '\n'; });
 }
 
 }  // namespace terrazzo::cli

@@ -55,7 +55,7 @@ std::optional<fs::path> example_of(const NodeType& type, const fs::path& example
 
 void write_picture(const Program& program, Graph graph, Wire wire, const fs::path& file,
                    const GraphOptions& o) {
-  if (const NodeType* sheet = program.registry.find("ContactSheet")) {  // brings every picture to one size
+  if (const NodeType* sheet = program.registry().find("ContactSheet")) {  // brings every picture to one size
     GraphNode node;
     node.path = "(sheet)", node.type = sheet;
     node.inputs["images"] = {wire};
@@ -64,9 +64,9 @@ void write_picture(const Program& program, Graph graph, Wire wire, const fs::pat
     wire = {static_cast<int>(graph.nodes.size()) - 1, "image", {}};
   }
   SessionOptions session_options_of = session_options(o);
-  Session session(program.registry, program.types, session_options_of);
+  Session session(program.registry(), program.types(), session_options_of);
   RunOptions options;
-  options.targets = {append_writer(program.registry, graph, wire, file)};
+  options.targets = {append_writer(program.registry(), graph, wire, file)};
   options.output_folder = file.parent_path();
   options.cancel = session_options_of.cancel;
   const RunResult r = session.evaluator().run(graph, options);
@@ -83,12 +83,12 @@ void write_reference(const Program& program, const fs::path& folder, const fs::p
       "# Node types\n\nWritten by `./dev docs` from the declarations; `terrazzo nodes TYPE` prints the "
       "same.\n\n"
       "| type | |\n|---|---|\n";
-  for (const NodeType* type : program.registry.all()) {
+  for (const NodeType* type : program.registry().all()) {
     index += fmt::format("| [{0}]({0}.md) | {1} |\n", type->name, type->doc);
     std::string page = describe_markdown(*type);
     if (const auto example = example_of(*type, examples)) {
       Diagnostics found;
-      const Graph graph = load_graph(*example, program.registry, {}, found);
+      const Graph graph = load_graph(*example, program.registry(), {}, found);
       if (has_errors(found)) throw Error(found.front());
       page += "\n## Example\n\n```yaml\n" + read_file(*example).value_or("") + "```\n";
       if (const auto wire = picture_of(graph, *type)) {

@@ -66,7 +66,7 @@ Made how_made(const Program& program, const fs::path& file) {
   try {
     if (const json j = json::parse(*text, nullptr, false); j.is_object() && j.contains("document"))
       return made_from_report(j);
-    const std::string inside = program.read_provenance ? program.read_provenance(file) : "";
+    const std::string inside = program.nodes().read_provenance ? program.nodes().read_provenance(file) : "";
     if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
       Made made{j.at("document"), {}, {}};
       for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
@@ -89,7 +89,8 @@ Graph open_made(const Program& program, const Made& made, const fs::path& file, 
   Graph first;
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
     Diagnostics here;
-    Graph graph = load_graph_text(made.document, folder / "document.yaml", program.registry, overrides, here);
+    Graph graph =
+        load_graph_text(made.document, folder / "document.yaml", program.registry(), overrides, here);
     bool complete = true;
     for (const auto& node : graph.nodes)
       for (const auto& p : node.type->parameters)
@@ -211,7 +212,7 @@ int reproduce(const Program& program, ReproduceCommand& o) {
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
   o.set.clear(), o.parameters.clear();  // they stand in the file now
-  Session session(program.registry, program.types, session_options(o));
+  Session session(program.registry(), program.types(), session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   ProgressLine line(session, {}, o.quiet);
   const auto evaluation = session.evaluate({}, &line);

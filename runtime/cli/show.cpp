@@ -22,7 +22,7 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
   Graph graph = *session.graph();
   const fs::path file = o.file;
   RunOptions options;
-  options.targets = {append_writer(program.registry, graph, graph.wire_to(o.target), file)};
+  options.targets = {append_writer(program.registry(), graph, graph.wire_to(o.target), file)};
   options.output_folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   options.threads = threads(o);
   options.cancel = cancel_on_interrupt();
@@ -37,7 +37,7 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
 }
 
 int show(const Program& program, const ShowOptions& o) {
-  Session session(program.registry, program.types, session_options(o));
+  Session session(program.registry(), program.types(), session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   if (!o.file.empty()) return write(program, session, o);
   const Wire wire = session.graph()->wire_to(o.target);

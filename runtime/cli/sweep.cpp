@@ -51,7 +51,7 @@ class LocalExecutor : public Executor {
  private:
   json run_point(const SweepPoint& point, const std::atomic<bool>* cancel) {
     Diagnostics found;
-    const Graph graph = load_graph(o_.graph, program_.registry, point.overrides, found);
+    const Graph graph = load_graph(o_.graph, program_.registry(), point.overrides, found);
     RunOptions options;
     options.targets = target_nodes(graph, o_.targets);
     options.output_folder = fs::path(o_.out) / point.folder;
@@ -75,7 +75,7 @@ class LocalExecutor : public Executor {
 bool check_points(const Program& program, const SweepCommand& o, const std::vector<SweepPoint>& points) {
   for (const auto& p : points) {
     Diagnostics found;
-    load_graph(o.graph, program.registry, p.overrides, found);
+    load_graph(o.graph, program.registry(), p.overrides, found);
     if (!has_errors(found)) continue;
     print(found);
     return false;
@@ -94,7 +94,7 @@ std::string quoted(const std::string& s) { return json(s).dump(); }  // JSON's s
 // The points' previews on one sheet, by the node types that read and lay out pictures.
 void write_sheet(const Program& program, Session& session, const SweepCommand& o,
                  const std::vector<SweepPoint>& points, const std::vector<json>& reports) {
-  if (!program.registry.find("LoadImage") || !program.registry.find("ContactSheet")) return;
+  if (!program.registry().find("LoadImage") || !program.registry().find("ContactSheet")) return;
   std::string loads, images, captions;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!reports[i].is_object()) continue;
@@ -116,11 +116,11 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
       fmt::format("terrazzo: 1\nnodes:\n{}  sheet: {{type: ContactSheet, inputs: {{images: [{}]}}, params: "
                   "{{captions: [{}]}}}}\n",
                   loads, images, captions),
-      "sweep", program.registry, {}, found);
+      "sweep", program.registry(), {}, found);
   print(found);
   if (has_errors(found)) return;
   RunOptions options;
-  options.targets = {append_writer(program.registry, graph, graph.wire_to("sheet.image"), "sweep.png")};
+  options.targets = {append_writer(program.registry(), graph, graph.wire_to("sheet.image"), "sweep.png")};
   options.output_folder = o.out;
   options.threads = threads(o);
   options.cancel = cancel_on_interrupt();
@@ -136,7 +136,7 @@ int sweep(const Program& program, const SweepCommand& o) {
   for (const auto& v : o.vary) vary.push_back(parse_vary(v));
   const auto points = sweep_points(vary, overrides(o));
   if (!check_points(program, o, points)) return wrong_usage;
-  Session session(program.registry, program.types, session_options(o));
+  Session session(program.registry(), program.types(), session_options(o));
   LocalExecutor local(program, session, o);
   std::vector<json> reports(points.size());
   std::size_t finished = 0;

@@ -1,10 +1,8 @@
 #include "runtime/studio/paint_command.h"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
-#include <memory>
 #include <thread>
 
 #include "runtime/cli/options.h"
@@ -13,12 +11,6 @@
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
-namespace {
-
-struct PaintOptions {
-  std::string image, save;
-  int port = 0;
-};
 
 int paint(const PaintOptions& o) {
   Painting painting(o.image);
@@ -41,20 +33,6 @@ int paint(const PaintOptions& o) {
   ended = true;
   watch.join();
   return cli::done;  // there is no other way to end it
-}
-
-}  // namespace
-
-void add_paint(CLI::App& app, int& exit_code) {
-  auto* command =
-      app.add_subcommand("paint", "Paint on a picture with texture nibs, in a browser on this machine");
-  auto o = std::make_shared<PaintOptions>();
-  command->add_option("image", o->image, "Picture to paint on")->required();
-  command->add_option("--save", o->save,
-                      "Graph file that the page saves to (default: IMAGE's name with _painted.yaml, here)");
-  command->add_option("--port", o->port, "Port on 127.0.0.1; 0: any that is free")
-      ->check(CLI::Range(0, 65535));
-  command->callback([o, &exit_code] { exit_code = paint(*o); });
 }
 
 }  // namespace terrazzo::studio

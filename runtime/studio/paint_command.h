@@ -1,12 +1,11 @@
 // terrazzo paint IMAGE
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "runtime/studio/paint_options.h"
 
 namespace terrazzo::studio {
 
-void add_paint(CLI::App&, int& exit_code);
+// Serves the page until it is told to stop. Returns the exit code.
+int paint(const PaintOptions&);
 
 }  // namespace terrazzo::studio

@@ -1,0 +1,11 @@
+#include "runtime/studio/library.h"
+
+#include "nodes/common/provenance.h"
+#include "nodes/register_nodes.h"
+#include "runtime/studio/paint_command.h"
+
+extern "C" const terrazzo::studio::Library* terrazzo_studio_library() {
+  static const terrazzo::studio::Library library = {terrazzo::register_nodes, terrazzo::register_value_types,
+                                                    terrazzo::read_provenance, terrazzo::studio::paint};
+  return &library;
+}

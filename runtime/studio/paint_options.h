@@ -1,0 +1,19 @@
+// terrazzo paint IMAGE: the command's options.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace terrazzo::studio {
+
+struct PaintOptions {
+  std::string image, save;
+  int port = 0;
+};
+
+void add_paint(CLI::App&, int& exit_code);
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,57 @@
+// What the program loads before it knows that it is needed: a hundred libraries too many cost 0.1 s at every
+// start.
+#include <gtest/gtest.h>
+
+#include "tests/support/program.h"
+
+namespace terrazzo {
+namespace {
+
+struct Start {
+  int exit_code = 0;
+  int libraries = 0;
+  bool nodes = false;
+};
+
+// What glibc's loader says that it loads.
+Start start(const std::vector<std::string>& arguments) {
+  const auto run = test::run_program(arguments, {.environment = "LD_DEBUG=files"});
+  Start s{.exit_code = run.exit_code, .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos};
+  for (std::size_t at = 0; (at = run.err.find("calling init: ", at)) != std::string::npos; ++at)
+    ++s.libraries;
+  return s;
+}
+
+TEST(ProgramStart, HelpAndUsageErrorsLoadNoNodes) {
+  const std::vector<std::pair<std::vector<std::string>, int>> commands = {
+      {{"--version"}, 0},
+      {{"--help"}, 0},
+      {{"run", "--help"}, 0},
+      {{"paint", "--help"}, 0},
+      {{}, 2},
+      {{"no-such-thing"}, 2},
+      {{"run"}, 2},
+      {{"run", "a.yaml", "--wrong"}, 2},
+      {{"paint"}, 2},
+      {{"cache"}, 2}};
+  for (const auto& [arguments, exit_code] : commands) {
+    const Start s = start(arguments);
+    std::string text = "terrazzo";
+    for (const auto& a : arguments) text += " " + a;
+    EXPECT_EQ(s.exit_code, exit_code) << text;
+    EXPECT_FALSE(s.nodes) << text;
+    EXPECT_GT(s.libraries, 3) << text << ": the loader says nothing, so this test shows nothing";
+    EXPECT_LT(s.libraries, 30) << text;
+  }
+}
+
+TEST(ProgramStart, CommandsThatNeedNodesLoadThem) {
+  if (!std::filesystem::exists(test::build_folder() / "libterrazzo_nodes.so"))
+    GTEST_SKIP() << "a static build holds the nodes itself";
+  const Start s = start({"nodes"});
+  EXPECT_EQ(s.exit_code, 0);
+  EXPECT_TRUE(s.nodes);
+}
+
+}  // namespace
+}  // namespace terrazzo
