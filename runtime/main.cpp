@@ -8,6 +8,7 @@
 
 namespace {
 
+template <bool with_plugins>
 const terrazzo::NodeSet& nodes() {
   static const terrazzo::NodeSet all = [] {
     const terrazzo::studio::Library& library = terrazzo::studio::library();
@@ -15,7 +16,7 @@ const terrazzo::NodeSet& nodes() {
     library.register_nodes(set.registry);
     library.register_value_types(set.types);
     set.read_provenance = library.read_provenance;
-    if (const char* plugins = std::getenv("TERRAZZO_PLUGIN_PATH"))
+    if (const char* plugins = std::getenv("TERRAZZO_PLUGIN_PATH"); plugins && with_plugins)
       for (const auto& d : terrazzo::load_plugins(plugins, set.registry, set.types))
         std::cerr << d.text() << '\n';
     return set;
@@ -26,5 +27,5 @@ const terrazzo::NodeSet& nodes() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return terrazzo::run_command_line(argc, argv, {nodes, terrazzo::studio::add_paint});
+  return terrazzo::run_command_line(argc, argv, {nodes<true>, nodes<false>, terrazzo::studio::add_paint});
 }

@@ -15,7 +15,7 @@
 namespace terrazzo {
 
 // Raised whenever the headers that plugins see change their layout.
-inline constexpr int plugin_interface = 1;
+inline constexpr int plugin_interface = 2;
 
 // What could not be loaded is reported, and the rest is loaded.
 Diagnostics load_plugins(const std::string& path_list, Registry&, ValueTypes&);

@@ -25,6 +25,8 @@ struct Program {
   // Loads the node types on the first call. Their libraries take 0.3 s to load, so a command calls this only
   // when it runs: help and usage errors do without.
   const NodeSet& (*nodes)();
+  // The same without plugins, to run what a stranger's file asks for.
+  const NodeSet& (*nodes_without_plugins)();
   // Adds the commands that need more than the runtime; each stores the exit code. May be null.
   void (*add_commands)(CLI::App&, int& exit_code) = nullptr;
 

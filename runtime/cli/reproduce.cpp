@@ -192,7 +192,8 @@ void refuse_subgraphs(const Made& made) {
                   "terrazzo writes graphs that stand alone: this one was changed");
 }
 
-int reproduce(const Program& program, ReproduceCommand& o) {
+int reproduce(const Program& with_plugins, ReproduceCommand& o) {
+  const Program program{with_plugins.nodes_without_plugins, with_plugins.nodes_without_plugins, nullptr};
   const Made made = how_made(program, o.file);
   refuse_subgraphs(made);
   Diagnostics found;

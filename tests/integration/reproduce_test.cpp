@@ -155,6 +155,19 @@ TEST_F(StrangersFile, WritesNothingOutsideTheOutputFolder) {
   EXPECT_FALSE(fs::exists(folder / "x.obj"));
 }
 
+TEST_F(StrangersFile, LoadsNoPlugins) {
+  std::ofstream(folder / "not-a-plugin.so") << "x";
+  const std::string plugins = "TERRAZZO_PLUGIN_PATH=" + (folder / "not-a-plugin.so").string();
+  // Other commands try, and say so.
+  const auto check = run_program({"check", (folder / "graph.yaml").string()}, {.environment = plugins});
+  EXPECT_NE(check.err.find("not-a-plugin.so"), std::string::npos) << check.err;
+  const auto r = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--yes", "--no-cache",
+                              "--out", (folder / "again").string()},
+                             {.environment = plugins});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_EQ(r.err.find("not-a-plugin.so"), std::string::npos) << r.err;
+}
+
 TEST_F(StrangersFile, OpensNoOtherGraph) {
   std::ofstream(folder / "private.yaml") << "terrazzo: 1\nnodes:\n  secret: {type: Shape}\n";
   const auto r = reproduce("  g: {graph: '" + (folder / "private.yaml").string() + "'}\n");
