@@ -3,31 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <unordered_map>
+#include <limits>
 
 #include "runtime/action_key.h"
 #include "runtime/cache_folder.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
 #include "runtime/store.h"
+#include "runtime/value_file.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
-
-// The type's name, which a value file begins with.
-std::string type_in(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  char head[16];
-  std::uint64_t length = 0;
-  if (!in.read(head, sizeof head)) return "?";
-  std::memcpy(&length, head + 8, sizeof length);
-  std::string name(std::min<std::uint64_t>(length, 64), '\0');
-  return in.read(name.data(), static_cast<std::streamsize>(name.size())) ? name : "?";
-}
 
 bool removed(const fs::path& path) {
   std::error_code error;
@@ -75,7 +62,8 @@ CacheStats cache_stats(const fs::path& folder) {
         if (const auto record = record_in(f)) out.seconds += record->seconds;
       } else if (f.name && name == "values") {
         add(out.values, f);
-        add(out.by_type[type_in(f.path)], f);
+        const auto summary = value_summary(f.path);
+        add(out.by_type[summary ? summary->type : "damaged"], f);
       } else {
         add(out.other, f);
       }
@@ -83,67 +71,99 @@ CacheStats cache_stats(const fs::path& folder) {
   return out;
 }
 
+namespace {
+
+struct Entries {
+  std::vector<CacheFile> values, records;
+  std::uint64_t value_bytes = 0, record_bytes = 0, other_bytes = 0;
+  std::uint64_t bytes() const { return value_bytes + record_bytes + other_bytes; }
+};
+
+// What is in one part of the tables, or in all of them. Removes what is worthless on the way.
+Entries look_through(const fs::path& folder, int part, Collected& out) {
+  Entries all;
+  for (const std::string table : cache_tables)
+    each_cache_file(folder, table.c_str(), part, [&](const CacheFile& f) {
+      if (remove_worthless(folder, table.c_str(), f, out)) return;
+      if (f.name && table == "values")
+        all.values.push_back(f), all.value_bytes += f.bytes;
+      else if (f.name && table == "actions")
+        all.records.push_back(f), all.record_bytes += f.bytes;
+      else
+        all.other_bytes += f.bytes;
+    });
+  return all;
+}
+
+// Removes entries down to `limit` bytes: records only as far as they take more than a quarter of it, the
+// longest unused first; values by the seconds of computing that they save per byte and day unused.
+void reduce(Entries& all, double limit, Collected& out) {
+  const auto drop = [&](const CacheFile& f, std::uint64_t& count, std::uint64_t& bytes) {
+    if (removed(f.path)) ++count, out.bytes += f.bytes, bytes -= f.bytes;
+  };
+  const auto over = [&] { return static_cast<double>(all.bytes()) > limit; };
+  if (over()) {
+    std::sort(all.records.begin(), all.records.end(), [](const CacheFile& a, const CacheFile& b) {
+      return std::pair(-a.age, a.name) < std::pair(-b.age, b.name);
+    });
+    for (const auto& f : all.records) {
+      if (!over() || static_cast<double>(all.record_bytes) <= limit / 4) break;
+      drop(f, out.records, all.record_bytes);
+    }
+  }
+  if (over()) {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < all.values.size(); ++i) {
+      const CacheFile& f = all.values[i];
+      const auto summary = value_summary(f.path);
+      order.emplace_back(
+          (summary ? summary->seconds : 0) / static_cast<double>(f.bytes + 1) / (f.age / day + 1), i);
+    }
+    std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+      return std::pair(a.first, all.values[a.second].name) < std::pair(b.first, all.values[b.second].name);
+    });
+    for (const auto& [worth, i] : order) {
+      if (!over()) break;
+      drop(all.values[i], out.values, all.value_bytes);
+    }
+  }
+}
+
+}  // namespace
+
 Collected collect_cache(const fs::path& folder, std::uint64_t limit) {
   Collected out;
   const CacheLock lock(folder);
   if (!lock.held()) return out.busy = true, out;
-
-  struct Entry {
-    CacheFile file;
-    double seconds;
-    bool is_value;
-  };
-  std::vector<Entry> entries;
-  std::unordered_map<Hash, double> seconds;  // that a value saves
-  for (const char* table : cache_tables)
-    each_cache_file(folder, table, -1, [&](const CacheFile& f) {
-      if (remove_worthless(folder, table, f, out)) return;
-      out.left += f.bytes;
-      if (!f.name) return;
-      if (table == std::string("values")) return entries.push_back({f, 0, true});
-      if (table != std::string("actions")) return;
-      const auto record = record_in(f);
-      entries.push_back({f, record ? record->seconds : 0, false});
-      if (!record) return;
-      for (const auto& [port, o] : record->outputs) {
-        double& s = seconds[o.content];
-        s = std::max(s, record->seconds);
-      }
-    });
-  if (out.left > limit) {
-    const auto worth = [&](const Entry& e) {
-      const auto it = e.is_value ? seconds.find(e.file.name) : seconds.end();
-      const double saved = it != seconds.end() ? it->second : e.seconds;
-      return saved / (static_cast<double>(e.file.bytes) + 1) / (e.file.age / day + 1);
-    };
-    std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i < entries.size(); ++i) order.emplace_back(worth(entries[i]), i);
-    std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-      return std::pair(a.first, entries[a.second].file.name) <
-             std::pair(b.first, entries[b.second].file.name);
-    });
-    for (const auto& [w, i] : order) {
-      if (static_cast<double>(out.left) <= 0.9 * static_cast<double>(limit)) break;
-      const Entry& e = entries[i];
-      if (!removed(e.file.path)) continue;
-      ++(e.is_value ? out.values : out.records), out.bytes += e.file.bytes, out.left -= e.file.bytes;
-    }
-  }
-  CacheUsage(folder).set(out.left);
+  Entries all = look_through(folder, -1, out);
+  if (all.bytes() > limit) reduce(all, 0.9 * static_cast<double>(limit), out);
+  CacheUsage(folder).set(out.left = all.bytes());
   return out;
 }
 
 Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
-  const CacheUsage usage(folder);
-  const std::uint64_t bytes = usage.add(0);
-  if (bytes > limit) return collect_cache(folder, limit);
   Collected out;
-  const int part = usage.next_part();
-  for (const char* table : cache_tables)
-    each_cache_file(folder, table, part,
-                    [&](const CacheFile& f) { remove_worthless(folder, table, f, out); });
-  if (out.bytes > 0) usage.add(-static_cast<std::int64_t>(out.bytes));
-  out.left = bytes - std::min(bytes, out.bytes);
+  const CacheUsage usage(folder);
+  std::uint64_t bytes = usage.add(0);
+  const bool known = bytes != std::numeric_limits<std::uint64_t>::max();
+  Entries found = look_through(folder, usage.next_part(), out);
+  if (known) bytes = usage.add(-static_cast<std::int64_t>(out.bytes));
+  out.left = bytes;
+  if (bytes <= limit) return out;
+  // The parts of a full cache are alike, so a few of them stand for all: each gives up a share until enough
+  // is free. A small cache, or one whose size nobody knows, is collected as a whole.
+  constexpr std::size_t many = 100;
+  if (!known || found.values.size() + found.records.size() < many) return collect_cache(folder, limit);
+  const CacheLock lock(folder);
+  if (!lock.held()) return out.busy = true, out;
+  const double share = 0.9 * static_cast<double>(limit) / 256;
+  for (int k = 0; k < 256 && static_cast<double>(bytes) > 0.995 * static_cast<double>(limit); ++k) {
+    const std::uint64_t before = out.bytes;
+    if (k > 0) found = look_through(folder, usage.next_part(), out);
+    reduce(found, share, out);
+    bytes = usage.add(-static_cast<std::int64_t>(out.bytes - before));
+  }
+  out.left = bytes;
   return out;
 }
 

@@ -11,14 +11,13 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
+#include "runtime/value_file.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-constexpr char value_magic[8] = {'T', 'Z', 'V', 'A', 'L', '0', '0', '1'};
 
 // Values are streamed straight into the file while they are hashed: no second copy in memory.
 class FileWriter : public Writer {
@@ -35,8 +34,8 @@ class FileWriter : public Writer {
     hash_.bytes(data, size);
     if (std::fwrite(data, 1, size, file_) != size) fail();
   }
-  void raw(const void* data, std::size_t size) {
-    if (std::fwrite(data, 1, size, file_) != size) fail();
+  void head(const std::string& text) {  // not hashed
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
   }
   void close() {
     const int bad = std::fclose(file_);
@@ -74,14 +73,6 @@ std::shared_ptr<const ActionRecord> parse_action(const std::string& text) {
   } catch (const std::exception&) {
     return {};
   }
-}
-
-std::string_view value_payload(const std::string& text, const Hash& content) {
-  constexpr std::size_t head = sizeof value_magic;
-  if (text.size() <= head || text.compare(0, head, value_magic, head) != 0 ||
-      hash_of(text.data() + head, text.size() - head) != content)
-    return {};
-  return std::string_view(text).substr(head);
 }
 
 Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t memory)
@@ -162,7 +153,7 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
       // The name is the content's hash, known only once the value is written.
       TemporaryFile file(folder_ / "values", "incoming");
       FileWriter w(file.path());
-      w.raw(value_magic, sizeof value_magic);
+      w.head(value_head(seconds));
       encode(w);
       w.close();
       record.content = w.hash().hash(), record.bytes = w.hash().size();
@@ -170,7 +161,7 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
       std::error_code error;
       if (!fs::exists(place, error)) {
         fs::create_directories(place.parent_path(), error);
-        CacheUsage(folder_).add(static_cast<std::int64_t>(bytes_on_disk(record.bytes + sizeof value_magic)));
+        CacheUsage(folder_).add(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
       }
       file.rename_to(place);
       written_ += record.bytes;

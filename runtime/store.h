@@ -71,8 +71,5 @@ class Store {
 
 // A record file's content: null where it is damaged or foreign.
 std::shared_ptr<const ActionRecord> parse_action(const std::string& text);
-// The encoded value in a value file's content (type name first): empty where it is damaged, foreign or not
-// `content`.
-std::string_view value_payload(const std::string& text, const Hash& content);
 
 }  // namespace terrazzo

@@ -13,6 +13,7 @@
 #include "runtime/files.h"
 #include "runtime/store.h"
 #include "runtime/trust.h"
+#include "runtime/value_file.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -139,19 +140,44 @@ TEST_F(CacheFolder, RecordsCountTowardTheLimit) {
     Store store(test::value_types(), cache);
     for (int i = 0; i < 200; ++i) {
       auto r = std::make_shared<ActionRecord>();
-      r->type = "Constant", r->seconds = i;
+      r->type = "Constant";
       store.put_action(hash_of(std::to_string(i)), r);
+      age(cache_entry(cache, "actions", hash_of(std::to_string(i))), (200 - i) / 24.0);
     }
   }
   EXPECT_EQ(cache_stats(cache).bytes(), 200u * 4096);
   const Collected c = tend_cache(cache, 100 * 4096);
   EXPECT_EQ(c.records, 110u);
-  EXPECT_LE(cache_stats(cache).bytes(), 90u * 4096);
-  // What took longest stays.
+  EXPECT_EQ(cache_stats(cache).bytes(), 90u * 4096);
+  // What was used last stays.
   Store store(test::value_types(), cache);
   Tier tier;
-  EXPECT_TRUE(store.find_action(hash_of("199"), tier));
-  EXPECT_FALSE(store.find_action(hash_of("0"), tier));
+  EXPECT_TRUE(store.find_action(hash_of("110"), tier));
+  EXPECT_FALSE(store.find_action(hash_of("109"), tier));
+}
+
+TEST_F(CacheFolder, AFullOneIsRelievedPartByPart) {
+  {
+    Store store(test::value_types(), cache);
+    Table table{{"a"}, std::vector<std::vector<Table::Cell>>(400, {0.0})};
+    for (int i = 0; i < 30'000; ++i) {  // more than 100 a part
+      const fs::path f = cache_entry(cache, "values", hash_of(std::to_string(i)));
+      write(f, value_head(i % 2 == 0 ? 1 : 1000) + std::string(16, '\0'));
+    }
+    CacheUsage(cache).add(30'000 * 4096);
+  }
+  const std::uint64_t limit = 29'000ull * 4096;
+  const Collected c = tend_cache(cache, limit);
+  EXPECT_GT(c.values, 1000u);
+  EXPECT_LT(c.values, 3000u);  // not all parts gave up a tenth
+  EXPECT_LE(cache_stats(cache).bytes(), limit);
+  EXPECT_EQ(CacheUsage(cache).add(0), cache_stats(cache).bytes());
+  // Only what saves little left.
+  std::uint64_t cheap = 0, dear = 0;
+  each_cache_file(cache, "values", -1,
+                  [&](const CacheFile& f) { ++(value_summary(f.path)->seconds < 2 ? cheap : dear); });
+  EXPECT_EQ(dear, 15'000u);
+  EXPECT_EQ(cheap, 15'000u - c.values);
 }
 
 TEST_F(CacheFolder, WithinItsLimitOnePartIsLookedAtNotAll) {
@@ -173,19 +199,13 @@ TEST_F(CacheFolder, ATimeInTheFutureIsNotLeastValuable) {
   {
     Store store(test::value_types(), cache);
     const auto put = [&](double v) {
-      const OutputRecord o = store.put_value(Value::of(Table{{"a"}, {{v}}}));
-      auto r = std::make_shared<ActionRecord>();
-      r->type = "Constant", r->seconds = 1, r->outputs["out"] = o;
-      store.put_action(hash_of(std::to_string(v)), r);
-      return o;
+      return store.put_value(Value::of(Table{{"a"}, std::vector<std::vector<Table::Cell>>(4000, {v})}), 1);
     };
     future = put(1), past = put(2);
   }
   age(cache_entry(cache, "values", future.content), -2);
   age(cache_entry(cache, "values", past.content), 2);
-  age(cache_entry(cache, "actions", hash_of(std::to_string(1.0))), -2);
-  age(cache_entry(cache, "actions", hash_of(std::to_string(2.0))), -2);
-  EXPECT_EQ(collect_cache(cache, 4 * 4096 - 1).values, 1u);
+  EXPECT_EQ(collect_cache(cache, cache_stats(cache).bytes() - 1).values, 1u);
   Store store(test::value_types(), cache);
   EXPECT_TRUE(store.has_value(future));
   EXPECT_FALSE(store.has_value(past));
