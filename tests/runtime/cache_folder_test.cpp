@@ -159,7 +159,6 @@ TEST_F(CacheFolder, RecordsCountTowardTheLimit) {
 TEST_F(CacheFolder, AFullOneIsRelievedPartByPart) {
   {
     Store store(test::value_types(), cache);
-    Table table{{"a"}, std::vector<std::vector<Table::Cell>>(400, {0.0})};
     for (int i = 0; i < 30'000; ++i) {  // more than 100 a part
       const fs::path f = cache_entry(cache, "values", hash_of(std::to_string(i)));
       write(f, value_head(i % 2 == 0 ? 1 : 1000) + std::string(16, '\0'));
