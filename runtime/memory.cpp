@@ -83,7 +83,13 @@ std::uint64_t left_in_groups() {
   return left;
 }
 
-std::uint64_t left_in_address_space() {
+std::string bytes_text(double bytes) {
+  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
+}
+
+}  // namespace
+
+std::uint64_t available_address_space() {
   struct rlimit limit;
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
   std::ifstream in("/proc/self/statm");
@@ -92,14 +98,8 @@ std::uint64_t left_in_address_space() {
   return left_of(limit.rlim_cur, pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
 }
 
-std::string bytes_text(double bytes) {
-  return bytes < 1e9 ? fmt::format("{:.0f} MB", bytes / 1e6) : fmt::format("{:.1f} GB", bytes / 1e9);
-}
-
-}  // namespace
-
 std::uint64_t available_memory() {
-  return std::min({left_on_machine(), left_in_groups(), left_in_address_space()});
+  return std::min({left_on_machine(), left_in_groups(), available_address_space()});
 }
 
 void require_memory(double bytes, std::uint64_t limit, const std::string& what) {

@@ -10,7 +10,9 @@
 #include <iostream>
 
 #include "runtime/cache_folder.h"
+#include "runtime/cli/report.h"
 #include "runtime/disk_cache.h"
+#include "runtime/memory.h"
 #include "runtime/trust.h"
 
 namespace terrazzo::cli {
@@ -35,7 +37,23 @@ Overrides overrides(const GraphOptions& o) {
   return {split_assignments(o.set, "--set"), split_assignments(o.parameters, "--param"), {}};
 }
 
+namespace {
+
+// Where a limit leaves too little for threads, TBB neither starts them nor comes back.
+void require_room(int threads) {
+  constexpr std::uint64_t own = 128'000'000, per_thread = 16'000'000;
+  const std::uint64_t needed = own + per_thread * static_cast<std::uint64_t>(threads);
+  if (const std::uint64_t left = available_address_space(); left < needed)
+    throw Error("no-memory",
+                fmt::format("not enough address space to start: {} are left, {} threads need {}",
+                            bytes_text(left), threads, bytes_text(needed)),
+                "raise the limit (ulimit -v), or use fewer --threads");
+}
+
+}  // namespace
+
 SessionOptions session_options(const GraphOptions& o) {
+  require_room(threads(o));
   return {.cache_folder = cache_folder(o),
           .memory = o.memory > 0 ? o.memory : Store::default_memory,
           .file_memory = o.memory,

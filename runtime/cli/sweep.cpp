@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
+#include <thread>
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/report.h"
@@ -34,18 +37,31 @@ class LocalExecutor : public Executor {
            const std::function<void(const SweepPoint&, const json&)>& finished) override {
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
+    std::exception_ptr failure;  // the first; no point begins after it
     const auto work = [&] {
-      for (std::size_t i; (i = next++) < points.size();) {
-        json report;
-        if (!*cancel) report = run_point(points[i], cancel);
+      try {
+        for (std::size_t i; (i = next++) < points.size();) {
+          json report;
+          if (!*cancel) report = run_point(points[i], cancel);
+          const std::lock_guard lock(mutex);
+          finished(points[i], report);
+        }
+      } catch (...) {
         const std::lock_guard lock(mutex);
-        finished(points[i], report);
+        if (!failure) failure = std::current_exception();
+        next = points.size();
       }
     };
     std::vector<std::thread> others;
-    for (int k = 1; k < o_.jobs; ++k) others.emplace_back(work);
+    try {
+      for (int k = 1; k < o_.jobs; ++k) others.emplace_back(work);
+    } catch (const std::system_error& e) {
+      std::cerr << "warning: " << others.size() + 1 << " points at a time: the system gives no more threads ("
+                << e.what() << ")\n";
+    }
     work();
     for (auto& t : others) t.join();
+    if (failure) std::rethrow_exception(failure);
   }
 
  private:

@@ -32,6 +32,11 @@ ProgramRun run_command(const std::vector<std::string>& command, const ProgramOpt
       ::setrlimit(RLIMIT_FSIZE, &limit);
       std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG, as it does with ENOSPC
     }
+    if (options.address_space >= 0) {
+      const struct rlimit limit = {static_cast<rlim_t>(options.address_space),
+                                   static_cast<rlim_t>(options.address_space)};
+      ::setrlimit(RLIMIT_AS, &limit);
+    }
     if (!options.environment.empty()) ::putenv(const_cast<char*>(options.environment.c_str()));
     std::vector<char*> argv;
     for (const auto& a : command) argv.push_back(const_cast<char*>(a.c_str()));

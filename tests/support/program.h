@@ -16,6 +16,7 @@ struct ProgramOptions {
   double interrupt_after = -1;        // seconds; < 0: never. Ctrl-C
   double kill_after = -1;             // seconds; < 0: never. kill -9
   long largest_file = -1;             // bytes; < 0: no limit. Writing more fails as on a full disk
+  long address_space = -1;            // bytes; < 0: no limit
   std::string environment = {};       // one NAME=VALUE more
   std::filesystem::path folder = {};  // to run in
 };
