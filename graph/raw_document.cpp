@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include "graph/nearest.h"
+#include "graph/utf8.h"
 
 namespace terrazzo {
 namespace {
@@ -19,6 +21,11 @@ class DocumentReader {
   }
 
   RawDocument read(const std::string& text) {
+    if (const auto bad = find_invalid_utf8(text); bad != std::string::npos) {
+      fail("not-utf8", fmt::format("the byte 0x{:02x} is not UTF-8", static_cast<unsigned char>(text[bad])),
+           place(text, bad), "save the file as UTF-8");
+      return std::move(doc_);
+    }
     YAML::Node root;
     try {
       root = YAML::Load(text);
@@ -67,6 +74,13 @@ class DocumentReader {
 
  private:
   Place place(const YAML::Mark& m) const { return {doc_.file.string(), m.line + 1, m.column + 1}; }
+  Place place(const std::string& text, std::size_t at) const {
+    const auto begin = text.begin(), end = begin + static_cast<std::ptrdiff_t>(at);
+    const auto line = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
+    const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the first byte of a character
+    return {doc_.file.string(), 1 + static_cast<int>(std::count(begin, end, '\n')),
+            1 + static_cast<int>(std::count_if(line, end, starts))};
+  }
   void fail(std::string code, std::string message, Place at, std::string hint = {}) {
     found_.push_back(
         {Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "graph/output_path.h"
+#include "graph/utf8.h"
 #include "runtime/files.h"
 #include "runtime/memory.h"
 
@@ -45,7 +46,7 @@ class NodeContext : public Context {
   }
 
   void metric(const std::string& name, double v) override { result.metrics[name] = v; }
-  void warn(const std::string& message) override { result.warnings.push_back(message); }
+  void warn(const std::string& message) override { result.warnings.push_back(valid_utf8(message)); }
   std::string provenance() const override { return request_.provenance; }
 
   void write_file(const std::string& relative, const std::function<void(const fs::path&)>& write) override {

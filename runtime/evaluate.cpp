@@ -13,6 +13,7 @@
 #include "graph/write_graph.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 #include "runtime/thread_marks.h"
 
 namespace terrazzo {
@@ -175,11 +176,11 @@ class Run {
     } catch (const Error& error) {
       result(i).status = Status::Failed;
       result(i).error = placed(error, node(i));
+    } catch (const std::exception& error) {  // such as no memory to encode a value: of this node alone
+      result(i).status = Status::Failed;
+      result(i).error = placed(Error("failed", error.what()), node(i));
     }
-    if (options_.observer) {
-      const std::lock_guard lock(observer_mutex_);
-      options_.observer->finished(i, result(i));
-    }
+    tell([&](Observer& o) { o.finished(i, result(i)); });
     for (const auto& [port, wires] : node(i).inputs)
       for (const auto& w : wires)
         if (--state(w.node).users == 0) {
@@ -189,6 +190,19 @@ class Run {
     mark_.before();
     for (const int c : state(i).consumers)
       if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
+  }
+
+  // An observer that throws is told nothing more: it must not take the results along.
+  template <class Call>
+  void tell(Call&& call) {
+    if (!options_.observer) return;
+    const std::lock_guard lock(observer_mutex_);
+    if (!result_.trouble.empty()) return;
+    try {
+      call(*options_.observer);
+    } catch (const std::exception& e) {
+      result_.trouble = std::string("progress is not shown any more: ") + e.what();
+    }
   }
 
   bool cancelled(int i) const {
@@ -291,18 +305,13 @@ class Run {
   // False if an input file changed meanwhile: nothing is kept then.
   bool compute(int i, const Inputs& inputs) {
     NodeResult& r = result(i);
-    if (options_.observer) {
-      const std::lock_guard lock(observer_mutex_);
-      options_.observer->started(i);
-    }
+    tell([&](Observer& o) { o.started(i); });
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
     const Work::Report report = [this, i](double fraction, const std::string& note) {
-      if (!options_.observer) return;
-      const std::lock_guard lock(observer_mutex_);
-      options_.observer->progress(i, fraction, note);
+      tell([&](Observer& o) { o.progress(i, fraction, note); });
     };
     auto record = std::make_shared<ActionRecord>();
     ComputeRequest q = request(i, work(i, &report));
@@ -391,7 +400,7 @@ class Run {
             {{"name", fs::path(f.path).filename().string()}, {"content", f.content.text()}});
     }
     all["document"] = write_graph(graph_, upstream, options_.output_folder);
-    return all.dump();
+    return json_text(all);
   }
 
   Value value_of(const Wire& w) {
@@ -422,10 +431,7 @@ class Run {
   void compute_again(int i) {
     State& s = state(i);
     const NodeResult& r = result(i);
-    if (options_.observer) {
-      const std::lock_guard lock(observer_mutex_);
-      options_.observer->started(i);
-    }
+    tell([&](Observer& o) { o.started(i); });
     const auto start = std::chrono::steady_clock::now();
     s.files = input_files(node(i), e_.hashes_);
     Inputs inputs;

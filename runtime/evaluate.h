@@ -39,6 +39,7 @@ struct NodeResult {
 struct RunResult {
   std::vector<NodeResult> nodes;  // as in Graph::nodes
   double seconds = 0;
+  std::string trouble;  // what failed beside the nodes, such as the observer; empty where nothing did
   bool failed() const;
   bool cancelled() const;
 };

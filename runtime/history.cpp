@@ -4,6 +4,7 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -69,7 +70,7 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
     const json j = {{"key", e.key},         {"type", e.type},
                     {"version", e.version}, {"parameters", e.parameters},
                     {"files", e.files},     {"inputs", e.inputs}};
-    const std::string text = j.dump();
+    const std::string text = json_text(j);
     const Hash name = name_of(graph, graph.nodes[i]);
     if (read_file(cache_entry(folder_, "history", name)) != text) try {
         write_cache_entry(folder_, "history", name, text);

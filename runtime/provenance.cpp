@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/json_text.h"
+
 namespace terrazzo {
 namespace fs = std::filesystem;
 
@@ -17,15 +19,14 @@ std::string provenance(const Graph& graph, const Overrides& overrides) {
   }
   for (const auto& [name, value] : overrides.set) set.push_back(name + "=" + value);
   for (const auto& [name, value] : overrides.parameters) given.push_back(name + "=" + value);
-  return nlohmann::json{{"program", "terrazzo"},
+  return json_text({{"program", "terrazzo"},
                         {"version", program_version},
                         {"graph", fs::path(graph.file).filename().string()},
                         {"name", graph.name},
                         {"set", set},
                         {"param", given},
                         {"node_versions", versions},
-                        {"parameters", parameters}}
-      .dump();
+                    {"parameters", parameters}});
 }
 
 }  // namespace terrazzo

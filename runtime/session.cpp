@@ -162,9 +162,13 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
     std::exception_ptr failure;
     try {
       result = evaluator_.run(*at->graph_, at->options_);
-      history_.record(*at->graph_, result, hashes_);
     } catch (...) {
       failure = std::current_exception();
+    }
+    try {
+      if (!failure) history_.record(*at->graph_, result, hashes_);
+    } catch (const std::exception& e) {
+      result.trouble = std::string("this run cannot be explained later: ") + e.what();
     }
     const std::lock_guard lock(at->mutex_);
     at->result_ = std::move(result);

@@ -11,6 +11,7 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 #include "runtime/value_file.h"
 
 namespace terrazzo {
@@ -125,7 +126,7 @@ void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
     actions_[key] = r;
   }
   if (folder_.empty()) return;
-  const std::string body = to_json(*r).dump();
+  const std::string body = json_text(to_json(*r));
   try {
     write_cache_entry(folder_, "actions", key, hash_of(body).text() + "\n" + body);
   } catch (const Error& e) {

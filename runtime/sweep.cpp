@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "graph/utf8.h"
+
 namespace terrazzo {
 namespace {
 
@@ -50,6 +52,7 @@ std::string csv_cell(const std::string& s) {
 }  // namespace
 
 Vary parse_vary(const std::string& text) {
+  if (find_invalid_utf8(text) != std::string::npos) bad(valid_utf8(text), "is not UTF-8");
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) bad(text, "has no values");
   Vary out{text.substr(0, equals), {}};

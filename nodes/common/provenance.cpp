@@ -8,6 +8,7 @@
 
 #include "nodes/data/volume.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 
 namespace terrazzo {
 namespace {
@@ -21,7 +22,7 @@ std::string from_glb(const std::filesystem::path& path) {
   if (length > data->size() - 20) return "";
   const auto json = nlohmann::json::parse(data->data() + 20, data->data() + 20 + length, nullptr, false);
   const auto extras = nlohmann::json::json_pointer("/asset/extras");
-  return json.is_object() && json.contains(extras) ? json.at(extras).dump() : "";
+  return json.is_object() && json.contains(extras) ? json_text(json.at(extras)) : "";
 }
 
 std::string from_vdb(const std::filesystem::path& path) {

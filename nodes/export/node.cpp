@@ -10,6 +10,7 @@
 #include "nodes/export/picture_file.h"
 #include "nodes/export/vdb_file.h"
 #include "runtime/context.h"
+#include "runtime/json_text.h"
 
 namespace terrazzo {
 namespace {
@@ -117,9 +118,9 @@ std::string csv_of_value(const Value& v) {
   return csv_of(v.as<Shapes>());
 }
 
-std::string json_text(const std::map<std::string, Value>& values) {
+std::string json_of(const std::map<std::string, Value>& values) {
   const auto describe = [](const Value& v) { return v.type().describe(v.data()); };
-  if (values.size() == 1) return describe(values.begin()->second).dump(2) + "\n";
+  if (values.size() == 1) return json_text(describe(values.begin()->second), 2) + "\n";
   nlohmann::json all = nlohmann::json::object();
   for (const auto& [type, v] : values) {
     std::string key = type;
@@ -127,7 +128,7 @@ std::string json_text(const std::map<std::string, Value>& values) {
       if (type == in.type) key = in.name;
     all[key] = describe(v);
   }
-  return all.dump(2) + "\n";
+  return json_text(all, 2) + "\n";
 }
 
 // Writers know the temporary name only: failures of the disk are told with the name that the user wrote.
@@ -182,7 +183,7 @@ void compute(Context& c) {
     } else if (extension == ".csv") {
       write_bytes(file, csv_of_value(first));
     } else if (extension == ".json") {
-      write_bytes(file, json_text(values));
+      write_bytes(file, json_of(values));
     } else {
       write_mesh(file, first.as<Shapes>());
     }

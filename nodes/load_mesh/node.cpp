@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
+#include "graph/utf8.h"
 #include "nodes/common/mesh.h"
 #include "nodes/common/shape_measures.h"
 #include "nodes/load_mesh/read_mesh.h"
@@ -57,7 +58,9 @@ void compute(Context& c) {
       throw e.parameter("path");
     }
     for (auto& v : mesh.vertices) v *= scale;
-    Shape shape = measure_shape(files[i].stem().string(), std::move(mesh), 1.0 / files.size(), work);
+    const std::string stem = files[i].stem().string(), name = valid_utf8(stem);
+    if (name != stem) c.warn("a file's name is not UTF-8: its shape is called " + name);
+    Shape shape = measure_shape(name, std::move(mesh), 1.0 / files.size(), work);
     triangles += shape.mesh.triangles.size();
     volume += shape.volume / files.size();
     shapes.shapes.push_back(std::move(shape));

@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "graph/node_type.h"
+#include "graph/utf8.h"
 #include "nodes/load_profiles/profile_table.h"
 #include "runtime/context.h"
 
@@ -18,7 +19,10 @@ void compute(Context& c) {
     std::ostringstream text;
     text << in.rdbuf();
     if (!in) throw Error("unreadable-file", "cannot read '" + file.string() + "'").parameter("path");
-    Profiles one = read_profiles(text.str(), file.string(), unit);
+    const std::string read = valid_utf8(text.str());
+    if (read != text.str())
+      c.warn("'" + file.filename().string() + "' is not UTF-8: what is not is read as U+FFFD");
+    Profiles one = read_profiles(read, file.string(), unit);
     for (auto& p : one.profiles) {
       p.section += all.sections;
       all.profiles.push_back(std::move(p));

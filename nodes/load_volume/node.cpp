@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "graph/node_type.h"
+#include "graph/utf8.h"
 #include "nodes/common/dense_grid.h"
 #include "nodes/common/spaced_transform.h"
 #include "nodes/load_volume/scan.h"
@@ -64,6 +66,21 @@ void rescale(Context& c, LoadedScan& scan) {
       .parameter("path");
 }
 
+// Reports and glTF hold UTF-8 alone.
+void make_names_valid(Context& c, Volume& volume) {
+  std::set<std::string> names;
+  for (const auto& grid : volume.grids) {
+    const std::string name = valid_utf8(grid->getName());
+    if (name != grid->getName()) {
+      c.warn("a grid's name is not UTF-8: it is called " + name);
+      std::const_pointer_cast<openvdb::GridBase>(grid)->setName(name);  // nobody else holds it yet
+    }
+    if (!names.insert(name).second)
+      throw Error("unreadable-volume", "two grids are named '" + name + "'", "give each a name of its own")
+          .parameter("path");
+  }
+}
+
 void compute(Context& c) {
   const auto& files = c.files("path");
   const std::string name = c.text("grid");
@@ -74,7 +91,9 @@ void compute(Context& c) {
           .parameter("path");
     if (c.keyword("spacing").empty() || c.keyword("slope").empty() || c.keyword("intercept").empty())
       c.warn("spacing, slope and intercept do not apply to OpenVDB files, which carry their own transform");
-    c.output("volume", read_vdb(files[0], name));
+    Volume volume = read_vdb(files[0], name);
+    make_names_valid(c, volume);
+    c.output("volume", std::move(volume));
     return;
   }
   LoadedScan scan = read(files, c.work().part(0, 0.7));
@@ -98,7 +117,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_volume_node() {
-  return NodeType("LoadVolume", 1)
+  return NodeType("LoadVolume", 2)
       .doc_("Reads a volume: OpenVDB, NIfTI, a DICOM series, or a stack of grey pictures")
       .source_("OpenVDB, libnifti, DCMTK, OpenImageIO")
       .output("volume", "Volume",

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "graph/utf8.h"
 #include "runtime/cache_folder.h"
 #include "runtime/cli/report.h"
 #include "runtime/disk_cache.h"
@@ -28,6 +29,8 @@ std::vector<std::pair<std::string, std::string>> split_assignments(const std::ve
     if (equals == std::string::npos || equals == 0)
       throw Error("usage", fmt::format("{} '{}' has no value", option, text),
                   option == "--set" ? "write --set NODE.PARAM=VALUE" : "write --param NAME=VALUE");
+    if (find_invalid_utf8(text) != std::string::npos)
+      throw Error("usage", fmt::format("{} '{}' is not UTF-8", option, valid_utf8(text)));
     out.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return out;

@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "graph/write_graph.h"
+#include "runtime/json_text.h"
 
 namespace terrazzo::cli {
 using nlohmann::json;
@@ -107,7 +108,7 @@ namespace {
 std::string cell_text(const json& v) {
   if (v.is_string()) return v.get<std::string>();
   if (v.is_number_float()) return fmt::format("{:.5g}", v.get<double>());
-  return v.dump();
+  return json_text(v);
 }
 
 std::string table_text(const json& table) {
@@ -138,7 +139,7 @@ void lines(const std::string& indent, const json& v, std::string& out) {
     } else if (x.is_array() && !x.empty() && (x[0].is_object() || x[0].is_array())) {
       out += fmt::format("{}{}: {} entries\n", indent, key, x.size());
       for (std::size_t i = 0; i < std::min<std::size_t>(x.size(), 12); ++i) {
-        std::string row = x[i].dump();
+        std::string row = json_text(x[i]);
         if (row.size() > 160) row = row.substr(0, 160) + "…";
         out += indent + "  " + row + "\n";
       }

@@ -9,6 +9,7 @@
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 
 namespace terrazzo::cli {
 namespace {
@@ -41,6 +42,7 @@ int run(const Program& program, const RunCommand& o) {
   const auto evaluation = session.evaluate(o.targets, &line);
   const RunResult& result = evaluation->wait();
   line.close();
+  if (!result.trouble.empty()) std::cerr << "warning: " << result.trouble << '\n';
   if (!o.quiet) {
     print_table(std::cout, graph, result);
     print_metrics(std::cout, graph, result);
@@ -57,7 +59,7 @@ int run(const Program& program, const RunCommand& o) {
   if (!report.empty())
     write_text_atomically(
         report,
-        report_json(graph, result, threads(o), session.overrides(), report.parent_path()).dump(2) + "\n");
+        json_text(report_json(graph, result, threads(o), session.overrides(), report.parent_path()), 2) + "\n");
   if (result.cancelled()) {
     std::cerr << "interrupted; what was finished is cached\n";
     return interrupted;

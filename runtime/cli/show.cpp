@@ -7,6 +7,7 @@
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/cli/write_value.h"
+#include "runtime/json_text.h"
 #include "runtime/provenance.h"
 
 namespace terrazzo::cli {
@@ -51,7 +52,7 @@ int show(const Program& program, const ShowOptions& o) {
   const Value v = session.evaluator().value(*session.graph(), result, wire);
   const nlohmann::json described = v.type().describe(v.data());
   if (o.json)
-    std::cout << described.dump(2) << '\n';
+    std::cout << json_text(described, 2) << '\n';
   else
     std::cout << v.type().name << '\n' << readable(v.type().name, described);
   return done;

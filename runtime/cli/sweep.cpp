@@ -14,6 +14,7 @@
 #include "runtime/cli/report.h"
 #include "runtime/cli/write_value.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 #include "runtime/provenance.h"
 
 namespace terrazzo::cli {
@@ -78,7 +79,7 @@ class LocalExecutor : public Executor {
     session_.history().record(graph, result, session_.evaluator().hashes());
     if (result.cancelled()) return nullptr;
     json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
-    write_text_atomically(options.output_folder / "report.json", report.dump(2) + "\n");
+    write_text_atomically(options.output_folder / "report.json", json_text(report, 2) + "\n");
     return report;
   }
 
@@ -105,7 +106,7 @@ std::string caption(const SweepPoint& p) {
   return out;
 }
 
-std::string quoted(const std::string& s) { return json(s).dump(); }  // JSON's strings are YAML's
+std::string quoted(const std::string& s) { return json_text(s); }  // JSON's strings are YAML's
 
 // The points' previews on one sheet, by the node types that read and lay out pictures.
 void write_sheet(const Program& program, Session& session, const SweepCommand& o,
@@ -117,7 +118,8 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
     for (const auto& node : reports[i].at("nodes"))
       for (const auto& file : node.at("files")) {
         if (file.at("path") != o.preview) continue;
-        const fs::path path = fs::absolute(fs::path(o.out) / points[i].folder / o.preview);
+        // Relative: the output folder's own name need not be UTF-8.
+        const fs::path path = fs::path(points[i].folder) / o.preview;
         loads += fmt::format("  p{}: {{type: LoadImage, params: {{path: {}}}}}\n", i, quoted(path.string()));
         images += fmt::format("{}p{}.image", images.empty() ? "" : ", ", i);
         captions += (captions.empty() ? "" : ", ") + quoted(caption(points[i]));
@@ -132,7 +134,7 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
       fmt::format("terrazzo: 1\nnodes:\n{}  sheet: {{type: ContactSheet, inputs: {{images: [{}]}}, params: "
                   "{{captions: [{}]}}}}\n",
                   loads, images, captions),
-      "sweep", program.registry(), {}, found);
+      fs::absolute(o.out) / "sweep.yaml", program.registry(), {}, found);
   print(found);
   if (has_errors(found)) return;
   RunOptions options;
