@@ -141,8 +141,9 @@ std::vector<int> depth_of(const HolePicture& t) {
 // One level: patches of the target and the source's that look most like them.
 class Filler {
  public:
-  Filler(const SourceLevel& source, HolePicture& target, std::uint64_t seed, std::uint64_t stream)
-      : s_(source), t_(target), seed_(seed), stream_(stream), depth_(depth_of(target)) {
+  Filler(const SourceLevel& source, HolePicture& target, std::uint64_t seed, std::uint64_t stream,
+         const Work& work)
+      : s_(source), t_(target), seed_(seed), stream_(stream), work_(work), depth_(depth_of(target)) {
     known_.assign(t_.state.size(), 0);
     match_.assign(t_.state.size(), -1), distance_.assign(t_.state.size(), 0);
     // Patches that reach into the hole.
@@ -163,14 +164,18 @@ class Filler {
   void peel(int tries) {
     std::vector<std::size_t> order = patches_;
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return depth_[a] < depth_[b]; });
-    for (const auto p : order) {
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      check(k);
+      const auto p = order[k];
       search(p, 0, tries);
       if (t_.state[p] == HoleState::Hole) t_.color[p] = s_.color[match_[p]], known_[p] = 1;
     }
   }
   // The next coarser level's matches, so that the means begin where they were.
   void take(const Filler& coarse) {
-    for (const auto p : patches_) {
+    for (std::size_t k = 0; k < patches_.size(); ++k) {
+      check(k);
+      const auto p = patches_[k];
       const int x = static_cast<int>(p) % t_.width, y = static_cast<int>(p) / t_.width;
       const std::int32_t m =
           coarse
@@ -188,8 +193,10 @@ class Filler {
 
   void sweep(int round, int tries) {
     measure();
-    for (std::size_t k = 0; k < patches_.size(); ++k)
+    for (std::size_t k = 0; k < patches_.size(); ++k) {
+      check(k);
       search(patches_[round % 2 ? patches_.size() - 1 - k : k], round, tries);
+    }
   }
 
   // Every hole pixel becomes the mean of what the patches over it say, the likelier and the nearer to the rim
@@ -206,7 +213,9 @@ class Filler {
       weight[p] = std::exp(-distance_[p] * scale) * std::pow(1.3f, -float(depth_[p])) + 1e-12f;
     std::vector<Vec3f> now = t_.color;
     if (!mean) chosen_.assign(t_.state.size(), -1);
-    for (const auto p : patches_) {
+    for (std::size_t k = 0; k < patches_.size(); ++k) {
+      check(k);
+      const auto p = patches_[k];
       if (t_.state[p] != HoleState::Hole) continue;
       const int x = static_cast<int>(p) % t_.width, y = static_cast<int>(p) / t_.width;
       Vec3f sum = Vec3f::Zero();
@@ -249,6 +258,10 @@ class Filler {
   const std::vector<std::int32_t>& chosen() const { return chosen_; }
 
  private:
+  // A stroke may fill a whole picture: one sweep over it takes seconds.
+  void check(std::size_t k) const {
+    if (k % 256 == 0) work_.check();
+  }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * t_.width + x; }
   std::int32_t random_center(std::size_t p, int round) const {
     Random r(seed_, stream_ + static_cast<std::uint64_t>(round), p);
@@ -272,8 +285,11 @@ class Filler {
     if (to >= 0) used_.add(to, 1);
   }
   void measure() {
-    for (const auto p : patches_)
+    for (std::size_t k = 0; k < patches_.size(); ++k) {
+      check(k);
+      const auto p = patches_[k];
       if (match_[p] >= 0) distance_[p] = mismatch(p, match_[p], 1e30f);
+    }
   }
 
   // Mean squared difference over what is known of the patch.
@@ -333,6 +349,7 @@ class Filler {
   const SourceLevel& s_;
   HolePicture& t_;
   std::uint64_t seed_, stream_;
+  Work work_;
   std::vector<int> depth_;
   std::vector<std::uint8_t> known_;
   std::vector<std::int32_t> match_, chosen_;
@@ -375,16 +392,15 @@ std::vector<std::int32_t> complete(const SourcePyramid& source, HolePicture pict
     const bool coarsest = level + 1 == target.size();
     std::unique_ptr<Filler> now;
     if (coarsest) {
-      now = std::make_unique<Filler>(source[level], target[level], seed, stream(0));
+      now = std::make_unique<Filler>(source[level], target[level], seed, stream(0), work);
       now->peel(40);
       now->vote(true);
     } else {
-      now = std::make_unique<Filler>(source[level], target[level], seed, stream(0));
+      now = std::make_unique<Filler>(source[level], target[level], seed, stream(0), work);
       now->take(*before);
     }
     const int rounds = coarsest ? 8 : 6;
     for (int round = 0; round < rounds; ++round) {
-      work.check();
       now->sweep(round, 4);
       now->vote(!(level == 0 && round + 1 == rounds));
     }
