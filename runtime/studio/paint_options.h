@@ -11,6 +11,7 @@ namespace terrazzo::studio {
 
 struct PaintOptions {
   std::string image, save;
+  bool overwrite = false;
   int port = 0;
 };
 

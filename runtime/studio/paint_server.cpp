@@ -3,21 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/color.h"
 #include "nodes/texture_nib/views.h"
+#include "runtime/json_text.h"
+#include "runtime/studio/access.h"
 #include "runtime/studio/page_files.h"
 #include "runtime/studio/painting.h"
+#include "runtime/studio/save_file.h"
 
-#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+#include "runtime/studio/http_server.h"  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
 
 namespace terrazzo::studio {
-namespace fs = std::filesystem;
 using nlohmann::json;
 using texture_nib::Rectangle;
 
@@ -76,35 +78,27 @@ const char* media_type(const std::string& name) {
 
 struct PaintServer::Impl {
   Painting& painting;
-  fs::path save_as;
-  httplib::Server server;
+  SaveFile& save_file;
+  const std::atomic<bool>* cancel;
+  Access access;
+  HttpServer server;
   std::mutex mutex;  // a painting is one thread's at a time
-  int port = 0;
+
+  Work work() const { return {cancel, nullptr}; }
+
+  static void answer(httplib::Response& out, const json& j) {
+    out.set_content(json_text(j), "application/json");
+  }
 
   static void refuse(httplib::Response& out, int status, const Diagnostic& d) {
     out.status = status;
-    out.set_content(json{{"code", d.code}, {"message", d.message}, {"hint", d.hint}}.dump(
-                        -1, ' ', false, json::error_handler_t::replace),
-                    "application/json");
-  }
-
-  bool is_ours(const std::string& host) const {
-    return host == fmt::format("127.0.0.1:{}", port) || host == fmt::format("localhost:{}", port);
-  }
-
-  // Whether a request comes from our own page, or from no page at all.
-  bool welcome(const httplib::Request& in) const {
-    if (!is_ours(in.get_header_value("Host"))) return false;
-    const std::string origin = in.get_header_value("Origin"), site = in.get_header_value("Sec-Fetch-Site");
-    if (in.has_header("Origin") && !(origin.starts_with("http://") && is_ours(origin.substr(7))))
-      return false;
-    return site.empty() || site == "same-origin" || site == "none";
+    answer(out, {{"code", d.code}, {"message", d.message}, {"hint", d.hint}});
   }
 
   // A handler that holds the painting, reads JSON where there is a body, and tells errors as JSON.
-  template <class Answer>
-  httplib::Server::Handler handler(Answer answer) {
-    return [this, answer](const httplib::Request& in, httplib::Response& out) {
+  template <class Act>
+  httplib::Server::Handler handler(Act act) {
+    return [this, act](const httplib::Request& in, httplib::Response& out) {
       try {
         json body;
         if (in.method == "POST") {
@@ -113,7 +107,10 @@ struct PaintServer::Impl {
           body = json::parse(in.body);
         }
         const std::lock_guard lock(mutex);
-        answer(in, body, out);
+        work().check();  // a painting whose stroke was cut short answers nothing more
+        act(in, body, out);
+      } catch (const Cancelled&) {
+        refuse(out, 503, {Severity::Error, "ending", "terrazzo paint is ending", "", {}, "", ""});
       } catch (const Error& e) {
         refuse(out, 400, e.diagnostic());
       } catch (const json::exception& e) {
@@ -140,7 +137,7 @@ struct PaintServer::Impl {
             {"height", p.height},
             {"nib", nib},
             {"strokes", painting.strokes()},
-            {"save_as", save_as.string()},
+            {"save_as", save_file.path().string()},
             {"content", painting.content()}};
   }
 
@@ -150,17 +147,15 @@ struct PaintServer::Impl {
     Rectangle changed;
     for (const auto& point : body.at("points")) {
       if (!point.is_array() || point.size() != 2) throw Error("bad-stroke", "a point is [x, y]");
-      changed = joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}));
+      changed = joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}, work()));
     }
     if (body.value("end", false)) painting.end_stroke();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     const bool any = changed.x1 > changed.x0;
-    out.set_content(json{{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
-                         {"pixels", any ? base64(bytes_of(painting.picture(), changed)) : ""},
-                         {"milliseconds", took.count()},
-                         {"strokes", painting.strokes()}}
-                        .dump(),
-                    "application/json");
+    answer(out, {{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
+                 {"pixels", any ? base64(bytes_of(painting.picture(), changed)) : ""},
+                 {"milliseconds", took.count()},
+                 {"strokes", painting.strokes()}});
   }
 
   void view(const std::string& kind, httplib::Response& out) const {
@@ -175,18 +170,13 @@ struct PaintServer::Impl {
     out.set_content(bytes_of(drawn, all), "application/octet-stream");
   }
 
-  void save(httplib::Response& out) const {
-    const std::string graph = painting.graph(save_as);
-    const fs::path fresh = save_as.string() + ".new";
-    std::ofstream file(fresh, std::ios::binary);
-    file << graph;
-    file.close();
-    std::error_code error;
-    if (file) fs::rename(fresh, save_as, error);
-    if (!file || error)
-      throw Error("write-failed", "cannot write '" + save_as.string() + "'",
-                  "start paint with another --save");
-    out.set_content(json{{"file", save_as.string()}, {"graph", graph}}.dump(), "application/json");
+  void save(httplib::Response& out) {
+    const std::string before = save_file.path().string();
+    std::string graph;
+    const bool moved = save_file.write([&](const auto& file) { return graph = painting.graph(file); });
+    const std::string note =
+        moved ? fmt::format("'{}' was changed by something else and stays as it is", before) : "";
+    answer(out, {{"file", save_file.path().string()}, {"graph", graph}, {"note", note}});
   }
 
   void routes() {
@@ -195,31 +185,29 @@ struct PaintServer::Impl {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    server.set_payload_max_length(1 << 20);
     server.set_default_headers(
         {{"X-Content-Type-Options", "nosniff"},
          {"Cross-Origin-Resource-Policy", "same-origin"},
+         {"Referrer-Policy", "no-referrer"},
          {"Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'none'"},
          {"Cache-Control", "no-store"}});
     server.set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
-      if (welcome(in)) return httplib::Server::HandlerResponse::Unhandled;
-      refuse(out, 403,
-             {Severity::Error,
-              "foreign-origin",
-              "this request comes from another site or names another host",
-              "open the address that terrazzo paint prints",
-              {},
-              "",
-              ""});
+      const auto refusal = access.refusal(in);
+      if (!refusal) return httplib::Server::HandlerResponse::Unhandled;
+      refuse(out, refusal->status, refusal->why);
       return httplib::Server::HandlerResponse::Handled;
+    });
+    server.set_expect_100_continue_handler([](const httplib::Request&, httplib::Response& out) {
+      return out.status = 400;  // the page expects nothing
     });
     for (const std::string name : {"paint.html", "paint.js", "paint.css"})
       server.Get(name == "paint.html" ? "/" : "/" + name,
-                 [name](const httplib::Request&, httplib::Response& out) {
+                 [this, name](const httplib::Request&, httplib::Response& out) {
+                   if (name == "paint.html") out.set_header("Set-Cookie", access.cookie());
                    out.set_content(page_file(name), media_type(name));
                  });
     const auto answer_state = [this](auto&, const json&, httplib::Response& out) {
-      out.set_content(state().dump(), "application/json");
+      answer(out, state());
     };
     server.Get("/api/state", handler(answer_state));
     server.Get("/api/view", handler([this](const httplib::Request& in, const json&, httplib::Response& out) {
@@ -227,51 +215,51 @@ struct PaintServer::Impl {
                }));
     server.Post("/api/nib", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                          httplib::Response& out) {
-                  painting.choose(choice_of(body));
+                  painting.choose(choice_of(body), work());
                   answer_state(in, body, out);
                 }));
     server.Post("/api/stroke", handler([this](const httplib::Request&, const json& body,
                                               httplib::Response& out) { stroke(body, out); }));
     server.Post("/api/undo", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                           httplib::Response& out) {
-                  if (!painting.undo()) throw Error("nothing-to-undo", "nothing is painted");
+                  if (!painting.undo(work())) throw Error("nothing-to-undo", "nothing is painted");
                   answer_state(in, body, out);
                 }));
     server.Post("/api/save",
                 handler([this](const httplib::Request&, const json&, httplib::Response& out) { save(out); }));
     server.set_error_handler([](const httplib::Request& in, httplib::Response& out) {
-      if (out.body.empty())
-        refuse(out, out.status,
-               {Severity::Error,
-                out.status == 413 ? "too-large" : "not-found",
-                out.status == 413 ? "the request is too large" : "there is nothing at " + in.path,
-                "",
-                {},
-                "",
-                ""});
+      if (!out.body.empty()) return;
+      Diagnostic d{Severity::Error, "bad-request", "the request is malformed or too slow", "", {}, "", ""};
+      if (out.status == 413) d.code = "too-large", d.message = "the request is too large";
+      if (out.status == 404) d.code = "not-found", d.message = "there is nothing at " + in.path;
+      refuse(out, out.status, d);
     });
   }
 };
 
-PaintServer::PaintServer(Painting& painting, fs::path save_as)
-    : impl_(new Impl{painting, std::move(save_as), {}, {}, 0}) {
+PaintServer::PaintServer(Painting& painting, SaveFile& save_file, const std::atomic<bool>* cancel)
+    : impl_(new Impl{painting, save_file, cancel, {}, {}, {}}) {
   impl_->routes();
 }
 
 PaintServer::~PaintServer() = default;
 
 int PaintServer::bind(int port) {
-  impl_->port = port == 0                                       ? impl_->server.bind_to_any_port("127.0.0.1")
-                : impl_->server.bind_to_port("127.0.0.1", port) ? port
-                                                                : -1;
-  if (impl_->port <= 0)
+  auto& server = impl_->server;
+  const int bound = port == 0                                  ? server.bind_to_any_port("127.0.0.1")
+                    : server.bind_to_port("127.0.0.1", port) ? port
+                                                             : -1;
+  if (bound <= 0)
     throw Error("port-in-use", fmt::format("port {} of 127.0.0.1 cannot be had", port),
                 "leave --port out for any that is free");
-  return impl_->port;
+  impl_->access.set_port(bound);
+  return bound;
 }
+
+std::string PaintServer::address() const { return impl_->access.address(); }
 
 void PaintServer::serve() { impl_->server.listen_after_bind(); }
 
-void PaintServer::stop() { impl_->server.stop(); }
+void PaintServer::stop() { impl_->server.end(); }
 
 }  // namespace terrazzo::studio

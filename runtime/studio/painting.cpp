@@ -43,7 +43,7 @@ std::size_t Painting::strokes() const {
   return n;
 }
 
-texture_nib::Nib Painting::nib_of(const Layer& layer) const {
+texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
   const NibChoice& c = layer.choice;
   const auto within = [](const char* name, double v, double lo, double hi) {
     if (!(v >= lo && v <= hi))
@@ -64,14 +64,14 @@ texture_nib::Nib Painting::nib_of(const Layer& layer) const {
   if (c.threshold) s.threshold = *c.threshold;
   const auto region = texture_nib::region_mask(c.region, layer.base.width, layer.base.height);
   return {layer.base,
-          texture_nib::learn(layer.base, region, s),
+          texture_nib::learn(layer.base, region, s, work),
           {c.passes, static_cast<Finish>(finish - std::begin(kFinishes)), c.seed}};
 }
 
-void Painting::choose(const NibChoice& choice) {
+void Painting::choose(const NibChoice& choice, const Work& work) {
   end_stroke();
   Layer layer{choice, picture(), {}};
-  auto nib = nib_of(layer);  // throws before anything changes
+  auto nib = nib_of(layer, work);  // throws before anything changes
   if (!layers_.empty() && layers_.back().strokes.empty()) layers_.pop_back();
   layers_.push_back(std::move(layer));
   nib_ = std::move(nib);
@@ -90,9 +90,10 @@ void Painting::begin_stroke(double radius) {
   met_ = false;
 }
 
-Rectangle Painting::extend_stroke(const Vec2& point) {
+Rectangle Painting::extend_stroke(const Vec2& point, const Work& work) {
+  work.check();
   if (!stroke_) throw Error("no-stroke", "no stroke has begun");
-  const Rectangle changed = nib_->extend_stroke(point);
+  const Rectangle changed = nib_->extend_stroke(point, work);
   stroke_->parts[0].push_back(point);
   met_ |= changed.x1 > changed.x0;
   return changed;
@@ -104,21 +105,21 @@ void Painting::end_stroke() {
   stroke_.reset();
 }
 
-void Painting::repaint() {
+void Painting::repaint(const Work& work) {
   nib_.reset();
   if (layers_.empty()) return;
-  nib_ = nib_of(layers_.back());
-  for (const auto& s : layers_.back().strokes) nib_->paint(s);
+  nib_ = nib_of(layers_.back(), work);
+  for (const auto& s : layers_.back().strokes) nib_->paint(s, work);
 }
 
-bool Painting::undo() {
+bool Painting::undo(const Work& work) {
   end_stroke();
   if (layers_.empty()) return false;
   if (layers_.back().strokes.empty())
     layers_.pop_back();
   else
     layers_.back().strokes.pop_back();
-  repaint();
+  repaint(work);
   return true;
 }
 

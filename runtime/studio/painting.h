@@ -22,6 +22,8 @@ struct NibChoice {
   std::uint64_t seed = 1;
 };
 
+// What takes long stops when its Work is cancelled and throws Cancelled. The painting is then half done: all that
+// may be done with it is to end.
 class Painting {
  public:
   // Throws what reading the picture throws.
@@ -36,16 +38,16 @@ class Painting {
 
   // Takes up a nib; what was painted with it before is the picture that it is learnt from, and its map is
   // empty. Throws Error "outside-image", "bad-region", "too-small", "one-color", "bad-value".
-  void choose(const NibChoice&);
+  void choose(const NibChoice&, const Work& = {});
 
   // A stroke, point by point; each returns what changed at once. Strokes that meet no pixel are forgotten.
   // Throws Error "no-nib", "no-stroke", "bad-stroke", "nib-too-large".
   void begin_stroke(double radius);
-  texture_nib::Rectangle extend_stroke(const Vec2& point);
+  texture_nib::Rectangle extend_stroke(const Vec2& point, const Work& = {});
   void end_stroke();
 
   // Takes the last stroke back, or the last nib where it has painted nothing. False where there is nothing.
-  bool undo();
+  bool undo(const Work& = {});
 
   // A graph in YAML that gives this picture, bit for bit: at `file`, to which its paths are relative.
   std::string graph(const std::filesystem::path& file) const;
@@ -58,8 +60,8 @@ class Painting {
     Image base;
     std::vector<Stroke> strokes;
   };
-  texture_nib::Nib nib_of(const Layer&) const;
-  void repaint();
+  texture_nib::Nib nib_of(const Layer&, const Work&) const;
+  void repaint(const Work&);
 
   std::filesystem::path file_;
   Image original_;

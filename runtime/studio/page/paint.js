@@ -187,7 +187,7 @@ function undo() {
 $('undo').addEventListener('click', undo);
 $('save').addEventListener('click', () => enqueue(async () => {
   const saved = await (await ask('/api/save', {})).json();
-  tell(`Saved to ${saved.file}`);
+  tell(`Saved to ${saved.file}${saved.note ? `: ${saved.note}` : ''}`, saved.note !== '');
 }));
 $('view').addEventListener('change', () => enqueue(reload));
 // Another kernel, levels or finish is another nib of the same region.
@@ -247,6 +247,9 @@ function draw() {
   });
 }
 addEventListener('resize', draw);
+
+// The token is in a cookie now: the address bar and the history need not keep it.
+history.replaceState(null, '', '/');
 
 enqueue(async () => {
   take(await (await ask('/api/state')).json());

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "runtime/studio/painting.h"
+#include "runtime/studio/save_file.h"
 #include "tests/runtime/studio/paint_picture.h"
 #include "tests/support/code_of.h"
 
@@ -19,7 +20,11 @@ using nlohmann::json;
 
 class Paint : public ::testing::Test {
  protected:
-  Paint() : port(server.bind(0)), thread([this] { server.serve(); }), client("127.0.0.1", port) {}
+  Paint() : port(server.bind(0)), thread([this] { server.serve(); }), client("127.0.0.1", port) {
+    const std::string address = server.address();
+    token = address.substr(address.find('=') + 1);
+    client.set_default_headers({{"Cookie", "terrazzo_paint_" + std::to_string(port) + "=" + token}});
+  }
   ~Paint() override {
     server.stop();
     thread.join();
@@ -41,8 +46,10 @@ class Paint : public ::testing::Test {
 
   studio::Painting painting{test::paint_picture()};
   const fs::path saved = test::temporary_folder() / "saved.yaml";
-  studio::PaintServer server{painting, saved};
+  studio::SaveFile save_file = studio::SaveFile::exactly(saved, false);
+  studio::PaintServer server{painting, save_file};
   int port;
+  std::string token;
   std::thread thread;
   httplib::Client client;
 };
@@ -99,6 +106,31 @@ TEST_F(Paint, AnswersItsOwnPageAlone) {
   EXPECT_EQ(client.Post("/api/undo", "{}", "text/plain")->status, 400);
 }
 
+TEST_F(Paint, AnswersNothingWithoutTheToken) {
+  const std::string cookie = "terrazzo_paint_" + std::to_string(port) + "=", other(token.size(), '0');
+  httplib::Client stranger("127.0.0.1", port);
+  const auto status = [&](const std::string& path, const httplib::Headers& headers = {}) {
+    const auto r = stranger.Get(path.c_str(), headers);
+    return r ? r->status : 0;
+  };
+  for (const std::string path : {"/", "/paint.js", "/api/state", "/api/view?kind=picture", "/nothing"})
+    EXPECT_EQ(status(path), 403) << path;
+  EXPECT_EQ(stranger.Post("/api/save", "{}", "application/json")->status, 403);
+  EXPECT_EQ(status("/?token=" + other), 403);
+  EXPECT_EQ(status("/?token=" + token.substr(1)), 403);
+  EXPECT_EQ(status("/", {{"Cookie", cookie + other}}), 403);
+  EXPECT_EQ(status("/", {{"Cookie", cookie + token + "0"}}), 403);
+  EXPECT_EQ(status("/", {{"Cookie", "x" + cookie + token}}), 403);
+  EXPECT_EQ(status("/", {{"Cookie", "a=b; " + cookie + token + "; c=d"}}), 200);
+  EXPECT_EQ(status("/api/state?token=" + token), 200);
+  const auto page = stranger.Get(("/?token=" + token).c_str());
+  EXPECT_EQ(page->status, 200);
+  EXPECT_EQ(page->get_header_value("Set-Cookie"), cookie + token + "; Path=/; HttpOnly; SameSite=Strict");
+  EXPECT_EQ(token.size(), 32u);
+  studio::PaintServer second(painting, save_file);
+  EXPECT_EQ(second.address().find(token), std::string::npos);
+}
+
 TEST_F(Paint, RefusesMalformedRequests) {
   EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 5}, {"points", {{5, 5}}}}), "no-nib");
   EXPECT_EQ(code_of_post("/api/nib", {{"region", {0, 0, 2, 2}}}), "too-small");
@@ -119,8 +151,18 @@ TEST_F(Paint, RefusesMalformedRequests) {
             "bad-stroke");
   EXPECT_EQ(client.Post("/api/stroke", "{", "application/json")->status, 400);
   EXPECT_EQ(client.Post("/api/stroke", std::string(2 << 20, ' '), "application/json")->status, 413);
-  studio::PaintServer second(painting, saved);
+  studio::PaintServer second(painting, save_file);
   EXPECT_EQ(test::code_of([&] { second.bind(port); }), "port-in-use");
+}
+
+// A stop that comes before the server listens is not forgotten.
+TEST(PaintServer, StopsBeforeItServes) {
+  studio::Painting painting{test::paint_picture()};
+  auto save_file = studio::SaveFile::numbered(test::temporary_folder() / "saved.yaml");
+  studio::PaintServer server{painting, save_file};
+  server.bind(0);
+  server.stop();
+  server.serve();
 }
 
 }  // namespace

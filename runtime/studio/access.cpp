@@ -1,0 +1,89 @@
+#include "runtime/studio/access.h"
+
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+
+#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo::studio {
+namespace {
+
+std::string random_token() {
+  std::array<unsigned char, 16> bits;
+  if (::getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size()))
+    throw Error("no-random-numbers", "the system gives no random numbers");
+  std::string out;
+  for (const auto b : bits) out += fmt::format("{:02x}", b);
+  return out;
+}
+
+// Takes as long wherever the two differ: the time of an answer tells nothing of the token.
+bool equal(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  volatile unsigned char difference = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    difference = static_cast<unsigned char>(difference | (a[i] ^ b[i]));
+  return difference == 0;
+}
+
+Access::Refusal refused(int status, const char* code, const char* message, const char* hint) {
+  return {status, {Severity::Error, code, message, hint, {}, "", ""}};
+}
+
+}  // namespace
+
+Access::Access() : token_(random_token()) {}
+
+std::string Access::address() const { return fmt::format("http://127.0.0.1:{}/?token={}", port_, token_); }
+
+// Cookies are shared by all ports of a host: each server's has a name of its own.
+std::string Access::cookie_name() const { return fmt::format("terrazzo_paint_{}", port_); }
+
+std::string Access::cookie() const {
+  return fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict", cookie_name(), token_);
+}
+
+bool Access::is_ours(const std::string& host) const {
+  return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
+}
+
+bool Access::is_from_our_page(const httplib::Request& in) const {
+  if (!is_ours(in.get_header_value("Host"))) return false;
+  const std::string origin = in.get_header_value("Origin"), site = in.get_header_value("Sec-Fetch-Site");
+  if (in.has_header("Origin") && !(origin.starts_with("http://") && is_ours(origin.substr(7)))) return false;
+  return site.empty() || site == "same-origin" || site == "none";
+}
+
+bool Access::has_token(const httplib::Request& in) const {
+  if (in.has_param("token")) return equal(in.get_param_value("token"), token_);
+  const std::string prefix = cookie_name() + "=";
+  for (std::size_t k = 0; k < in.get_header_value_count("Cookie"); ++k) {
+    const std::string all = in.get_header_value("Cookie", k);
+    for (std::size_t at = 0; at < all.size();) {
+      const std::size_t end = std::min(all.find(';', at), all.size());
+      const std::size_t from = std::min(all.find_first_not_of(' ', at), end);
+      const std::string one = all.substr(from, end - from);
+      if (one.starts_with(prefix) && equal(one.substr(prefix.size()), token_)) return true;
+      at = end + 1;
+    }
+  }
+  return false;
+}
+
+std::optional<Access::Refusal> Access::refusal(const httplib::Request& in) const {
+  if (!is_from_our_page(in))
+    return refused(403, "foreign-origin", "this request comes from another site or names another host",
+                   "open the address that terrazzo paint prints");
+  if (!has_token(in))
+    return refused(403, "no-token", "this request does not carry the token of this session",
+                   "open the whole address that terrazzo paint prints");
+  if (in.has_header("Transfer-Encoding") || in.has_header("Content-Encoding"))
+    return refused(415, "encoded", "the request's body is chunked or encoded",
+                   "send plain JSON with a Content-Length");
+  return {};
+}
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,78 @@
+// Sockets of a server that nobody can hold up: deadlines count for a whole request, not for each read.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <list>
+#include <mutex>
+
+#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo::studio {
+
+struct ConnectionLimits {
+  std::size_t head = 16 << 10, body = 1 << 20;  // bytes of a request
+  std::chrono::milliseconds read{3000};         // for the whole request
+  std::chrono::milliseconds write{20000};       // for the whole response
+  std::size_t threads = 64;                     // connections at a time
+};
+
+// The open sockets. shutdown() on them wakes the thread that waits for them.
+class Connections {
+ public:
+  struct Entry {
+    int socket;
+    bool waiting = true;  // for more of the request
+  };
+  using Handle = std::list<Entry>::iterator;
+
+  Handle add(int socket);
+  void set_waiting(Handle, bool);
+  void close(Handle);
+  // Ends the oldest connection whose request is not there yet.
+  void drop_oldest_waiting();
+  // Ends all that are open, and every one added from now on.
+  void end();
+
+ private:
+  std::mutex mutex_;
+  std::list<Entry> open_;  // oldest first
+  bool ended_ = false;
+};
+
+// One connection: one request in, one response out.
+class ConnectionStream : public httplib::Stream {
+ public:
+  ConnectionStream(Connections&, Connections::Handle, const ConnectionLimits&);
+
+  // The request's head was read; `body` bytes follow.
+  void expect_body(std::size_t bytes);
+  // Reads what the other side still sends, for a short time: closing a socket with unread bytes would take
+  // the response away from it.
+  void drain();
+
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  ssize_t read(char* to, std::size_t size) override;
+  ssize_t write(const char* from, std::size_t size) override;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  void get_local_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
+  socket_t socket() const override { return handle_->socket; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool wait(short events, Clock::time_point until) const;
+
+  Connections& connections_;
+  Connections::Handle handle_;
+  const ConnectionLimits& limits_;
+  std::array<char, 4096> buffer_;
+  std::size_t at_ = 0, filled_ = 0;
+  std::size_t left_;  // bytes that may still be read
+  bool in_body_ = false;
+  Clock::time_point read_until_, write_until_{};
+};
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,90 @@
+#include "runtime/studio/save_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "graph/diagnostic.h"
+#include "runtime/files.h"
+
+namespace terrazzo::studio {
+namespace fs = std::filesystem;
+namespace {
+
+// Creates an empty file. False if something of that name exists, a dangling link included.
+bool create(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd >= 0) return ::close(fd), true;
+  if (errno == EEXIST) return false;
+  throw Error("write-failed", fmt::format("cannot create '{}': {}", path.string(), std::strerror(errno)),
+              "name a file in a folder that you may write to with --save");
+}
+
+fs::path with_number(const fs::path& name, int number) {
+  if (number == 1) return name;
+  fs::path out = name;
+  out.replace_filename(fmt::format("{}_{}{}", name.stem().string(), number, name.extension().string()));
+  return out;
+}
+
+}  // namespace
+
+SaveFile SaveFile::numbered(const fs::path& name) {
+  SaveFile out(name);
+  out.take_next_number();
+  return out;
+}
+
+SaveFile SaveFile::exactly(const fs::path& name, bool overwrite) {
+  SaveFile out(name);
+  out.claimed_ = create(name);
+  if (!out.claimed_) {
+    if (!overwrite)
+      throw Error("usage", fmt::format("'{}' exists", name.string()),
+                  "add --overwrite to replace it, or leave --save out for a new file");
+    const auto content = read_file(name);
+    if (!content) throw Error("usage", fmt::format("'{}' is no file that can be read", name.string()));
+    out.left_ = *content;
+  }
+  out.path_ = name;
+  return out;
+}
+
+SaveFile::SaveFile(SaveFile&& other) noexcept
+    : name_(std::move(other.name_)),
+      path_(std::move(other.path_)),
+      left_(std::move(other.left_)),
+      claimed_(std::exchange(other.claimed_, false)) {}
+
+SaveFile::~SaveFile() {
+  std::error_code error;
+  // Only the empty file of the claim: what somebody else wrote there meanwhile stays.
+  if (claimed_ && fs::is_regular_file(path_, error) && fs::file_size(path_, error) == 0)
+    fs::remove(path_, error);
+}
+
+void SaveFile::take_next_number() {
+  int number = 1;
+  while (!create(with_number(name_, number))) ++number;
+  path_ = with_number(name_, number), left_.clear(), claimed_ = true;
+}
+
+bool SaveFile::write(const std::function<std::string(const fs::path&)>& text) {
+  std::error_code error;
+  // A file that somebody removed is written anew.
+  const bool gone = !fs::exists(fs::symlink_status(path_, error));
+  if (gone && create(path_)) left_.clear(), claimed_ = true;
+  const bool changed = read_file(path_) != left_;
+  if (changed) take_next_number();
+  std::string now = text(path_);
+  write_text_atomically(path_, now);
+  left_ = std::move(now), claimed_ = false;
+  return changed;
+}
+
+}  // namespace terrazzo::studio
