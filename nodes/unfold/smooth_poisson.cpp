@@ -64,7 +64,7 @@ class Search {
       fits.push_back(fit(order, strength, {}, theta, 1e-6));
       theta = fits.back().theta;
       best = std::max(best, fits.back().evidence);
-      if (fits.back().evidence < best - kGiveUp) break;
+      if (fits.back().evidence != kNever && fits.back().evidence < best - kGiveUp) break;
     }
     return fits;
   }
@@ -108,6 +108,9 @@ class Search {
     const double value = climb(Posterior(p_, prior), f.theta, information, enough);
     const Eigen::LLT<MatrixXd> factor(information);
     f.evidence = value + (prior.log_det - log_determinant(factor)) / 2 + log_prior(breaks.size());
+    // Few counts may leave the information singular by rounding. That tells nothing for or against this prior,
+    // but its densities are of no use.
+    if (!std::isfinite(f.evidence)) f.evidence = kNever;
     f.freedom = static_cast<double>(bins_) - factor.solve(prior.precision).trace();
     return f;
   }

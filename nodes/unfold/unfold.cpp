@@ -127,23 +127,16 @@ KMatrix only(KMatrix k, std::size_t shape) {
   return k;
 }
 
-}  // namespace
-
-int classes_for(std::size_t profiles) {
-  return std::max(2, static_cast<int>(2 * std::cbrt(static_cast<double>(profiles))));
+bool is_finite(const UnfoldResult& r) {
+  bool all = std::isfinite(r.distribution.volume_fraction);
+  for (const auto& f : r.fits) all = all && f.density.allFinite();
+  return all;
 }
 
-UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOptions& options,
-                    const Work& work) {
+// With that many classes of size.
+UnfoldResult unfold_classes(Observations o, int classes, double visible, const KMatrix& k,
+                            const UnfoldOptions& options, const Work& work) {
   UnfoldResult r;
-  double visible = options.smallest_visible;
-  if (visible < 0) visible = smallest_seen(observe(profiles, options.border, 0, options.area_fraction));
-  Observations& o = r.observations = observe(profiles, options.border, visible, options.area_fraction);
-  if (static_cast<int>(o.used) < 3)
-    throw Error("too-few-profiles",
-                fmt::format("{} profiles are too few for a distribution of sizes", o.used),
-                "use a larger picture, or border: all");
-  const int classes = options.classes > 0 ? options.classes : std::min(k.classes, classes_for(o.used));
   double d_max = options.d_max;
   if (d_max > 0 && d_max < o.largest * (1 - 1e-9))
     throw Error("too-small",
@@ -183,19 +176,45 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
     r.fits.push_back(f.fit);
   }
   out.goodness_of_fit = chi2 / std::max(freedom, 1.0);
-  if (o.relative) {
-    make_relative(r);
-  } else if (!(out.volume_fraction < 1)) {
-    throw Error(
-        "unstable",
-        fmt::format(
-            "the densities found would fill {:.3g} times the volume: with a condition number of {:.2g} "
-            "the counting errors are blown up",
-            out.volume_fraction, r.condition),
-        options.method == "inverse" ? "use fewer classes, or method: em" : "use fewer classes")
+  if (o.relative) make_relative(r);
+  r.observations = std::move(o);
+  return r;
+}
+
+}  // namespace
+
+int classes_for(std::size_t profiles) {
+  return std::max(2, static_cast<int>(2 * std::cbrt(static_cast<double>(profiles))));
+}
+
+UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOptions& options,
+                    const Work& work) {
+  constexpr std::size_t kLeast = 3;
+  double visible = options.smallest_visible;
+  if (visible < 0) visible = smallest_seen(observe(profiles, options.border, 0, options.area_fraction));
+  const Observations o = observe(profiles, options.border, visible, options.area_fraction);
+  if (o.used < kLeast)
+    throw Error("too-few-profiles",
+                fmt::format("{} profiles are too few for a distribution of sizes: {} at least are needed",
+                            o.used, kLeast),
+                "use a larger picture, or border: all");
+  for (int classes = options.classes > 0 ? options.classes : std::min(k.classes, classes_for(o.used));;
+       --classes) {
+    UnfoldResult r = unfold_classes(o, classes, visible, k, options, work);
+    const bool finite = is_finite(r);
+    if (finite && (o.relative || r.distribution.volume_fraction < 1)) return r;
+    if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes
+    const std::string found =
+        finite ? fmt::format("the densities found would fill {:.3g} times the volume: with a condition number of "
+                             "{:.2g} the counting errors are blown up",
+                             r.distribution.volume_fraction, r.condition)
+               : fmt::format("{} profiles do not determine the densities of {} classes", o.used, classes);
+    throw Error("unstable", found,
+                options.method == "inverse" ? "use fewer classes, or method: em"
+                : classes > 1               ? "use fewer classes"
+                                            : "use a larger picture")
         .parameter("classes");
   }
-  return r;
 }
 
 }  // namespace terrazzo

@@ -1,0 +1,94 @@
+// Pictures with few profiles: a finite distribution, or an error that says how many are needed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "nodes/kmatrix/make_kmatrix.h"
+#include "nodes/unfold/unfold.h"
+#include "runtime/random.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+const KMatrix& spheres() {
+  static const KMatrix k = [] {
+    const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
+    return make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = 20});
+  }();
+  return k;
+}
+
+// Sections of spheres with diameters between 2 and 10 mm, each on 80 mm².
+Profiles section(std::size_t n, std::uint64_t seed) {
+  Random random(seed);
+  Profiles p;
+  p.observed_area = 80 * static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    double d;
+    do d = random.uniform(2, 10);
+    while (random.uniform() * 10 > d);
+    const double h = random.uniform(0, d / 2);
+    Profile q;
+    q.area = std::numbers::pi * (d * d / 4 - h * h);
+    p.area_fraction += q.area / p.observed_area;
+    p.profiles.push_back(q);
+  }
+  return p;
+}
+
+bool finite(const UnfoldResult& r) {
+  bool all = std::isfinite(r.distribution.volume_fraction) && std::isfinite(r.distribution.goodness_of_fit);
+  for (const auto& e : r.distribution.shapes)
+    for (const auto* values : {&e.N_V, &e.low, &e.high})
+      for (const double v : *values) all = all && std::isfinite(v) && v >= 0;
+  return all;
+}
+
+// What becomes of `n` profiles: "" for a finite distribution, else the error.
+std::string outcome(const Profiles& p, const UnfoldOptions& o) {
+  try {
+    return finite(unfold(p, spheres(), o, {})) ? "" : "not finite";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+TEST(UnfoldFewProfiles, GiveADistributionOrSayHowManyAreNeeded) {
+  for (const std::size_t n : {0u, 1u, 2u, 3u, 4u, 5u, 8u, 17u, 83u})
+    for (std::uint64_t seed = 1; seed <= (n < 83 ? 6u : 1u); ++seed)
+      for (const bool known : {true, false}) {
+        Profiles p = section(n, seed);
+        if (!known) p.observed_area = p.area_fraction = 0;
+        UnfoldOptions o;
+        o.bootstrap = n < 83 && seed < 3 ? 20 : 0;
+        const std::string found = outcome(p, o);
+        if (n >= 3)
+          EXPECT_EQ(found, "") << n << " profiles, seed " << seed << (known ? "" : ", relative");
+        else
+          EXPECT_NE(found.find(n == 0 ? "there are no profiles" : "3 at least are needed"), std::string::npos) << found;
+      }
+}
+
+// Two colours, of which one shows two profiles; profiles of one size; the other methods.
+TEST(UnfoldFewProfiles, MayBeOfOneSizeOrOfSeveralColours) {
+  for (const std::size_t n : {3u, 5u, 17u})
+    for (std::uint64_t seed = 1; seed <= 4; ++seed)
+      for (const char* method : {"em", "nnls"}) {
+        UnfoldOptions o;
+        o.method = method;
+        Profiles p = section(n, seed);
+        p.classes = 2;
+        p.profiles[0].cls = p.profiles[1].cls = 1;
+        EXPECT_EQ(outcome(p, o), "") << n << " profiles, seed " << seed << ", " << method;
+        p = section(n, seed);
+        p.area_fraction = 0.3;
+        for (auto& q : p.profiles) q.area = 12;
+        EXPECT_EQ(outcome(p, o), "") << n << " equal profiles, " << method;
+      }
+}
+
+}  // namespace
+}  // namespace terrazzo
