@@ -26,6 +26,7 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
   options.targets = {append_writer(program.registry(), graph, graph.wire_to(o.target), file)};
   options.output_folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   options.threads = threads(o);
+  options.memory = o.memory;
   options.cancel = cancel_on_interrupt();
   options.provenance = provenance(graph, session.overrides());
   ProgressLine line(session, options.targets, o.quiet, &graph);

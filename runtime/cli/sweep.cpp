@@ -73,6 +73,7 @@ class LocalExecutor : public Executor {
     options.targets = target_nodes(graph, o_.targets);
     options.output_folder = fs::path(o_.out) / point.folder;
     options.threads = std::max(1, threads(o_) / o_.jobs);
+    options.memory = o_.memory;
     options.cancel = cancel;
     options.provenance = provenance(graph, point.overrides);
     const RunResult result = session_.evaluator().run(graph, options);
@@ -141,6 +142,7 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
   options.targets = {append_writer(program.registry(), graph, graph.wire_to("sheet.image"), "sweep.png")};
   options.output_folder = o.out;
   options.threads = threads(o);
+  options.memory = o.memory;
   options.cancel = cancel_on_interrupt();
   const RunResult r = session.evaluator().run(graph, options);
   for (const auto& n : r.nodes)
