@@ -21,7 +21,7 @@ std::string joined(const std::vector<std::string>& parts) {
 Mesh solid_from(Context& c, const std::filesystem::path& path, const Work& work) {
   const std::string name = path.filename().string();
   const bool mend = c.boolean("repair");
-  Mesh mesh = triangles_of(read_mesh(path), work);
+  Mesh mesh = triangles_of(read_mesh(path, reading_of(c)), work);
   // Files that give each face corners of its own (texture seams, some STL writers) need no more than joining
   // equals.
   if (!mesh_faults(mesh).empty() || mesh_volume(mesh) <= 0) {

@@ -5,17 +5,19 @@
 #include <vector>
 
 #include "nodes/common/linear.h"
+#include "nodes/common/reading.h"
 
 namespace terrazzo {
 
 struct PolygonSoup {
-  std::vector<Vec3> vertices;              // in the file's unit; single precision, as the reader gives them
+  std::vector<Vec3> vertices;              // in the file's unit, rounded to single precision
   std::vector<std::vector<int>> polygons;  // three indices or more
 };
 
-// OBJ, PLY, STL or OFF, by extension, through OpenMesh's readers. STL vertices of equal position are one.
-// Throws Error "unknown-format", "unreadable-mesh" (with the reader's words) or "bad-mesh" where an index
-// names no vertex or a coordinate is not finite.
-PolygonSoup read_mesh(const std::filesystem::path&);
+// Reads OBJ, PLY, STL or OFF, by extension. STL vertices of equal position are one. Throws Error "unknown-format",
+// "unreadable-mesh" if the file is damaged, "bad-mesh" if an index names no vertex or a coordinate is not finite, and
+// "too-large" if the mesh would exceed the budget. Time and memory are bounded by the size of the file: whatever a
+// header promises, nothing is made before its bytes were read.
+PolygonSoup read_mesh(const std::filesystem::path&, const Reading& = {});
 
 }  // namespace terrazzo

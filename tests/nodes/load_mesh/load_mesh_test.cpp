@@ -230,7 +230,7 @@ TEST(LoadMesh, BadFilesAreNamed) {
   EXPECT_EQ(refusal(file("mesh.xyz", cube())).code, "unknown-format");
   EXPECT_EQ(refusal(file("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")).code, "bad-mesh");
   EXPECT_EQ(refusal(file("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n")).code, "unreadable-mesh");
-  // OpenMesh reads -1 corners as four thousand million, and so it does what slipped out of place.
+  // Counts and numbers that cannot be, or that slipped out of place.
   const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", four = "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
   for (const std::string& off :
        {"OFF\n4 4 0\n" + corners + four + "-1 1 2 3\n",

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <optional>
+
+#include "nodes/load_mesh/formats.h"
+#include "nodes/load_mesh/mesh_text.h"
+
+namespace terrazzo::mesh_files {
+namespace {
+
+enum class Type { I8, U8, I16, U16, I32, U32, F32, F64 };
+
+std::optional<Type> type_named(std::string_view name) {
+  static const std::map<std::string_view, Type> types = {
+      {"char", Type::I8},    {"uchar", Type::U8},    {"short", Type::I16},   {"ushort", Type::U16},
+      {"int", Type::I32},    {"uint", Type::U32},    {"float", Type::F32},   {"double", Type::F64},
+      {"int8", Type::I8},    {"uint8", Type::U8},    {"int16", Type::I16},   {"uint16", Type::U16},
+      {"int32", Type::I32},  {"uint32", Type::U32},  {"float32", Type::F32}, {"float64", Type::F64}};
+  const auto it = types.find(name);
+  if (it == types.end()) return {};
+  return it->second;
+}
+
+struct Property {
+  std::string name;
+  Type type;                  // of the value, or of a list's items
+  std::optional<Type> length;  // of a list
+};
+struct Element {
+  std::string name;
+  std::uint64_t count;
+  std::vector<Property> properties;
+};
+enum class Format { Ascii, Little, Big };
+struct Header {
+  Format format = Format::Ascii;
+  std::vector<Element> elements;
+};
+
+Header read_header(Words& words, std::size_t size) {
+  Header header;
+  bool format = false;
+  if (!words.next_line() || words.word() != "ply") damaged("does not begin as a PLY file");
+  while (words.next_line()) {
+    const std::string_view key = words.word();
+    const auto not_understood = [&] { damaged(fmt::format("line {} of its header is not understood", words.line())); };
+    if (key == "end_header") {
+      if (!format) damaged("its header names no format");
+      return header;
+    }
+    if (key == "format") {
+      const std::string_view kind = words.word();
+      if (kind == "ascii")
+        header.format = Format::Ascii;
+      else if (kind == "binary_little_endian")
+        header.format = Format::Little;
+      else if (kind == "binary_big_endian")
+        header.format = Format::Big;
+      else
+        damaged("its format \"" + printable(kind) + "\" is unknown");
+      if (words.word() != "1.0") damaged("its format is of an unknown version");
+      format = true;
+    } else if (key == "element") {
+      const std::string name(words.word());
+      header.elements.push_back({name, count(words.word(), size, words.line(), "a number of elements"), {}});
+    } else if (key == "property") {
+      if (header.elements.empty()) not_understood();
+      Property p;
+      std::string_view type = words.word();
+      if (type == "list") {
+        p.length = type_named(words.word());
+        if (!p.length || *p.length == Type::F32 || *p.length == Type::F64) not_understood();
+        type = words.word();
+      }
+      const auto known = type_named(type);
+      p.name = words.word();
+      if (!known || p.name.empty()) not_understood();
+      p.type = *known;
+      header.elements.back().properties.push_back(p);
+    } else if (key != "comment" && key != "obj_info" && !key.empty()) {
+      not_understood();
+    }
+  }
+  damaged("its header does not end");
+}
+
+// The numbers of the body, one after the other.
+class Numbers {
+ public:
+  Numbers(Format format, Words& words) : format_(format), words_(words), bytes_(words.rest()) {}
+
+  double next(Type type) {
+    if (format_ == Format::Ascii) {
+      const std::string_view w = words_.word_anywhere();
+      return coordinate_or_whole(w, type);
+    }
+    switch (type) {
+      case Type::I8: return take<std::int8_t>();
+      case Type::U8: return take<std::uint8_t>();
+      case Type::I16: return take<std::int16_t>();
+      case Type::U16: return take<std::uint16_t>();
+      case Type::I32: return take<std::int32_t>();
+      case Type::U32: return take<std::uint32_t>();
+      case Type::F32: return take<float>();
+      case Type::F64: return take<double>();
+    }
+    return 0;
+  }
+
+ private:
+  double coordinate_or_whole(std::string_view word, Type type) {
+    if (type == Type::F32 || type == Type::F64) return coordinate(word, words_.line());
+    const bool negative = word.starts_with('-');
+    const auto n = count(word.substr(negative ? 1 : 0), 4294967295u, words_.line(), "a whole number");
+    return negative ? -static_cast<double>(n) : static_cast<double>(n);
+  }
+  template <class T>
+  T take() {
+    if (bytes_.size() < sizeof(T)) damaged("it ends before all that its header promises");
+    char raw[sizeof(T)];
+    std::memcpy(raw, bytes_.data(), sizeof(T));
+    if ((format_ == Format::Big) == (std::endian::native == std::endian::little)) std::reverse(raw, raw + sizeof(T));
+    bytes_.remove_prefix(sizeof(T));
+    T v;
+    std::memcpy(&v, raw, sizeof(T));
+    return v;
+  }
+  Format format_;
+  Words& words_;
+  std::string_view bytes_;
+};
+
+void read_vertices(const Element& element, Numbers& numbers, PolygonSoup& soup) {
+  std::vector<int> axis;  // of each property, or -1
+  bool has[3] = {};
+  for (const auto& p : element.properties) {
+    axis.push_back(p.length || p.name.size() != 1 || p.name[0] < 'x' || p.name[0] > 'z' ? -1 : p.name[0] - 'x');
+    if (axis.back() >= 0) has[axis.back()] = true;
+  }
+  if (element.count > 0 && !(has[0] && has[1] && has[2])) damaged("its vertices lack x, y or z");
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    Vec3 point = Vec3::Zero();
+    for (std::size_t k = 0; k < element.properties.size(); ++k) {
+      const Property& p = element.properties[k];
+      if (p.length) {
+        for (double n = numbers.next(*p.length); n > 0; --n) numbers.next(p.type);
+      } else {
+        const double v = numbers.next(p.type);
+        if (axis[k] >= 0) point[axis[k]] = static_cast<float>(v);
+      }
+    }
+    soup.vertices.push_back(point);
+  }
+}
+
+void read_faces(const Element& element, Numbers& numbers, PolygonSoup& soup) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    bool found = false;
+    for (const Property& p : element.properties) {
+      if (!p.length) {
+        numbers.next(p.type);
+        continue;
+      }
+      const bool corners = !found && (p.name == "vertex_indices" || p.name == "vertex_index");
+      const double n = numbers.next(*p.length);
+      if (n < 0) damaged(fmt::format("face {} has {} corners", i, n));
+      std::vector<int> polygon;
+      for (double k = 0; k < n; ++k) {
+        const double v = numbers.next(p.type);
+        if (!corners) continue;
+        if (!(v >= 0 && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
+          throw Error("bad-mesh", fmt::format("face {} names vertex {}", i, v), "the file is damaged: write it again");
+        polygon.push_back(static_cast<int>(v));
+      }
+      if (!corners) continue;
+      require_corners(i, polygon.size());
+      soup.polygons.push_back(std::move(polygon));
+      found = true;
+    }
+    if (!found) damaged("its faces lack vertex_indices");
+  }
+}
+
+}  // namespace
+
+PolygonSoup read_ply(std::string_view bytes) {
+  Words words(bytes);
+  const Header header = read_header(words, bytes.size());
+  Numbers numbers(header.format, words);
+  PolygonSoup soup;
+  for (const Element& element : header.elements) {
+    if (element.name == "vertex") {
+      read_vertices(element, numbers, soup);
+    } else if (element.name == "face") {
+      read_faces(element, numbers, soup);
+    } else if (!element.properties.empty()) {
+      for (std::uint64_t i = 0; i < element.count; ++i)
+        for (const Property& p : element.properties)
+          for (double n = p.length ? numbers.next(*p.length) : 1; n > 0; --n) numbers.next(p.type);
+    }
+  }
+  return soup;
+}
+
+}  // namespace terrazzo::mesh_files
