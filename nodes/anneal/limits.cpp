@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 
 #include "graph/diagnostic.h"
@@ -25,17 +24,6 @@ std::vector<double> inner_radii(const Shapes& shapes, const std::vector<std::int
 
 }  // namespace
 
-double memory_available() {
-  std::ifstream file("/proc/meminfo");
-  std::string name, unit;
-  double value;
-  while (file >> name >> value) {
-    if (name == "MemAvailable:") return 1024 * value;
-    std::getline(file, unit);
-  }
-  return 0;
-}
-
 double memory_needed(const Population& population, const Shapes& shapes) {
   std::vector<bool> round;
   for (const auto& s : shapes.shapes) round.push_back(is_sphere(s.mesh));
@@ -45,7 +33,7 @@ double memory_needed(const Population& population, const Shapes& shapes) {
 }
 
 void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
-                           double available) {
+                           std::uint64_t available) {
   const Particles& p = population.particles;
   const auto inner = inner_radii(shapes, p.shape);
   std::vector<double> radius(p.count());
@@ -65,10 +53,10 @@ void refuse_what_cannot_be(const Population& population, const Shapes& shapes, d
                     binder_gap > 0 ? fmt::format(" at distances of {} mm", binder_gap) : "", worst, densest),
         "lower the volume fraction or binder_gap");
   const double needed = memory_needed(population, shapes);
-  if (available > 0 && needed > 0.9 * available)
+  if (needed > 0.9 * static_cast<double>(available))
     throw Error("not-enough-memory",
                 fmt::format("{} particles take about {:.1f} GB to pack, and {:.1f} GB are free", p.count(),
-                            needed / 1e9, available / 1e9),
+                            needed / 1e9, static_cast<double>(available) / 1e9),
                 "make the box smaller, or leave out the finest classes")
         .parameter("size");
 }

@@ -2,19 +2,17 @@
 #pragma once
 
 #include "nodes/anneal/population.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::anneal {
 
 // Bytes that packing takes at most, by experience: few for spheres, which need no contacts.
 double memory_needed(const Population& population, const Shapes& shapes);
 
-// Bytes free for new work, or 0 where the system does not tell.
-double memory_available();
-
 // Throws Error "impossible-density" where the balls inside the particles, taken down to one size, would be
 // denser than balls of one size can be (π/√18, Hales 2005), and "not-enough-memory" where more is needed than
 // `available`.
 void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
-                           double available = memory_available());
+                           std::uint64_t available = available_memory());
 
 }  // namespace terrazzo::anneal

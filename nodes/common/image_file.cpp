@@ -1,7 +1,5 @@
 #include "nodes/common/image_file.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/color.h"
 #include "nodes/common/color_config.h"
+#include "nodes/common/picture_input.h"
 
 namespace terrazzo {
 namespace {
@@ -36,22 +35,6 @@ Channels channels_of(const OIIO::ImageSpec& spec) {
     for (int k = 0; k < 3; ++k) c.rgb[k] = colours >= 3 ? k : 0;
   }
   return c;
-}
-
-Error unreadable(const std::filesystem::path& path, std::string why) {
-  while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
-  return Error("unreadable-image", "cannot read the picture '" + path.string() + "': " + why,
-               "check that the file exists, is whole, and is of a format that OpenImageIO reads")
-      .parameter("path");
-}
-
-// Reads all samples as T and hands them to `put(pixel, channel values, alpha)`.
-template <class T>
-std::vector<T> read_samples(OIIO::ImageInput& in, const std::filesystem::path& path, OIIO::TypeDesc type) {
-  const auto& s = in.spec();
-  std::vector<T> samples(static_cast<std::size_t>(s.width) * s.height * s.nchannels);
-  if (!in.read_image(0, 0, 0, s.nchannels, type, samples.data())) throw unreadable(path, in.geterror());
-  return samples;
 }
 
 // Samples to floats through a table, which makes a decoded 8 or 16 bit picture as cheap as a copy.
@@ -88,21 +71,22 @@ Image upright(Image in, int orientation) {
 
 }  // namespace
 
-Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size) {
+Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size,
+                 const Reading& reading) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);  // otherwise the reader multiplies encoded values by alpha
-  auto in = OIIO::ImageInput::open(path.string(), &hints);
-  if (!in) throw unreadable(path, OIIO::geterror());
-  const OIIO::ImageSpec spec = in->spec();
-  if (spec.deep) throw unreadable(path, "deep pictures have no single colour a pixel");
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.depth > 1)
-    throw unreadable(path, "it is empty or three-dimensional");
+  PictureInput in(path, reading, hints);
+  const OIIO::ImageSpec spec = in.spec();
+  if (spec.deep) throw in.unreadable("deep pictures have no single color per pixel");
+  // The image, its upright copy, and alpha.
+  constexpr double more = 2 * sizeof(Vec3f) + sizeof(float);
 
   const Channels channels = channels_of(spec);
   const bool is_float = spec.format.is_floating_point();
   const bool automatic = colorspace == "auto";
-  Image image(spec.width, spec.height, 1, pixel_size);
   std::vector<float> alpha;
+  Image image;
+  const auto make_room = [&] { image = Image(spec.width, spec.height, 1, pixel_size); };
   auto take_alpha = [&](const auto& samples, float scale) {
     if (channels.alpha < 0) return;
     alpha.resize(image.pixels.size());
@@ -110,15 +94,18 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
       alpha[p] = static_cast<float>(samples[p * spec.nchannels + channels.alpha]) * scale;
   };
   if (spec.format == OIIO::TypeDesc::UINT8) {
-    const auto samples = read_samples<std::uint8_t>(*in, path, OIIO::TypeDesc::UINT8);
+    const auto samples = in.samples<std::uint8_t>(OIIO::TypeDesc::UINT8, more);
+    make_room();
     decode(samples, spec.nchannels, channels, decoding_table(256, automatic), image);
     take_alpha(samples, 1 / 255.0f);
   } else if (!is_float) {
-    const auto samples = read_samples<std::uint16_t>(*in, path, OIIO::TypeDesc::UINT16);
+    const auto samples = in.samples<std::uint16_t>(OIIO::TypeDesc::UINT16, more);
+    make_room();
     decode(samples, spec.nchannels, channels, decoding_table(65536, automatic), image);
     take_alpha(samples, 1 / 65535.0f);
   } else {
-    const auto samples = read_samples<float>(*in, path, OIIO::TypeDesc::FLOAT);
+    const auto samples = in.samples<float>(OIIO::TypeDesc::FLOAT, more);
+    make_room();
     for (std::size_t p = 0; p < image.pixels.size(); ++p)
       for (int k = 0; k < 3; ++k) image.pixels[p][k] = samples[p * spec.nchannels + channels.rgb[k]];
     take_alpha(samples, 1);

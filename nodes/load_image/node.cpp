@@ -19,9 +19,11 @@ void compute(Context& c) {
   Image stack;
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
-    Image section = read_image(files[i], colorspace, c.number("pixel_size"));
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c));
     if (i == 0) {
       stack = std::move(section);
+      require_memory(static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()), c.memory(),
+                     std::to_string(files.size()) + " pictures");
       stack.pixels.reserve(stack.pixels.size() * files.size());
     } else {
       if (section.width != stack.width || section.height != stack.height)

@@ -1,7 +1,5 @@
 #include "nodes/load_labels/label_file.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,24 +7,16 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/components.h"
+#include "nodes/common/picture_input.h"
 
 namespace terrazzo {
 namespace {
 
-Error unreadable(const std::filesystem::path& path, std::string why) {
-  while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
-  return Error("unreadable-image", "cannot read the mask '" + path.string() + "': " + why,
-               "check that the file exists, is whole, and is of a format that OpenImageIO reads")
-      .parameter("path");
-}
-
 // Reads in the file's own type, so that no value is scaled, and checks that each is a whole number.
 template <class T>
-std::vector<std::uint32_t> read_as(OIIO::ImageInput& in, const std::filesystem::path& path,
-                                   OIIO::TypeDesc type) {
-  const auto& s = in.spec();
-  std::vector<T> samples(static_cast<std::size_t>(s.width) * s.height * s.nchannels);
-  if (!in.read_image(0, 0, 0, s.nchannels, type, samples.data())) throw unreadable(path, in.geterror());
+std::vector<std::uint32_t> read_as(PictureInput& in, const std::filesystem::path& path, OIIO::TypeDesc type) {
+  // A whole number for each sample, and one for each pixel.
+  const auto samples = in.samples<T>(type, 4.0 * in.spec().nchannels + 4);
   std::vector<std::uint32_t> out(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double v = static_cast<double>(samples[i]);
@@ -67,30 +57,28 @@ Labels with_any(Labels labels) {
 
 }  // namespace
 
-RawMask read_mask(const std::filesystem::path& path) {
+RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
-  auto in = OIIO::ImageInput::open(path.string(), &hints);
-  if (!in) throw unreadable(path, OIIO::geterror());
-  const OIIO::ImageSpec s = in->spec();
-  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
-    throw unreadable(path, "it is no plain picture");
+  PictureInput in(path, reading, hints);
+  const OIIO::ImageSpec s = in.spec();
+  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0) throw in.unreadable("it is no plain picture");
   const bool alpha = s.alpha_channel >= 0 && s.nchannels > 1;
   const int colours = s.nchannels - (alpha ? 1 : 0);
 
   std::vector<std::uint32_t> samples;
   if (s.format == OIIO::TypeDesc::UINT8)
-    samples = read_as<std::uint8_t>(*in, path, s.format);
+    samples = read_as<std::uint8_t>(in, path, s.format);
   else if (s.format == OIIO::TypeDesc::UINT16)
-    samples = read_as<std::uint16_t>(*in, path, s.format);
+    samples = read_as<std::uint16_t>(in, path, s.format);
   else if (s.format == OIIO::TypeDesc::INT16)
-    samples = read_as<std::int16_t>(*in, path, s.format);
+    samples = read_as<std::int16_t>(in, path, s.format);
   else if (s.format == OIIO::TypeDesc::UINT32)
-    samples = read_as<std::uint32_t>(*in, path, s.format);
+    samples = read_as<std::uint32_t>(in, path, s.format);
   else if (s.format == OIIO::TypeDesc::INT32)
-    samples = read_as<std::int32_t>(*in, path, s.format);
+    samples = read_as<std::int32_t>(in, path, s.format);
   else
-    samples = read_as<float>(*in, path, OIIO::TypeDesc::FLOAT);
+    samples = read_as<float>(in, path, OIIO::TypeDesc::FLOAT);
 
   RawMask mask{s.width, s.height, {}};
   mask.values.resize(static_cast<std::size_t>(s.width) * s.height);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "nodes/common/reading.h"
 #include "nodes/data/labels.h"
 
 namespace terrazzo {
@@ -16,8 +17,8 @@ struct RawMask {
 };
 
 // 8, 16 and 32 bit, integer or float with whole numbers; grey, or 8 bit colour. Throws Error
-// "unreadable-image", "bad-labels" where a value is no whole number from 0.
-RawMask read_mask(const std::filesystem::path&);
+// "unreadable-image", "too-large", and "bad-labels" if a value is no whole number from 0.
+RawMask read_mask(const std::filesystem::path&, const Reading& = {});
 
 // Each value is one profile in its section, whether in one piece or several. Ids follow section, then rising
 // value. Throws Error "unequal-sections", "no-particles".

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "graph/node_type.h"
 #include "nodes/load_labels/label_file.h"
 #include "runtime/context.h"
@@ -7,9 +9,14 @@ namespace {
 
 void compute(Context& c) {
   std::vector<RawMask> masks;
+  std::uint64_t held = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
-    masks.push_back(read_mask(file));
+    // Masks stay until the last is read.
+    Reading reading = reading_of(c);
+    reading.memory -= std::min(reading.memory, held);
+    masks.push_back(read_mask(file, reading));
+    held += masks.back().values.size() * (sizeof(std::uint32_t) + sizeof(std::int32_t));
   }
   const double pixel_size = c.number("pixel_size");
   Labels labels = c.text("kind") == "instances" ? labels_from_instances(masks, pixel_size)

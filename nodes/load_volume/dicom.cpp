@@ -99,10 +99,41 @@ void read_pixels(DcmDataset& set, Slice& s) {
     s.values[i] = stored_number(bytes ? bytes[i] : words[i], stored, has_sign);
 }
 
-Slice read_slice(const std::filesystem::path& path) {
+// DCMTK reads sequences by recursion, so that a file of sequences within sequences would exhaust the stack.
+void check_nesting(std::string_view content, const std::filesystem::path& path) {
+  constexpr std::size_t deepest = 64;
+  std::vector<std::size_t> ends;
+  for (std::size_t at = 0; at + 8 <= content.size(); ++at) {
+    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(content[at + k]); };
+    const bool little = byte(0) == 0xfe && byte(1) == 0xff && byte(3) == 0xe0;
+    const bool big = byte(0) == 0xff && byte(1) == 0xfe && byte(2) == 0xe0;
+    if (!little && !big) continue;
+    const unsigned kind = little ? byte(2) : byte(3);
+    while (!ends.empty() && ends.back() <= at) ends.pop_back();
+    if (kind == 0x0d && !ends.empty()) ends.pop_back();  // the end of an item
+    if (kind != 0) continue;
+    std::uint32_t length = 0;
+    for (std::size_t k = 0; k < 4; ++k) length = length << 8 | byte(little ? 7 - k : 4 + k);
+    ends.push_back(length == 0xffffffff ? content.size() : at + 8 + length);
+    if (ends.size() > deepest) throw unreadable(path, "its sequences are nested too deeply");
+  }
+}
+
+// What DCMTK takes for the file itself; a deflated one is unpacked as it is read.
+void check_file(const std::filesystem::path& path, const Reading& reading) {
+  constexpr double deflate = 1032;
+  const std::string content = read_whole(path, reading);
+  const bool deflated = content.substr(0, 1024).find("1.2.840.10008.1.2.1.99") != std::string::npos;
+  require_memory((deflated ? deflate : 3) * static_cast<double>(content.size()), reading.memory,
+                 "'" + path.string() + "'");
+  check_nesting(content, path);
+}
+
+Slice read_slice(const std::filesystem::path& path, const Reading& reading) {
+  check_file(path, reading);
   DcmFileFormat file;
   if (const OFCondition state = file.loadFile(path.c_str()); state.bad())
-    throw unreadable(path, state.text());
+    throw unreadable(path, printable(state.text()));
   DcmDataset& set = *file.getDataset();
   Slice s;
   s.path = path;
@@ -128,6 +159,7 @@ Slice read_slice(const std::filesystem::path& path) {
   const double count = double(s.width) * s.height * s.frames;
   if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
   check_plausible(2 * count, path);
+  require_memory((sizeof(Uint16) + 2 * sizeof(float)) * count, reading.memory, "'" + path.string() + "'");
   if (!set.tagExists(DCM_PixelData)) throw unreadable(path, "it holds no pixels");
   s.values.resize(static_cast<std::size_t>(count));
   read_pixels(set, s);
@@ -170,17 +202,20 @@ bool is_dicom(const std::filesystem::path& path) {
   return std::memcmp(head + 128, "DICM", 4) == 0;
 }
 
-LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work) {
+LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work, const Reading& given) {
+  Reading reading = given;
   static const Decoders decoders;
   std::vector<Slice> slices;
   for (const auto& path : paths) {
     work.check();
     try {
-      slices.push_back(read_slice(path));
+      slices.push_back(read_slice(path, reading));
+      // A slice stays, and becomes part of the volume and of its turned copy.
+      reading.memory -= std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * slices.back().values.size());
     } catch (const Error&) {
       throw;
     } catch (const std::exception& e) {
-      throw unreadable(path, e.what());
+      throw unreadable(path, printable(e.what()));
     }
     const Slice &first = slices.front(), &s = slices.back();
     if (s.series != first.series)
@@ -209,7 +244,7 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     const double step = order(slices, normal, scan);
     scan.spacing.z() = step;
   }
-  allocate(scan, paths[0].string());
+  allocate(scan, paths[0].string(), given);
   // Each slice has a rescale of its own (as PET does); values leave here rescaled.
   bool rescaled = true;
   std::size_t at = 0;

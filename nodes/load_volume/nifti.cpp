@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -54,10 +55,38 @@ Convert converter(int type) {
   }
 }
 
-// The library puts 1 where the header says nothing, so the header itself is asked.
-bool has_spacing(const std::filesystem::path& path) {
+struct Header {
+  explicit Header(const std::filesystem::path& path) : bytes(nifti_read_header(path.c_str(), &version, 0), free) {}
   int version = 0;
-  const std::unique_ptr<void, void (*)(void*)> header(nifti_read_header(path.c_str(), &version, 0), free);
+  std::unique_ptr<void, void (*)(void*)> bytes;
+};
+
+// The library allocates what extensions ask for, up to where the voxels begin; so that place must lie in the file.
+void check_extensions(const std::filesystem::path& path) {
+  constexpr double deflate = 1032;  // bytes that one compressed byte can stand for
+  const Header header(path);
+  if (!header.bytes) throw unreadable(path, "it has no valid header");
+  if (header.version != 1 && header.version != 2) return;
+  const double begin = header.version == 2
+                           ? static_cast<double>(static_cast<const nifti_2_header*>(header.bytes.get())->vox_offset)
+                           : static_cast<double>(static_cast<const nifti_1_header*>(header.bytes.get())->vox_offset);
+  double size = 0;
+  bool packed = false;
+  auto files = nifti_companions(path);
+  files.push_back(path);
+  for (const auto& file : files) {
+    size += static_cast<double>(std::filesystem::file_size(file));
+    packed = packed || nifti_is_gzfile(file.c_str());
+  }
+  if (!(begin >= 0 && begin <= size * (packed ? deflate : 1)))
+    throw unreadable(path, fmt::format("its voxels begin at byte {:.0f} of {:.0f}", begin, size));
+}
+
+// The library puts 1 if the header says nothing, so the header itself is asked.
+bool has_spacing(const std::filesystem::path& path) {
+  const Header found(path);
+  const int version = found.version;
+  const auto& header = found.bytes;
   if (!header) return false;
   for (int k = 1; k <= 3; ++k) {
     const double step = version == 2 ? static_cast<const nifti_2_header*>(header.get())->pixdim[k]
@@ -80,14 +109,51 @@ Mat3 axes_of(const nifti_image& n) {
 
 }  // namespace
 
-bool is_nifti(const std::filesystem::path& path) {
-  const std::string name = path.filename().string();
-  const auto ends = [&](const char* e) { return name.ends_with(e); };
-  return ends(".nii") || ends(".nii.gz") || ends(".hdr.gz") || ends(".img.gz");
+namespace {
+
+// Whether it is one half of a pair, by its name.
+bool is_nifti_half(const std::filesystem::path& path) {
+  std::string name = path.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+  for (const char* end : {".hdr", ".img", ".hdr.gz", ".img.gz"})
+    if (name.ends_with(end)) return true;
+  return false;
 }
 
-LoadedScan read_nifti(const std::filesystem::path& path, const Work& work) {
+bool is_nifti_header(const std::filesystem::path& path) {
+  nifti_set_debug_level(0);
+  const Header header(path);
+  return header.bytes && (header.version == 1 || header.version == 2);
+}
+
+}  // namespace
+
+bool is_nifti(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const auto ends = [&](const char* lower, const char* upper) { return name.ends_with(lower) || name.ends_with(upper); };
+  if (ends(".nii", ".NII") || ends(".nii.gz", ".NII.GZ") || ends(".hdr.gz", ".HDR.GZ") || ends(".img.gz", ".IMG.GZ"))
+    return true;
+  // A Radiance picture may be called .hdr, and anything .img.
+  if (!ends(".hdr", ".HDR") && !ends(".img", ".IMG")) return false;
+  return ends(".hdr", ".HDR") ? is_nifti_header(path) : !nifti_companions(path).empty();
+}
+
+std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path& path) {
   nifti_set_debug_level(0);  // it would print
+  using Name = std::unique_ptr<char, void (*)(void*)>;
+  if (path.extension() == ".nii" || path.extension() == ".NII" || !is_nifti_half(path)) return {};
+  const Name header(nifti_findhdrname(path.c_str()), free);
+  if (!header || !is_nifti_header(header.get())) return {};
+  const Name voxels(nifti_findimgname(header.get(), NIFTI_FTYPE_NIFTI1_2), free);
+  std::vector<std::filesystem::path> found;
+  for (const auto& name : {header.get(), voxels.get()})
+    if (name && path != std::filesystem::path(name)) found.push_back(name);
+  return found;
+}
+
+LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const Reading& reading) {
+  nifti_set_debug_level(0);  // it would print
+  check_extensions(path);
   const std::unique_ptr<nifti_image, void (*)(nifti_image*)> image(nifti_image_read(path.c_str(), 0),
                                                                    nifti_image_free);
   if (!image) throw unreadable(path, "it has no valid header");
@@ -109,8 +175,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work) {
     s.size[k] = static_cast<int>(edge);
   }
   if (s.size.cast<double>().prod() <= 2147483648.0)
-    check_plausible(s.size.cast<double>().prod() * n.nbyper, path);
-  allocate(s, path.string());
+    check_plausible(s.size.cast<double>().prod() * n.nbyper, n.iname ? n.iname : path.c_str());
+  allocate(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
 
   // Not nifti_image_load: it would turn NaN into 0 without a word.
   const auto close = [](znzptr* f) {
@@ -133,6 +199,14 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work) {
       nifti_swap_Nbytes(static_cast<std::int64_t>(slab.size()) / n.swapsize, n.swapsize, slab.data());
     to_float(slab, s.values, plane * static_cast<std::size_t>(z));
     work.progress(static_cast<double>(z + 1) / s.size.z());
+  }
+  // A compressed file ends with a checksum, which is compared once everything was read.
+  slab.resize(1 << 16);
+  for (int block = 0; block < 16384; ++block) {
+    const auto read = znzread(slab.data(), 1, slab.size(), file.get());
+    if (read > slab.size()) throw unreadable(path, "its compressed data is damaged or cut short");
+    if (read == 0) break;
+    work.check();
   }
   if (n.scl_slope != 0) s.slope = n.scl_slope, s.intercept = n.scl_inter;
   const double unit = n.xyz_units == NIFTI_UNITS_METER ? 1000 : n.xyz_units == NIFTI_UNITS_MICRON ? 0.001 : 1;

@@ -16,15 +16,15 @@ namespace {
 
 using namespace load_volume;
 
-LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work) {
+LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work, const Reading& reading) {
   if (is_nifti(files[0])) {
     if (files.size() > 1)
       throw Error("several-files", fmt::format("{} NIfTI files, each a volume of its own", files.size()),
                   "name one of them")
           .parameter("path");
-    return read_nifti(files[0], work);
+    return read_nifti(files[0], work, reading);
   }
-  return is_dicom(files[0]) ? read_dicom(files, work) : read_slices(files, work);
+  return is_dicom(files[0]) ? read_dicom(files, work, reading) : read_slices(files, work, reading);
 }
 
 Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
@@ -91,12 +91,12 @@ void compute(Context& c) {
           .parameter("path");
     if (c.keyword("spacing").empty() || c.keyword("slope").empty() || c.keyword("intercept").empty())
       c.warn("spacing, slope and intercept do not apply to OpenVDB files, which carry their own transform");
-    Volume volume = read_vdb(files[0], name);
+    Volume volume = read_vdb(files[0], name, reading_of(c));
     make_names_valid(c, volume);
     c.output("volume", std::move(volume));
     return;
   }
-  LoadedScan scan = read(files, c.work().part(0, 0.7));
+  LoadedScan scan = read(files, c.work().part(0, 0.7), reading_of(c));
   for (const auto& note : scan.notes) c.warn(note);
   const Vec3 spacing = spacing_of(c, scan);
   rescale(c, scan);
@@ -141,6 +141,9 @@ NodeType load_volume_node() {
       .parameter(Parameter::with_keyword(ParameterKind::Number, "intercept", "auto")
                      .range(-1e12, 1e12)
                      .doc_("auto: as the file says, else 0"))
+      .companion_files_([](const std::filesystem::path& path) {
+        return is_vdb(path) || is_dicom(path) ? std::vector<std::filesystem::path>() : nifti_companions(path);
+      })
       .compute_(compute);
 }
 

@@ -9,7 +9,7 @@
 
 namespace terrazzo::load_volume {
 
-void allocate(LoadedScan& s, const std::string& file) {
+void allocate(LoadedScan& s, const std::string& file, const Reading& reading, double more) {
   if (s.size.minCoeff() < 1)
     throw Error("empty-volume",
                 fmt::format("'{}' is {} × {} × {} voxels", file, s.size.x(), s.size.y(), s.size.z()));
@@ -19,6 +19,7 @@ void allocate(LoadedScan& s, const std::string& file) {
         "too-large",
         fmt::format("'{}' is {} × {} × {} voxels, more than 2^31", file, s.size.x(), s.size.y(), s.size.z()),
         "crop or shrink it first");
+  require_memory(2 * sizeof(float) * voxels + more, reading.memory, "the volume in '" + file + "'");
   s.values.resize(static_cast<std::size_t>(voxels));
 }
 

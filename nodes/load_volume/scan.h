@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nodes/common/linear.h"
+#include "nodes/common/reading.h"
 #include "runtime/work.h"
 
 namespace terrazzo::load_volume {
@@ -19,8 +20,9 @@ struct LoadedScan {
   std::vector<std::string> notes;          // what the user should know
 };
 
-// Throws Error "too-large" above 2^31 voxels, "empty-volume" where an edge is below 1; makes room otherwise.
-void allocate(LoadedScan&, const std::string& file);
+// Makes room for the voxels. Throws Error "too-large" above 2^31 voxels or if they, their turned copy and `more` bytes
+// exceed the budget, and "empty-volume" if an edge is below 1.
+void allocate(LoadedScan&, const std::string& file, const Reading&, double more = 0);
 
 // Whether a file can hold so many bytes of voxels: no compression in use packs better than 2000 to 1. Throws
 // Error "unreadable-volume" where not, so that a damaged size asks for no memory.
@@ -34,15 +36,17 @@ void align_axes(LoadedScan&, const Mat3& axes);
 // NIfTI 1 and 2, also compressed, through libnifti. Throws Error "unreadable-volume", "not-a-volume" (time
 // series, colours, complex numbers), "no-spacing".
 bool is_nifti(const std::filesystem::path&);
-LoadedScan read_nifti(const std::filesystem::path&, const Work& = {});
+// The other half of a pair (.hdr and .img, each also compressed): what the library opens besides the file that is named.
+std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&);
+LoadedScan read_nifti(const std::filesystem::path&, const Work& = {}, const Reading& = {});
 
 // One DICOM series, a slice a file or all in one, through DCMTK: slices in order of their places. Throws
 // Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume".
 bool is_dicom(const std::filesystem::path&);
-LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {});
+LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
 // Grey pictures of one size in the order of their names, or the pages of one file, from below; numbers as
 // stored. Throws Error "unreadable-image", "unequal-sections", "not-a-volume" (colours).
-LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {});
+LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
 }  // namespace terrazzo::load_volume

@@ -1,9 +1,9 @@
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/picture_input.h"
 #include "nodes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {
@@ -29,22 +29,15 @@ double largest(OIIO::TypeDesc type) {
   }
 }
 
-Error unreadable(const std::filesystem::path& path, std::string why) {
-  while (!why.empty() && why.back() == '\n') why.pop_back();
-  return Error("unreadable-image", "'" + path.string() + "' cannot be read: " + why,
-               "a volume is a .vdb, NIfTI or DICOM file, or grey pictures");
-}
-
 // Appends the pages of one file, rows from below.
-void append(const std::filesystem::path& path, LoadedScan& scan, const Work& work) {
+void append(const std::filesystem::path& path, LoadedScan& scan, const Work& work, const Reading& reading) {
   OIIO::ImageSpec config;
   config["oiio:RawColor"] = 1;
   config["oiio:UnassociatedAlpha"] = 1;
-  auto in = OIIO::ImageInput::open(path.string(), &config);
-  if (!in) throw unreadable(path, OIIO::geterror());
-  for (int page = 0; in->seek_subimage(page, 0); ++page) {
+  PictureInput in(path, reading, config);
+  for (int page = 0; in.seek(page); ++page) {
     work.check();
-    const OIIO::ImageSpec spec = in->spec();
+    const OIIO::ImageSpec spec = in.spec();
     if (scan.size.z() == 0) scan.size = Vec3i(spec.width, spec.height, 0);
     if (spec.width != scan.size.x() || spec.height != scan.size.y())
       throw Error("unequal-sections",
@@ -52,12 +45,9 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
                               spec.height, scan.size.x(), scan.size.y()),
                   "the slices of one volume must have one size");
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
-    if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || count > 2147483648.0)
-      throw unreadable(path, fmt::format("{} × {} × {} pixels", spec.width, spec.height, spec.depth));
-    check_plausible(double(spec.width) * spec.height * spec.nchannels, path);
-    std::vector<double> pixels(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
-    if (!in->read_image(page, 0, 0, spec.nchannels, OIIO::TypeDesc::DOUBLE, pixels.data()))
-      throw unreadable(path, in->geterror());
+    if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
+    // Twice, while the list of voxels grows.
+    const auto pixels = in.samples<double>(OIIO::TypeDesc::DOUBLE, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
     const double top = largest(spec.format);
     for (int y = spec.height - 1; y >= 0; --y)
       for (int x = 0; x < spec.width; ++x) {
@@ -73,10 +63,11 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
 
 }  // namespace
 
-LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Work& work) {
+LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Work& work,
+                      const Reading& reading) {
   LoadedScan scan;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    append(paths[i], scan, work);
+    append(paths[i], scan, work, reading);
     work.progress(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
   }
   return scan;

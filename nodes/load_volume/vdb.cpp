@@ -1,18 +1,38 @@
 #include "nodes/load_volume/vdb.h"
 
 #include <fmt/format.h>
-#include <openvdb/io/File.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <istream>
 #include <set>
+#include <sstream>
+#include <streambuf>
 
 #include "graph/diagnostic.h"
+#include "nodes/load_volume/vdb_layout.h"
 
 namespace terrazzo::load_volume {
 namespace {
+
+Error unreadable(const std::string& what) {
+  return Error("unreadable-volume", what, "check that the file is whole");
+}
+
+// Part of the file's content as the stream that OpenVDB reads from. A read beyond its end throws.
+class Bytes : private std::streambuf, public std::istream {
+ public:
+  Bytes(std::string_view bytes, const VdbHeader& header, std::uint32_t compression)
+      : std::istream(static_cast<std::streambuf*>(this)) {
+    char* first = const_cast<char*>(bytes.data());
+    setg(first, first, first + bytes.size());
+    exceptions(std::ios::failbit | std::ios::badbit);
+    openvdb::io::setVersion(*this, openvdb::VersionId(header.major, header.minor), header.format);
+    openvdb::io::setDataCompression(*this, compression);
+  }
+};
 
 template <class Grid>
 bool all_finite(const openvdb::GridBase& base) {
@@ -29,9 +49,96 @@ bool all_finite(const openvdb::GridBase& base) {
   return true;
 }
 
-bool known_type(const openvdb::GridBase& g) {
-  return g.isType<openvdb::FloatGrid>() || g.isType<openvdb::DoubleGrid>() ||
-         g.isType<openvdb::Vec3SGrid>() || g.isType<openvdb::Int32Grid>() || g.isType<openvdb::BoolGrid>();
+// Leaves of truth values carry their own place in the file.
+void check_places(const openvdb::GridBase& base) {
+  const auto* grid = dynamic_cast<const openvdb::BoolGrid*>(&base);
+  if (!grid) return;
+  for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
+    if (grid->tree().probeConstLeaf(leaf->origin()) != leaf.getLeaf())
+      throw unreadable("the voxels of grid '" + printable(grid->getName()) + "' lie elsewhere than their node");
+}
+
+// Notes on the file itself, such as its bounding box, are no part of the volume.
+void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
+  for (const auto& [name, meta] : from) {
+    if (name.empty() || name.starts_with("file_") || meta.type.starts_with("__")) continue;
+    const std::string type(meta.type);
+    if (!openvdb::Metadata::isRegisteredType(type)) continue;
+    auto value = openvdb::Metadata::createMetadata(type);
+    if (type == openvdb::StringMetadata::staticTypeName())
+      static_cast<openvdb::StringMetadata&>(*value).setValue(std::string(meta.bytes));
+    else if (value->size() != meta.bytes.size())
+      throw unreadable(fmt::format("its entry '{}' has {} bytes instead of {}", printable(name), meta.bytes.size(),
+                                   value->size()));
+    else {
+      std::string sized(sizeof(std::uint32_t), '\0');
+      const auto size = static_cast<std::uint32_t>(meta.bytes.size());
+      std::memcpy(sized.data(), &size, sizeof size);
+      sized += meta.bytes;
+      std::istringstream in(sized, std::ios::binary);
+      value->read(in);
+    }
+    to.insertMeta(name, *value);
+  }
+}
+
+void read_transform(openvdb::GridBase& grid, std::string_view content, const VdbHeader& header, const VdbGrid& g) {
+  Bytes in(content.substr(g.transform_at), header, g.compression);
+  grid.readTransform(in);
+  const auto m = grid.transform().baseMap()->getAffineMap()->getMat4();
+  for (int i = 0; i < 16; ++i)
+    if (!std::isfinite(m.asPointer()[i])) throw unreadable("the transform of grid '" + printable(g.name) + "' is not finite");
+  if (m.det() == 0) throw unreadable("the transform of grid '" + printable(g.name) + "' is singular");
+}
+
+openvdb::GridBase::Ptr read_grid(std::string_view content, const VdbHeader& header, const VdbGrid& g,
+                                 const VdbGrid& tree_of) {
+  const openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(g.type);
+  grid->clearMetadata();
+  copy_metadata(*grid, g.metadata);
+  read_transform(*grid, content, header, g);
+  const bool half = grid->saveFloatAsHalf();
+  if (half != tree_of.half) grid->setSaveFloatAsHalf(tree_of.half);
+  Bytes in(content.substr(tree_of.tree_at), header, tree_of.compression);
+  openvdb::io::setGridClass(in, grid->getGridClass());
+  grid->readTopology(in);
+  grid->readBuffers(in);
+  check_places(*grid);
+  return grid;
+}
+
+// The grid whose tree `g` shows: its own, unless the file keeps one tree for several grids.
+const VdbGrid& owner_of_tree(const VdbGrid& g, const std::vector<VdbGrid>& all) {
+  if (g.parent.empty()) return g;
+  for (const VdbGrid& other : all)
+    if (other.unique_name == g.parent && other.parent.empty() && other.type == g.type) return other;
+  throw unreadable("grid '" + printable(g.name) + "' shares a tree that is not there");
+}
+
+Volume read_content(std::string_view content, const std::string& wanted, const std::filesystem::path& path,
+                    const Reading& reading, std::vector<std::string>& names) {
+  const VdbHeader header = read_vdb_header(content);
+  const std::vector<VdbGrid> grids = vdb_grids(content, header);
+  Volume volume;
+  double needed = static_cast<double>(content.size());
+  const auto is_wanted = [&](const VdbGrid& g) {
+    return g.known && (wanted.empty() || g.name == wanted || g.unique_name == wanted);
+  };
+  for (const VdbGrid& g : grids)
+    if (is_wanted(g)) needed += owner_of_tree(g, grids).memory;
+  require_memory(needed, reading.memory, "the volume in '" + path.string() + "'");
+  for (const VdbGrid& g : grids) {
+    names.push_back(g.name);
+    if (is_wanted(g)) volume.grids.push_back(read_grid(content, header, g, owner_of_tree(g, grids)));
+  }
+  if (const auto it = header.metadata.find("period"); it != header.metadata.end()) {
+    std::int32_t p[3];
+    if (it->second.type == openvdb::Vec3IMetadata::staticTypeName() && it->second.bytes.size() == sizeof p) {
+      std::memcpy(p, it->second.bytes.data(), sizeof p);
+      if (p[0] > 0 && p[1] > 0 && p[2] > 0) volume.resolution = Vec3i(p[0], p[1], p[2]);
+    }
+  }
+  return volume;
 }
 
 }  // namespace
@@ -42,46 +149,36 @@ bool is_vdb(const std::filesystem::path& path) {
   return std::memcmp(head, " BDV", 4) == 0;
 }
 
-Volume read_vdb(const std::filesystem::path& path, const std::string& wanted) {
+Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, const Reading& reading) {
   initialize_openvdb();
   Volume volume;
   std::vector<std::string> names;
+  const std::string content = read_whole(path, reading);
+  const auto cannot = [&](const std::string& why, const std::string& hint) {
+    return Error("unreadable-volume", "'" + path.string() + "' cannot be read as OpenVDB: " + why, hint);
+  };
   try {
-    openvdb::io::File file(path.string());
-    file.setCopyMaxBytes(0);  // no delayed loading: the file may change
-    file.open(/*delayLoad=*/false);
-    for (auto it = file.beginName(); it != file.endName(); ++it) {
-      names.push_back(it.gridName());
-      if (!wanted.empty() && it.gridName() != wanted) continue;
-      const openvdb::GridBase::Ptr grid = file.readGrid(it.gridName());
-      if (known_type(*grid)) volume.grids.push_back(grid);
-    }
-    if (const auto meta = file.getMetadata()) {
-      if (const auto period = meta->getMetadata<openvdb::Vec3IMetadata>("period")) {
-        const openvdb::Vec3i p = period->value();
-        if (p[0] > 0 && p[1] > 0 && p[2] > 0) volume.resolution = Vec3i(p[0], p[1], p[2]);
-      }
-    }
+    volume = read_content(content, wanted, path, reading, names);
+  } catch (const Error& e) {
+    if (e.diagnostic().code != "unreadable-volume") throw;
+    throw cannot(e.diagnostic().message, e.diagnostic().hint);
   } catch (const std::exception& e) {
-    throw Error("unreadable-volume", "'" + path.string() + "' cannot be read as OpenVDB: " + e.what(),
-                "check that the file is whole");
+    throw cannot(printable(e.what()), "check that the file is whole");
   }
   std::set<std::string> taken;
   for (const auto& g : volume.grids) {
+    const std::string name = printable(g->getName());
     if (!taken.insert(g->getName()).second)
-      throw Error("unreadable-volume", "'" + path.string() + "' has two grids named '" + g->getName() + "'");
-    if (!g->transform().isLinear())
-      throw Error("unreadable-volume", "grid '" + g->getName() + "' of '" + path.string() + "' is a frustum",
-                  "resample it to equal voxels");
+      throw Error("unreadable-volume", "'" + path.string() + "' has two grids named '" + name + "'");
     if (!all_finite<openvdb::FloatGrid>(*g) || !all_finite<openvdb::DoubleGrid>(*g) ||
         !all_finite<openvdb::Vec3SGrid>(*g))
-      throw Error("bad-values",
-                  "grid '" + g->getName() + "' of '" + path.string() + "' holds NaN or infinity",
+      throw Error("bad-values", "grid '" + name + "' of '" + path.string() + "' holds NaN or infinity",
                   "replace those voxels");
   }
   if (volume.grids.empty()) {
     std::string list;
-    for (const auto& n : names) list += (list.empty() ? "'" : ", '") + n + "'";
+    for (const auto& n : names)
+      if (list.size() < 200) list += (list.empty() ? "'" : ", '") + printable(n) + "'";
     throw Error("no-such-grid",
                 fmt::format("'{}' has no grid {}that can be used; it has {}", path.string(),
                             wanted.empty() ? "" : "'" + wanted + "' ", list.empty() ? "none" : list),

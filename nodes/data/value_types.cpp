@@ -7,18 +7,15 @@
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
-#include "nodes/register_nodes.h"
+#include "runtime/value.h"
 
 namespace terrazzo {
 
 struct Volume;  // declared alone: volume.h would bring in OpenVDB
 template <>
 const ValueType& value_type<Volume>();
-struct SolidBase;  // made by one node, for one other
-template <>
-const ValueType& value_type<SolidBase>();
 
-void register_value_types(ValueTypes& types) {
+void data_value_types(ValueTypes& types) {
   types.add(value_type<Image>());
   types.add(value_type<Labels>());
   types.add(value_type<Profiles>());
@@ -29,7 +26,6 @@ void register_value_types(ValueTypes& types) {
   types.add(value_type<Volume>());
   types.add(value_type<Strokes>());
   types.add(value_type<Table>());
-  types.add(value_type<SolidBase>());
 }
 
 }  // namespace terrazzo

@@ -1,0 +1,105 @@
+#include "nodes/common/picture_check.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+namespace {
+
+std::uint32_t little32(std::string_view at) {
+  std::uint32_t v = 0;
+  for (int k = 3; k >= 0; --k) v = v << 8 | static_cast<unsigned char>(at[static_cast<std::size_t>(k)]);
+  return v;
+}
+
+}  // namespace
+
+void damaged_picture(const std::string& what) {
+  throw Error("unreadable-image", what, "check that the file is whole");
+}
+
+std::string picture_format(std::string_view c) {
+  using namespace std::string_view_literals;
+  if (c.starts_with("\xff\xd8\xff"sv)) return "jpeg";
+  if (c.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
+  if (c.starts_with("II*\0"sv) || c.starts_with("MM\0*"sv) || c.starts_with("II+\0"sv) || c.starts_with("MM\0+"sv))
+    return "tiff";
+  if (c.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
+  if (c.starts_with("#?"sv)) return "hdr";
+  if (c.starts_with("BM"sv) && c.size() > 26) return "bmp";
+  if (c.size() > 2 && c[0] == 'P' && ((c[1] >= '1' && c[1] <= '6') || c[1] == 'F' || c[1] == 'f') &&
+      (std::isspace(static_cast<unsigned char>(c[2])) || c[2] == '#'))
+    return "pnm";
+  return "";
+}
+
+double largest_ratio(const std::string& format, const std::string& compression) {
+  constexpr double any = std::numeric_limits<double>::infinity();
+  constexpr double deflate = 1032;  // zlib's limit
+  if (format == "jpeg") return 2000;  // progressive: one bit for a block of 64 samples or more, and subsampled colors
+  if (format == "png") return 8 * deflate;  // 1-bit pixels become bytes
+  if (format == "hdr") return 128;
+  if (format == "bmp") return 255;
+  if (format == "pnm") return 8;
+  if (compression == "none") return 8;
+  if (compression == "zip" || compression == "zips") return 8 * deflate;
+  if (compression == "lzw" || compression == "packbits" || compression == "rle" || compression == "jpeg") return 20000;
+  return any;
+}
+
+void check_exr(std::string_view content, const Reading&) {
+  // Attributes: a name, a type, a size, a value; an empty name ends them. Of files with parts, the first part's.
+  std::size_t at = 8;
+  const auto word = [&] {
+    const auto end = content.find('\0', at);
+    if (end == std::string_view::npos || end - at > 255) damaged_picture("its header does not end");
+    const auto found = content.substr(at, end - at);
+    at = end + 1;
+    return found;
+  };
+  double height = 0;
+  int lines = 1;  // of a block
+  bool tiled = false;
+  while (true) {
+    const auto name = word();
+    if (name.empty()) break;
+    word();
+    if (at + 4 > content.size()) damaged_picture("its header does not end");
+    const std::uint32_t size = little32(content.substr(at));
+    at += 4;
+    if (size > content.size() - at) damaged_picture("its header does not end");
+    const auto value = content.substr(at, size);
+    at += size;
+    if (name == "dataWindow" && size == 16) {
+      const auto low = static_cast<std::int32_t>(little32(value.substr(4)));
+      const auto high = static_cast<std::int32_t>(little32(value.substr(12)));
+      height = double(high) - low + 1;
+    } else if (name == "compression" && size == 1) {
+      constexpr int of_kind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+      if (static_cast<unsigned char>(value[0]) < 10) lines = of_kind[static_cast<unsigned char>(value[0])];
+    } else if (name == "tiles") {
+      tiled = true;
+      if (size >= 8) lines = static_cast<int>(std::min(little32(value.substr(4)), 1u << 20));
+    }
+  }
+  if (tiled && lines < 1) damaged_picture("its tiles are empty");
+  if (height < 1) damaged_picture("it has no rows");
+  if (8 * std::floor(height / lines) > static_cast<double>(content.size() - at))
+    damaged_picture(fmt::format("it has {:.0f} rows, but {} bytes in all", height, content.size()));
+}
+
+void check_bmp(std::string_view content, const Reading& reading) {
+  if (content.size() < 54) return;  // the older, smaller header has no compression
+  const double width = std::abs(double(static_cast<std::int32_t>(little32(content.substr(18)))));
+  const double height = std::abs(double(static_cast<std::int32_t>(little32(content.substr(22)))));
+  if (width * height > largest_ratio("bmp", "") * static_cast<double>(content.size()) + 1e6)
+    damaged_picture(fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), width, height));
+  require_memory(8 * width * height, reading.memory, fmt::format("a picture of {:.0f} × {:.0f} pixels", width, height));
+}
+
+}  // namespace terrazzo
