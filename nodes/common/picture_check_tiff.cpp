@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -37,7 +38,10 @@ struct Entry {
   std::uint64_t count = 0, at = 0;
 };
 
-int width_of(std::uint64_t type) { return type == 3 ? 2 : type == 4 ? 4 : type == 16 ? 8 : 0; }
+int width_of(std::uint64_t type) {
+  constexpr int widths[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+  return type < std::size(widths) ? widths[type] : 0;
+}
 
 void check_blocks(const Tiff& in, const std::map<std::uint64_t, Entry>& entries, std::uint64_t offsets,
                   std::uint64_t lengths) {
@@ -72,11 +76,16 @@ void check_tiff(std::string_view content, const Reading&) {
     for (std::uint64_t i = 0; i < n; ++i) {
       const std::uint64_t e = first + i * entry_size;
       const std::uint64_t tag = in.number(e, 2);
-      if (tag != 273 && tag != 279 && tag != 324 && tag != 325) continue;  // places and lengths of strips and tiles
       Entry entry{width_of(in.number(e + 2, 2)), in.number(e + 4, word), e + 4 + static_cast<std::uint64_t>(word)};
-      if (entry.width == 0 || entry.count > in.size()) damaged_picture(fmt::format("its entry {} cannot be", tag));
-      if (entry.count * static_cast<std::uint64_t>(entry.width) > static_cast<std::uint64_t>(word))
+      if (entry.count > in.size()) damaged_picture(fmt::format("its entry {} has {} values", tag, entry.count));
+      const std::uint64_t bytes = entry.count * static_cast<std::uint64_t>(entry.width);
+      if (bytes > static_cast<std::uint64_t>(word)) {
         entry.at = in.number(entry.at, word);
+        if (entry.at > in.size() || bytes > in.size() - entry.at)
+          damaged_picture(fmt::format("it was cut short: its entry {} ends beyond byte {}", tag, in.size()));
+      }
+      if (tag != 273 && tag != 279 && tag != 324 && tag != 325) continue;  // places and lengths of strips and tiles
+      if (entry.width == 0) damaged_picture(fmt::format("its entry {} cannot be", tag));
       entries[tag] = entry;
     }
     check_blocks(in, entries, 273, 279);

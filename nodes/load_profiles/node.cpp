@@ -1,13 +1,26 @@
-#include <fstream>
-#include <sstream>
+#include <algorithm>
 
 #include "graph/node_type.h"
 #include "graph/utf8.h"
+#include "nodes/common/reading.h"
 #include "nodes/load_profiles/profile_table.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+
+// A row takes two characters, and in memory its text and its profile, each up to twice while the lists grow.
+std::string file_of(const std::filesystem::path& file, Context& c) {
+  try {
+    std::string text = read_whole(file, reading_of(c));
+    const auto rows = static_cast<double>(std::count(text.begin(), text.end(), '\n'));
+    require_memory(4.0 * static_cast<double>(text.size()) + rows * (3 * sizeof(Profile) + 150), c.memory(),
+                   "the table '" + file.string() + "'");
+    return text;
+  } catch (Error& e) {
+    throw e.parameter("path");
+  }
+}
 
 void compute(Context& c) {
   const ProfileUnit unit = profile_unit(c.text("unit"));
@@ -15,13 +28,9 @@ void compute(Context& c) {
   all.sections = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in) throw Error("unreadable-file", "cannot read '" + file.string() + "'").parameter("path");
-    const std::string read = valid_utf8(text.str());
-    if (read != text.str())
-      c.warn("'" + file.filename().string() + "' is not UTF-8: what is not is read as U+FFFD");
+    const std::string text = file_of(file, c), read = valid_utf8(text);
+    if (read != text)
+      c.warn("'" + file.filename().string() + "' is not UTF-8: bytes that are not are read as U+FFFD");
     Profiles one = read_profiles(read, file.string(), unit);
     for (auto& p : one.profiles) {
       p.section += all.sections;

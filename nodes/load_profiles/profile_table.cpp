@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/reading.h"
 
 namespace terrazzo {
 namespace {
@@ -136,13 +137,13 @@ class Table {
   double number(const Cells& cells, std::size_t i, std::size_t column) const {
     const auto v = number_in(cells[column], delimiter_);
     if (!v || !std::isfinite(*v))
-      malformed(i, "'" + cells[column] + "' is no number (column " + name(column) + ")");
+      malformed(i, "'" + printable(cells[column]) + "' is no number (column " + name(column) + ")");
     return *v;
   }
   int whole(const Cells& cells, std::size_t i, std::size_t column) const {
     const double v = number(cells, i, column);
     if (v < 0 || v != std::floor(v) || v > 1e9)
-      malformed(i, "'" + cells[column] + "' is no whole number from 0 (column " + name(column) + ")");
+      malformed(i, "'" + printable(cells[column]) + "' is no whole number from 0 (column " + name(column) + ")");
     return static_cast<int>(v);
   }
   [[noreturn]] void malformed(std::size_t i, const std::string& what) const {
@@ -150,11 +151,11 @@ class Table {
                 "correct the row or remove it")
         .parameter("path");
   }
-  std::string name(std::size_t column) const { return column < shift_ ? "1" : header_[column - shift_]; }
+  std::string name(std::size_t column) const { return column < shift_ ? "1" : printable(header_[column - shift_]); }
   std::string names() const {
     std::string all;
     for (const auto& h : header_) all += (all.empty() ? "" : ", ") + (h.empty() ? "''" : h);
-    return all;
+    return printable(all);
   }
 
  private:
@@ -211,7 +212,7 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     const double size = table.number(cells, i, area ? *area : *diameter);
     if (size <= 0)
       table.malformed(i,
-                      "an area or diameter must be above 0, not '" + cells[area ? *area : *diameter] + "'");
+                      "an area or diameter must be above 0, not '" + printable(cells[area ? *area : *diameter]) + "'");
     p.area = area ? size * unit.area : std::numbers::pi / 4 * size * unit.length * size * unit.length;
     if (section) p.section = table.whole(cells, i, *section);
     if (!section && slice)

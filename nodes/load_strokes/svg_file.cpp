@@ -67,7 +67,7 @@ Affine transform_of(const std::string& text) {
     else if (name == "skewY" && !v.empty())
       t.matrix()(1, 0) = std::tan(deg(v[0]));
     else
-      throw bad(fmt::format("the transform '{}' cannot be read", text));
+      throw bad(fmt::format("the transform '{}' cannot be read", printable(text)));
     out = out * t;
     at = close + 1;
   }
@@ -103,12 +103,12 @@ Style style_of(Style s, const pugi::xml_node& n) {
 }
 
 // The subpaths of one element in its own units.
-std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double tolerance) {
+std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double tolerance, std::size_t most) {
   const std::string name = n.name();
   const auto value = [&](const char* a) { return length(n.attribute(a).value(), 0); };
   if (name == "path") {
     std::string broken;
-    auto out = read_path(n.attribute("d").value(), tolerance, broken);
+    auto out = read_path(n.attribute("d").value(), tolerance, broken, most);
     if (!broken.empty()) throw bad(broken);
     return out;
   }
@@ -139,7 +139,7 @@ std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double toler
 }
 
 void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inherited, int depth,
-             Strokes& out) {
+             std::size_t& left, Strokes& out) {
   if (depth > 200) throw bad("groups are nested more than 200 deep");
   for (const auto& n : parent.children()) {
     const std::string name = n.name();
@@ -150,7 +150,12 @@ void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inh
     const Style s = style_of(inherited, n);
     if (s.display == "none" || s.display == "hidden") continue;
     const double grown = std::sqrt(std::abs(t.linear().determinant()));
-    auto outlines = outlines_of(n, 0.1 / std::max(grown, 1e-9));
+    auto outlines = outlines_of(n, 0.1 / std::max(grown, 1e-9), left);
+    std::size_t points = 0;
+    for (const auto& line : outlines) points += line.size();
+    if (points > left)
+      throw Error("too-large", "the drawing has more points than memory holds", "simplify it");
+    left -= points;
     for (auto& line : outlines)
       for (auto& p : line) p = t * p;
     const double radius = s.stroke == "none" ? 0 : length(s.width, 1) * grown / 2;
@@ -166,17 +171,18 @@ void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inh
       }
       if (!area.parts.empty()) out.strokes.push_back(std::move(area));
     }
-    collect(n, t, s, depth + 1, out);
+    collect(n, t, s, depth + 1, left, out);
   }
 }
 
 }  // namespace
 
-Strokes read_svg(const std::filesystem::path& file) {
+Strokes read_svg(const std::filesystem::path& file, const Reading& reading) {
+  // The text, and the document, whose smallest element is four characters and 64 bytes.
+  const std::string text = read_whole(file, reading);
+  require_memory(20.0 * static_cast<double>(text.size()), reading.memory, "the drawing '" + file.string() + "'");
   pugi::xml_document document;
-  const auto result = document.load_file(file.c_str());
-  if (result.status == pugi::status_file_not_found || result.status == pugi::status_io_error)
-    throw Error("unreadable-file", "cannot read '" + file.string() + "'");
+  const auto result = document.load_buffer(text.data(), text.size());
   if (!result) throw bad(fmt::format("no XML: {} at byte {}", result.description(), result.offset));
   const pugi::xml_node svg = document.child("svg");
   if (!svg) throw bad("the file holds no <svg>");
@@ -192,7 +198,9 @@ Strokes read_svg(const std::filesystem::path& file) {
         .translate(Vec2(-box[0], -box[1]));
   }
   Strokes out;
-  collect(svg, view, {}, 0, out);
+  // A point may be copied twice while its list grows.
+  std::size_t left = reading.memory / (4 * sizeof(Vec2));
+  collect(svg, view, {}, 0, left, out);
   for (const auto& s : out.strokes) check_stroke(s);
   return out;
 }

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "graph/diagnostic.h"
+
 namespace terrazzo::load_strokes {
 namespace {
 
@@ -47,11 +49,14 @@ class Scanner {
   const char *at_, *begin_, *end_;
 };
 
+// At least 1 and at most `most`, whatever infinite or undefined number comes of huge coordinates.
+int steps(double wanted, int most) { return wanted > 1 ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : 1; }
+
 void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d,
            double tolerance) {
   // Chords of a curve with |second derivative| ≤ m in n steps are off by m / (8 n²) at most.
   const double m = 6 * std::max((a - 2 * b + c).norm(), (b - 2 * c + d).norm());
-  const int n = std::clamp(static_cast<int>(std::ceil(std::sqrt(m / (8 * tolerance)))), 1, 1000);
+  const int n = steps(std::sqrt(m / (8 * tolerance)), 1000);
   for (int i = 1; i <= n; ++i) {
     const double t = static_cast<double>(i) / n, s = 1 - t;
     out.push_back(s * s * s * a + 3 * s * s * t * b + 3 * s * t * t * c + t * t * t * d);
@@ -77,7 +82,7 @@ std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, 
   if (!sweep && angle > 0) angle -= 2 * std::numbers::pi;
   const double start = std::atan2(u.y(), u.x());
   const double step = 2 * std::acos(std::clamp(1 - tolerance / radii.maxCoeff(), 0.0, 1.0));
-  const int n = std::clamp(static_cast<int>(std::ceil(std::abs(angle) / std::max(step, 1e-3))), 1, 4000);
+  const int n = steps(std::abs(angle) / std::max(step, 1e-3), 4000);
   const Vec2 middle = turn * center.cwiseProduct(radii) + (from + to) / 2;
   std::vector<Vec2> out;
   for (int i = 1; i < n; ++i) {
@@ -88,7 +93,8 @@ std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, 
   return out;
 }
 
-std::vector<std::vector<Vec2>> read_path(const std::string& data, double tolerance, std::string& broken) {
+std::vector<std::vector<Vec2>> read_path(const std::string& data, double tolerance, std::string& broken,
+                                         std::size_t most) {
   std::vector<std::vector<Vec2>> out;
   Scanner in(data);
   Vec2 at = Vec2::Zero(), first = Vec2::Zero(), control = Vec2::Zero();
@@ -102,7 +108,12 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
     if (!open) out.push_back({at}), first = at, open = true;
     return out.back();
   };
+  std::size_t finished = 0, counted = 0;  // points of the subpaths before the last
   while (!in.done()) {
+    for (; counted + 1 < out.size(); ++counted) finished += out[counted].size();
+    if (finished + (out.empty() ? 0 : out.back().size()) > most)
+      throw Error("too-large", fmt::format("a path has more than {} points", most),
+                  "simplify the drawing, or raise --memory if the machine has more");
     if (const char next = in.letter())
       command = next;
     else if (command == 0 || command == 'Z' || command == 'z')

@@ -14,17 +14,19 @@ Error bad(const std::string& what) {
                "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
 
-std::vector<Vec2> points_of(const YAML::Node& n) {
+// `left`: how many points may still be made. A list may be named and repeated, so that a small file can hold any number.
+std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
   if (!n.IsSequence()) throw bad(where(n) + ": points are a list of [x, y]");
   std::vector<Vec2> out;
   for (const auto& p : n) {
+    if (left-- == 0) throw Error("too-large", "the strokes have more points than memory holds", "leave some out");
     if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point is [x, y]");
     out.emplace_back(p[0].as<double>(), p[1].as<double>());
   }
   return out;
 }
 
-Stroke stroke_of(const YAML::Node& n) {
+Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
   if (n.IsScalar()) return strokes::read_stroke(n.Scalar());
   if (!n.IsMap()) throw bad(where(n) + ": a stroke is a map or a line of words");
   Stroke s;
@@ -35,13 +37,13 @@ Stroke stroke_of(const YAML::Node& n) {
     else if (key == "area")
       s.area = entry.second.as<bool>();
     else if (key == "points")
-      s.parts.push_back(points_of(entry.second));
+      s.parts.push_back(points_of(entry.second, left));
     else if (key == "parts") {
       if (!entry.second.IsSequence())
         throw bad(where(entry.second) + ": parts are a list of lists of points");
-      for (const auto& part : entry.second) s.parts.push_back(points_of(part));
+      for (const auto& part : entry.second) s.parts.push_back(points_of(part, left));
     } else {
-      throw bad(fmt::format("{}: a stroke has no '{}'", where(entry.first), key));
+      throw bad(fmt::format("{}: a stroke has no '{}'", where(entry.first), printable(key)));
     }
   }
   try {
@@ -54,18 +56,20 @@ Stroke stroke_of(const YAML::Node& n) {
 
 }  // namespace
 
-Strokes read_yaml(const std::filesystem::path& file) {
+Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
+  // A node of the document takes two characters and some 300 bytes.
+  const std::string text = read_whole(file, reading);
+  require_memory(200.0 * static_cast<double>(text.size()), reading.memory, "the strokes in '" + file.string() + "'");
+  std::size_t left = reading.memory / (4 * sizeof(Vec2));
   try {
-    const YAML::Node root = YAML::LoadFile(file.string());
+    const YAML::Node root = YAML::Load(text);
     const YAML::Node list = root.IsMap() ? root["strokes"] : root;
     if (!list || !list.IsSequence()) throw bad("there is no list 'strokes'");
     Strokes out;
-    for (const auto& n : list) out.strokes.push_back(stroke_of(n));
+    for (const auto& n : list) out.strokes.push_back(stroke_of(n, left));
     return out;
-  } catch (const YAML::BadFile&) {
-    throw Error("unreadable-file", "cannot read '" + file.string() + "'");
   } catch (const YAML::Exception& e) {
-    throw bad(fmt::format("line {}: {}", e.mark.line + 1, e.msg));
+    throw bad(fmt::format("line {}: {}", e.mark.line + 1, printable(e.msg)));
   }
 }
 

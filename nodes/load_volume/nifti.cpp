@@ -61,8 +61,8 @@ struct Header {
   std::unique_ptr<void, void (*)(void*)> bytes;
 };
 
-// The library allocates what extensions ask for, up to where the voxels begin; so that place must lie in the file.
-void check_extensions(const std::filesystem::path& path) {
+// The library allocates what extensions ask for, up to where the voxels begin, so that place must lie in the file.
+void check_header(const std::filesystem::path& path) {
   constexpr double deflate = 1032;  // bytes that one compressed byte can stand for
   const Header header(path);
   if (!header.bytes) throw unreadable(path, "it has no valid header");
@@ -70,6 +70,10 @@ void check_extensions(const std::filesystem::path& path) {
   const double begin = header.version == 2
                            ? static_cast<double>(static_cast<const nifti_2_header*>(header.bytes.get())->vox_offset)
                            : static_cast<double>(static_cast<const nifti_1_header*>(header.bytes.get())->vox_offset);
+  // The library prints this to the terminal, whatever its debug level.
+  const int type = header.version == 2 ? static_cast<const nifti_2_header*>(header.bytes.get())->datatype
+                                       : static_cast<const nifti_1_header*>(header.bytes.get())->datatype;
+  if (!nifti_is_valid_datatype(type)) throw unreadable(path, fmt::format("its numbers are of the unknown type {}", type));
   double size = 0;
   bool packed = false;
   auto files = nifti_companions(path);
@@ -153,7 +157,7 @@ std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&
 
 LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const Reading& reading) {
   nifti_set_debug_level(0);  // it would print
-  check_extensions(path);
+  check_header(path);
   const std::unique_ptr<nifti_image, void (*)(nifti_image*)> image(nifti_image_read(path.c_str(), 0),
                                                                    nifti_image_free);
   if (!image) throw unreadable(path, "it has no valid header");
@@ -183,7 +187,7 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     znzFile open = f;
     Xznzclose(&open);
   };
-  const std::unique_ptr<znzptr, decltype(close)> file(
+  std::unique_ptr<znzptr, decltype(close)> file(
       n.iname ? znzopen(n.iname, "rb", nifti_is_gzfile(n.iname)) : nullptr, close);
   if (!file || n.iname_offset < 0 ||
       znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
@@ -208,6 +212,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     if (read == 0) break;
     work.check();
   }
+  znzFile last = file.release();
+  if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is cut short");
   if (n.scl_slope != 0) s.slope = n.scl_slope, s.intercept = n.scl_inter;
   const double unit = n.xyz_units == NIFTI_UNITS_METER ? 1000 : n.xyz_units == NIFTI_UNITS_MICRON ? 0.001 : 1;
   const Mat3 axes = axes_of(n);

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <map>
-#include <sstream>
 
 #include "graph/node_type.h"
 #include "nodes/common/plot.h"
+#include "nodes/common/reading.h"
 #include "nodes/study_anova/anova.h"
 #include "nodes/study_anova/answers.h"
 #include "runtime/context.h"
@@ -16,14 +15,6 @@ namespace terrazzo {
 namespace {
 
 using study_anova::Answer;
-
-std::string text_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw Error("unreadable-file", "cannot read '" + file.string() + "'");
-  return text.str();
-}
 
 struct Cell {
   double fooled = 0, seconds = 0;
@@ -40,10 +31,10 @@ void add_effects(Table& t, const std::string& of, const std::vector<double>& val
 
 void compute(Context& c) {
   const auto& key_file = c.files("key").front();
-  const auto key = study_anova::read_key(text_of(key_file), key_file.string());
+  const auto key = study_anova::read_key(read_whole(key_file, reading_of(c)), key_file.string());
   std::vector<Answer> answers;
   for (const auto& file : c.files("answers")) {
-    const auto some = study_anova::read_answers(text_of(file), file.string(), key);
+    const auto some = study_anova::read_answers(read_whole(file, reading_of(c)), file.string(), key);
     answers.insert(answers.end(), some.begin(), some.end());
   }
   if (answers.empty())

@@ -1,0 +1,213 @@
+#include "tests/torture/input_seeds.h"
+
+#include <zlib.h>
+
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "nodes/common/image_file.h"
+#include "nodes/data/labels.h"
+#include "nodes/data/shapes.h"
+#include "nodes/data/volume.h"
+#include "nodes/export/mesh_file.h"
+#include "nodes/export/picture_file.h"
+#include "nodes/export/vdb_file.h"
+#include "runtime/files.h"
+#include "runtime/random.h"
+#include "tests/nodes/load_volume/nifti_file.h"
+
+namespace terrazzo::torture {
+namespace {
+namespace fs = std::filesystem;
+
+// A folder for each seed, "LoadVolume.vdb/1", in which the reader is given the first file.
+class Writer {
+ public:
+  explicit Writer(fs::path folder) : folder_(std::move(folder)) {}
+  fs::path place(const std::string& reader, const std::string& name) {
+    const fs::path folder = folder_ / reader / std::to_string(++count_[reader]);
+    fs::create_directories(folder);
+    return folder / name;
+  }
+  void text(const std::string& reader, const std::string& name, const std::string& content) {
+    std::ofstream(place(reader, name), std::ios::binary) << content;
+  }
+
+ private:
+  fs::path folder_;
+  std::map<std::string, int> count_;
+};
+
+Image picture(int width, int height, bool smooth) {
+  Image image(width, height, 1, 1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      Random r(1, 1, static_cast<std::uint64_t>(y * width + x));
+      image.at(x, y) = smooth ? Vec3f(float(x) / float(width), 0.5f, float(y) / float(height))
+                              : Vec3f(float(r.uniform()), float(r.uniform()), float(r.uniform()));
+    }
+  return image;
+}
+
+void pictures(Writer& w) {
+  for (const bool smooth : {false, true}) {
+    const Image image = picture(23, 17, smooth);
+    for (const char* name : {"a.png", "a.jpg", "a.tif", "a.exr", "a.hdr", "a.bmp", "a.ppm"}) {
+      const std::string extension = fs::path(name).extension();
+      write_image(w.place("LoadImage" + extension, name), image, 0, "{\"document\":\"\"}");
+    }
+    for (const char* name : {"a.png", "a.jpg", "a.tif", "a.exr"})
+      write_image(w.place("provenance" + fs::path(name).extension().string(), name), image, 0, "{\"document\":\"\"}");
+  }
+  Labels labels;
+  labels.width = 9, labels.height = 7, labels.sections = 1, labels.pixel_size = 1;
+  for (int i = 0; i < 63; ++i) labels.ids.push_back(i % 5);
+  labels.classes.assign(4, 0);
+  write_labels(w.place("LoadLabels.png", "a.png"), labels);
+  write_labels(w.place("LoadLabels.tif", "a.tif"), labels);
+  write_labels(w.place("LoadVolume.tif", "a.tif"), labels);
+}
+
+void meshes(Writer& w) {
+  Shapes shapes;
+  shapes.shapes.emplace_back();
+  Mesh& m = shapes.shapes[0].mesh;
+  for (int i = 0; i < 8; ++i) m.vertices.push_back(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1));
+  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (const char* name : {"a.obj", "a.ply", "a.stl"})
+    write_mesh(w.place("LoadMesh" + fs::path(name).extension().string(), name), shapes);
+  std::ostringstream vertices, faces, facets;
+  for (const auto& v : m.vertices) vertices << v.transpose() << "\n";
+  for (const auto& t : m.triangles) {
+    faces << "3 " << t[0] << " " << t[1] << " " << t[2] << "\n";
+    facets << "facet normal 0 0 1\nouter loop\n";
+    for (const int v : t) facets << "vertex " << m.vertices[static_cast<std::size_t>(v)].transpose() << "\n";
+    facets << "endloop\nendfacet\n";
+  }
+  w.text("LoadMesh.off", "a.off", "OFF\n8 12 0\n" + vertices.str() + faces.str());
+  w.text("LoadMesh.stl", "a.stl", "solid s\n" + facets.str() + "endsolid s\n");
+  w.text("LoadMesh.ply", "a.ply",
+         "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 12\nproperty list uchar int vertex_indices\nend_header\n" + vertices.str() + faces.str());
+}
+
+void vdbs(Writer& w) {
+  initialize_openvdb();
+  Volume v;
+  v.resolution = Vec3i(16, 16, 16);
+  const auto add = [&]<class Grid>(const char* name, auto value) {
+    auto g = Grid::create();
+    g->setName(name), g->setTransform(voxel_transform(0.25));
+    for (int i = 0; i < 50; ++i) g->tree().setValue(openvdb::Coord(i % 7 - 3, i % 11, i), value(i));
+    g->tree().addTile(1, openvdb::Coord(512, 0, 0), value(3), true);
+    g->tree().addTile(3, openvdb::Coord(8192, 0, 0), value(4), true);
+    v.grids = {g};
+    write_vdb(w.place("LoadVolume.vdb", "a.vdb"), v, "{}");
+  };
+  add.template operator()<openvdb::FloatGrid>("density", [](int i) { return 0.1f * float(i); });
+  write_vdb(w.place("provenance.vdb", "a.vdb"), v, "{\"document\":\"\"}");
+  add.template operator()<openvdb::Vec3SGrid>("Cd", [](int i) { return openvdb::Vec3s(float(i)); });
+  add.template operator()<openvdb::BoolGrid>("mask", [](int i) { return i % 2 == 0; });
+}
+
+void niftis(Writer& w) {
+  const auto n = test::NiftiFile::counting();
+  n.write(w.place("LoadVolume.nii", "a.nii"));
+  const fs::path pair = w.place("LoadVolume.pair", "a.hdr");
+  n.write_pair(pair, fs::path(pair).replace_extension(".img"));
+  const std::string whole = *read_file(n.write(w.place("LoadVolume.nii", "b.nii")));
+  const gzFile f = gzopen(w.place("LoadVolume.gz", "a.nii.gz").c_str(), "wb");
+  gzwrite(f, whole.data(), static_cast<unsigned>(whole.size()));
+  gzclose(f);
+}
+
+// An element of DICOM in explicit little endian.
+std::string element(std::uint32_t tag, const std::string& kind, std::string value) {
+  if (value.size() % 2) value += kind == "UI" ? '\0' : ' ';
+  std::string out;
+  for (const unsigned shift : {16u, 24u, 0u, 8u}) out += static_cast<char>(tag >> shift);
+  out += kind;
+  const auto size = static_cast<std::uint32_t>(value.size());
+  const bool wide = kind == "OW" || kind == "OB" || kind == "SQ";
+  if (wide) out += std::string(2, '\0');
+  for (unsigned shift = 0; shift < (wide ? 32u : 16u); shift += 8) out += static_cast<char>(size >> shift);
+  return out + value;
+}
+
+void dicoms(Writer& w) {
+  const auto number = [](int v) { return std::string{static_cast<char>(v), static_cast<char>(v >> 8)}; };
+  const auto file = [&](const std::string& syntax, const std::string& pixels) {
+    return std::string(128, '\0') + "DICM" + element(0x00020010, "UI", syntax) +
+           element(0x00180050, "DS", "2") + element(0x0020000e, "UI", "1.2.3") + element(0x00200032, "DS", "-10\\-20\\5") +
+           element(0x00200037, "DS", "1\\0\\0\\0\\1\\0") + element(0x00280002, "US", number(1)) +
+           element(0x00280004, "CS", "MONOCHROME2") + element(0x00280010, "US", number(2)) +
+           element(0x00280011, "US", number(3)) + element(0x00280030, "DS", "0.7\\0.8") +
+           element(0x00280100, "US", number(16)) + element(0x00280101, "US", number(12)) +
+           element(0x00280102, "US", number(11)) + element(0x00280103, "US", number(1)) +
+           element(0x00281052, "DS", "-1000") + element(0x00281053, "DS", "2") + pixels;
+  };
+  std::string values;
+  for (int i = 0; i < 6; ++i) values += number(100 * i);
+  w.text("LoadVolume.dcm", "a.dcm", file("1.2.840.10008.1.2.1", element(0x7fe00010, "OW", values)));
+  // Run-length coded: two segments, of the high bytes and of the low ones, each as one literal run.
+  std::string rle(64, '\0'), high = "\5", low = "\5";
+  rle[0] = 2, rle[4] = 64, rle[8] = 72;
+  for (int i = 0; i < 6; ++i) high += values[static_cast<std::size_t>(2 * i + 1)], low += values[static_cast<std::size_t>(2 * i)];
+  rle += high + '\0' + low + '\0';
+  const auto item = [](const std::string& value) {
+    return std::string("\xfe\xff\x00\xe0", 4) + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+  };
+  const std::string fragments = std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + item("") + item(rle) +
+                                std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  w.text("LoadVolume.dcm", "b.dcm", file("1.2.840.10008.1.2.5", fragments));
+}
+
+void texts(Writer& w, const fs::path& source) {
+  const auto content = [&](const char* name) { return read_file(source / name).value_or(""); };
+  w.text("LoadProfiles.csv", "a.csv", "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
+  w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
+  const fs::path answers = w.place("StudyAnova.csv", "a.csv");
+  std::ofstream(answers) << content("nodes/study_anova/answers.csv");
+  std::ofstream(answers.parent_path() / "key.csv") << content("nodes/study_anova/key.csv");
+  w.text("LoadStrokes.svg", "a.svg", content("nodes/load_strokes/strokes.svg"));
+  w.text("LoadStrokes.svg", "a.svg",
+         "<svg viewBox='0 0 100 100' width='50mm' height='50mm'><g transform='rotate(30 5 5) scale(2)'>"
+         "<path stroke='red' d='M1 2 A3 4 10 0 1 9 9 C1 1 2 2 3 3 q1 1 2 0 t3 3 Z'/>"
+         "<circle r='9' cx='4' cy='4'/><polygon points='1,1 9,1 9,9'/></g></svg>");
+  w.text("LoadStrokes.yaml", "a.yaml",
+         "strokes:\n- {radius: 6, points: [[10, 20], [30, 40]]}\n- &a {area: true, parts: [[[0, 0], [9, 0], [9, 9]]]}\n- *a\n");
+  for (const char* graph : {"nodes/anneal/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
+    w.text("graph.yaml", "a.yaml", content(graph));
+  std::string json = "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"document\":\"\"}}}";
+  while (json.size() % 4) json += ' ';
+  const auto word = [](std::size_t v) {
+    const auto n = static_cast<std::uint32_t>(v);
+    return std::string(reinterpret_cast<const char*>(&n), 4);
+  };
+  w.text("provenance.glb", "a.glb", "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json);
+}
+
+}  // namespace
+
+void write_input_seeds(const fs::path& folder, const fs::path& source) {
+  Writer w(folder);
+  pictures(w), meshes(w), vdbs(w), niftis(w), dicoms(w), texts(w, source);
+}
+
+std::vector<InputSeed> read_input_seeds(const fs::path& folder) {
+  std::map<std::string, InputSeed> sorted;
+  for (const auto& file : fs::recursive_directory_iterator(folder)) {
+    if (!file.is_regular_file()) continue;
+    const fs::path seed = file.path().parent_path();
+    auto& s = sorted[seed.string()];
+    s.reader = seed.parent_path().filename();
+    s.files[file.path().filename()] = read_file(file.path()).value_or("");
+  }
+  std::vector<InputSeed> seeds;
+  for (auto& [place, s] : sorted) seeds.push_back(std::move(s));
+  return seeds;
+}
+
+}  // namespace terrazzo::torture
