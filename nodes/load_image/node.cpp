@@ -47,11 +47,11 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_image_node() {
-  return NodeType("LoadImage", 1)
+  return NodeType("LoadImage", 2)
       .doc_(
-          "Reads a photograph, or a stack of them, as scene-linear Rec. 709. Formats through OpenImageIO, "
-          "colour spaces "
-          "through OpenColorIO.")
+          "Reads a photograph, or a stack of them, as scene-linear Rec. 709: JPEG, PNG, TIFF, OpenEXR, Radiance HDR, "
+          "BMP or PNM, with color spaces through OpenColorIO. A file that was cut short is an error; what its decoder "
+          "complains about is a warning.")
       .output("image", "Image", "one section a file, in the order of the names")
       .parameter(Parameter::input_path("path").doc_(
           "Picture; a glob names a stack of sections of equal size and scale"))

@@ -29,7 +29,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_labels_node() {
-  return NodeType("LoadLabels", 1)
+  return NodeType("LoadLabels", 2)
       .doc_("Reads masks made elsewhere, in the place of Segment's own segmentation.")
       .output("labels", "Labels", "one section a file, in the order of the names")
       .parameter(

@@ -74,7 +74,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_mesh_node() {
-  return NodeType("LoadMesh", 1)
+  return NodeType("LoadMesh", 2)
       .doc_(
           "Particle shapes from OBJ, PLY, STL or OFF files. A mesh must be watertight; what is not is "
           "refused with the "

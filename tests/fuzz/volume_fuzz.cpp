@@ -1,29 +1,34 @@
-// Scans as NIfTI, DICOM and pictures. The first byte chooses the format.
+// Volumes as NIfTI, DICOM, pictures and OpenVDB. The first byte chooses the format.
 #include <unistd.h>
 
 #include <fstream>
 
 #include "graph/diagnostic.h"
 #include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/vdb.h"
 
 using namespace terrazzo;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const char* const formats[] = {".nii", ".dcm", ".tif"};
+  static const char* const formats[] = {".nii", ".dcm", ".tif", ".vdb"};
   if (size == 0) return 0;
-  const int format = data[0] % 3;
+  const int format = data[0] % 4;
   const std::string file =
       (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()))).string() +
       formats[format];
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data) + 1, static_cast<std::streamsize>(size - 1));
+  Reading reading;
+  reading.memory = 500'000'000;
   try {
     if (format == 0)
-      load_volume::read_nifti(file);
+      load_volume::read_nifti(file, {}, reading);
     else if (format == 1)
-      load_volume::read_dicom({file});
+      load_volume::read_dicom({file}, {}, reading);
+    else if (format == 2)
+      load_volume::read_slices({file}, {}, reading);
     else
-      load_volume::read_slices({file});
+      load_volume::read_vdb(file, "", reading);
   } catch (const Error&) {
   }
   ::unlink(file.c_str());

@@ -1,0 +1,25 @@
+// Pictures of every format, as photographs and as masks. The format is told by the content.
+#include <unistd.h>
+
+#include <fstream>
+
+#include "nodes/common/image_file.h"
+#include "nodes/common/provenance.h"
+
+using namespace terrazzo;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::string file =
+      (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()) + ".picture")).string();
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  try {
+    Reading reading;
+    reading.memory = 500'000'000;
+    read_image(file, "auto", 1, reading);
+  } catch (const Error&) {
+  }
+  read_provenance(file);
+  ::unlink(file.c_str());
+  return 0;
+}
