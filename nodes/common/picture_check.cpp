@@ -38,6 +38,21 @@ std::string picture_format(std::string_view c) {
   return "";
 }
 
+void check_notes(std::string_view content) {
+  constexpr std::string_view begin = "<rdf:Description";
+  constexpr int deepest = 500;
+  for (auto at = content.find(begin); at != std::string_view::npos; at = content.find(begin, at)) {
+    // A zero ends the text for its parser too.
+    int depth = 0;
+    for (; at < content.size() && content[at] != '\0'; ++at) {
+      if (content[at] != '<' || at + 1 == content.size()) continue;
+      const char next = content[at + 1];
+      depth += next == '/' ? -1 : next == '!' || next == '?' ? 0 : 1;
+      if (depth > deepest) damaged_picture("its XMP note is nested too deeply");
+    }
+  }
+}
+
 double largest_ratio(const std::string& format, const std::string& compression) {
   constexpr double any = std::numeric_limits<double>::infinity();
   constexpr double deflate = 1032;  // zlib's limit

@@ -27,6 +27,9 @@ void check_exr(std::string_view content, const Reading&);
 // Whether the file can hold as many pixels as it says, for OpenImageIO allocates run-length coded ones on opening.
 void check_bmp(std::string_view content, const Reading&);
 
+// OpenImageIO reads XMP notes by recursion: refuses notes that are nested deeply enough to exhaust the stack.
+void check_notes(std::string_view content);
+
 // Throws Error "unreadable-image".
 [[noreturn]] void damaged_picture(const std::string& what);
 

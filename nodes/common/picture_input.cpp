@@ -38,6 +38,7 @@ PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OI
     size_ = content.size();
     format_ = picture_format(content);
     if (format_.empty()) throw unreadable("it is of no known picture format");
+    check_notes(content);
     Reading named = reading_;
     named.warn = [&](const std::string& message) { reading_.warn(name + ": " + message); };
     if (const auto check = checks.find(format_); check != checks.end()) check->second(content, named);

@@ -173,6 +173,29 @@ TEST_F(DamagedPicture, OtherFormatsAreRefusedByName) {
   EXPECT_EQ(read(folder).code, "unreadable-image");
 }
 
+// OpenImageIO reads XMP by recursion, which ended the program.
+TEST_F(DamagedPicture, NotesWithinNotesAreBounded) {
+  const auto png = [&](int levels, bool packed) {
+    std::string xmp = "<rdf:Description rdf:about=\"\">";
+    for (int i = 0; i < levels; ++i) xmp += "<a>";
+    for (int i = 0; i < levels; ++i) xmp += "</a>";
+    xmp += "</rdf:Description>";
+    if (packed) {
+      std::string out(compressBound(xmp.size()), '\0');
+      uLongf size = out.size();
+      compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(xmp.data()), xmp.size());
+      xmp = out.substr(0, size);
+    }
+    const std::string key = std::string("XML:com.adobe.xmp\0", 18) + (packed ? '\1' : '\0') + std::string(3, '\0');
+    const std::string whole = written("a.png");
+    return whole.substr(0, 33) + chunk("iTXt", key + xmp) + whole.substr(33);
+  };
+  for (const bool packed : {false, true}) {
+    EXPECT_EQ(read(write("b.png", png(100, packed))).code, "") << packed;
+    EXPECT_EQ(read(write("b.png", png(300'000, packed))).code, "unreadable-image") << packed;
+  }
+}
+
 // A stranger's file says how it was made, or nothing; it never costs more than its size.
 TEST_F(DamagedPicture, ProvenanceOfAnything) {
   Image image(8, 8, 1, 1);

@@ -8,6 +8,8 @@
 #include <fstream>
 
 #include "nodes/data/volume.h"
+#include "nodes/load_volume/scan.h"
+#include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -127,6 +129,30 @@ TEST(LoadDicom, DamagedFilesNeverCrash) {
       EXPECT_GT(e.diagnostic().message.size(), 10u);
     }
   }
+}
+
+// Each level takes 20 bytes of the file, and more of the stack of DCMTK, which reads sequences by recursion.
+TEST(LoadDicom, SequencesWithinSequencesAreBounded) {
+  const auto folder = test::temporary_folder();
+  write(folder / "good.dcm", {.z = 1});
+  const std::string sequence("\x08\x00\x40\x11SQ\0\0\xff\xff\xff\xff", 12), item("\xfe\xff\x00\xe0\xff\xff\xff\xff", 8);
+  std::string bytes = *read_file(folder / "good.dcm");
+  const auto meta_end = bytes.find(std::string("\x08\x00\x16\x00", 4));
+  ASSERT_NE(meta_end, std::string::npos);
+  std::string nested;
+  for (int i = 0; i < 200'000; ++i) nested += sequence + item;
+  std::ofstream(folder / "deep.dcm", std::ios::binary) << bytes.substr(0, meta_end) + nested;
+  EXPECT_EQ(test::code_of([&] { load(folder / "deep.dcm"); }), "unreadable-volume");
+}
+
+TEST(LoadDicom, TheBudgetIsKept) {
+  const auto folder = test::temporary_folder();
+  write(folder / "a.dcm", {.z = 1});
+  Reading little;
+  little.memory = 1000;
+  EXPECT_EQ(test::code_of([&] { load_volume::read_dicom({folder / "a.dcm"}, {}, little); }), "too-large");
+  little.memory = 10'000;
+  EXPECT_EQ(load_volume::read_dicom({folder / "a.dcm"}, {}, little).values.size(), 6u);
 }
 
 TEST(LoadDicom, SaysWhereNothingTellsTheRescale) {
