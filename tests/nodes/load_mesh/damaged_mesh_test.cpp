@@ -1,10 +1,15 @@
 // Mesh files that lie about what follows: an error each time, within the memory and time that their size allows.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <map>
 
+#include "nodes/export/mesh_file.h"
 #include "nodes/load_mesh/read_mesh.h"
+#include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -101,6 +106,44 @@ TEST_F(DamagedMesh, ObjThatNamesWhatIsNotThere) {
   for (const std::string face : {"f 1 2 4", "f 1 2 0", "f 1 2 -4", "f 1 2 nan", "f 1 2 99999999999999999999", "f 1 2"})
     EXPECT_NE(code("bad.obj", v + face + "\n"), "") << face;
   EXPECT_EQ(code("nan.obj", "v nan 0 0\n" + v + "f 2 3 4\n"), "unreadable-mesh");
+}
+
+// What Export writes, and the text forms, cut anywhere. An OBJ file says nowhere how many lines belong to it: cut between
+// two lines it is another valid file, and only its solid is open (which LoadMesh refuses).
+TEST_F(DamagedMesh, ACutFileIsAnError) {
+  Shapes shapes;
+  shapes.shapes.emplace_back();
+  Mesh& m = shapes.shapes[0].mesh;
+  m.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::map<std::string, std::string> files = {{"t.ply", ply()}, {"t.off", "OFF\n4 4 0\n" + kVertices + kFaces}};
+  for (const char* name : {"b.ply", "b.stl"}) {
+    write_mesh(folder / name, shapes);
+    files[name] = *read_file(folder / name);
+  }
+  files["t.stl"] = "solid s\n";
+  for (const auto& t : m.triangles) {
+    files["t.stl"] += "facet normal 0 0 1\nouter loop\n";
+    for (const int v : t)
+      files["t.stl"] += fmt::format("vertex {} {} {}\n", m.vertices[v].x(), m.vertices[v].y(), m.vertices[v].z());
+    files["t.stl"] += "endloop\nendfacet\n";
+  }
+  files["t.stl"] += "endsolid s\n";
+  for (const auto& [name, whole] : files) {
+    ASSERT_EQ(code(name, whole), "") << name;
+    // The last characters of a text may be a line's end and a name.
+    const std::size_t last = name[0] == 'b' ? whole.size() - 1 : whole.size() - 4;
+    for (std::size_t size = 0; size <= last; ++size)
+      ASSERT_NE(code("cut" + name, whole.substr(0, size)), "") << name << " cut to " << size << " of " << whole.size();
+  }
+  write_mesh(folder / "b.obj", shapes);
+  const std::string obj = *read_file(folder / "b.obj");
+  const auto at = obj.rfind("f ");
+  EXPECT_EQ(test::code_of([&] {
+              std::ofstream(folder / "cut.obj") << obj.substr(0, at);
+              test::run_node("LoadMesh", {}, {{"path", (folder / "cut.obj").string()}});
+            }),
+            "open-mesh");
 }
 
 // A reader needs no more than a multiple of the file's size, and says so before it takes it.
