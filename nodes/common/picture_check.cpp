@@ -31,7 +31,7 @@ std::string picture_format(std::string_view c) {
     return "tiff";
   if (c.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
   if (c.starts_with("#?"sv)) return "hdr";
-  if (c.starts_with("BM"sv) && c.size() > 26) return "bmp";
+  if (c.starts_with("BM"sv)) return "bmp";
   if (c.size() > 2 && c[0] == 'P' && ((c[1] >= '1' && c[1] <= '6') || c[1] == 'F' || c[1] == 'f') &&
       (std::isspace(static_cast<unsigned char>(c[2])) || c[2] == '#'))
     return "pnm";
@@ -59,7 +59,7 @@ double largest_ratio(const std::string& format, const std::string& compression) 
   if (format == "jpeg") return 2000;  // progressive: one bit for a block of 64 samples or more, and subsampled colors
   if (format == "png") return 8 * deflate;  // 1-bit pixels become bytes
   if (format == "hdr") return 128;
-  if (format == "bmp") return 255;
+  if (format == "bmp") return 32;  // 1-bit pixels become three bytes
   if (format == "pnm") return 8;
   if (compression == "none") return 8;
   if (compression == "zip" || compression == "zips") return 8 * deflate;
@@ -106,15 +106,6 @@ void check_exr(std::string_view content, const Reading&) {
   if (height < 1) damaged_picture("it has no rows");
   if (8 * std::floor(height / lines) > static_cast<double>(content.size() - at))
     damaged_picture(fmt::format("it has {:.0f} rows, but {} bytes in all", height, content.size()));
-}
-
-void check_bmp(std::string_view content, const Reading& reading) {
-  if (content.size() < 54) return;  // the older, smaller header has no compression
-  const double width = std::abs(double(static_cast<std::int32_t>(little32(content.substr(18)))));
-  const double height = std::abs(double(static_cast<std::int32_t>(little32(content.substr(22)))));
-  if (width * height > largest_ratio("bmp", "") * static_cast<double>(content.size()) + 1e6)
-    damaged_picture(fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), width, height));
-  require_memory(8 * width * height, reading.memory, fmt::format("a picture of {:.0f} × {:.0f} pixels", width, height));
 }
 
 }  // namespace terrazzo

@@ -24,7 +24,8 @@ void check_png(std::string_view content, const Reading&);
 void check_tiff(std::string_view content, const Reading&);
 // Whether the file holds the table of its blocks, which OpenEXR allocates before it looks.
 void check_exr(std::string_view content, const Reading&);
-// Whether the file can hold as many pixels as it says, for OpenImageIO allocates run-length coded ones on opening.
+// Whether the file holds as many pixels as it says, and only colors that it lists; OpenImageIO looks neither up. Refuses
+// run-length coded files.
 void check_bmp(std::string_view content, const Reading&);
 
 // OpenImageIO reads XMP notes by recursion: refuses notes that are nested deeply enough to exhaust the stack.

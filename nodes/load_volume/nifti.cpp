@@ -73,7 +73,8 @@ void check_header(const std::filesystem::path& path) {
   // The library prints this to the terminal, whatever its debug level.
   const int type = header.version == 2 ? static_cast<const nifti_2_header*>(header.bytes.get())->datatype
                                        : static_cast<const nifti_1_header*>(header.bytes.get())->datatype;
-  if (!nifti_is_valid_datatype(type)) throw unreadable(path, fmt::format("its numbers are of the unknown type {}", type));
+  if (!nifti_is_valid_datatype(type) || type == DT_UNKNOWN || type == DT_BINARY)
+    throw unreadable(path, fmt::format("its numbers are of the unknown type {}", type));
   double size = 0;
   bool packed = false;
   auto files = nifti_companions(path);

@@ -131,6 +131,22 @@ TEST_F(DamagedPicture, AFlippedBitInAPngIsFound) {
   }
 }
 
+TEST_F(DamagedPicture, BmpColorsThatAreNotThere) {
+  const auto bmp = [](int bits, int compression, std::uint32_t colors, const std::string& pixels) {
+    std::string out = "BM" + little32(0) + little32(0) + little32(54 + 4 * colors) + little32(40) + little32(4) + little32(1);
+    out += std::string{1, 0, static_cast<char>(bits), 0} + little32(static_cast<std::uint32_t>(compression));
+    out += std::string(12, '\0') + little32(colors) + little32(0);
+    for (std::uint32_t c = 0; c < colors; ++c) out += little32(0x010203 * c);
+    return out + pixels;
+  };
+  EXPECT_EQ(read(write("a.bmp", bmp(8, 0, 4, {0, 1, 2, 3}))).code, "");
+  EXPECT_EQ(read(write("a.bmp", bmp(8, 0, 4, {0, 1, 2, 4}))).code, "unreadable-image");
+  EXPECT_EQ(read(write("a.bmp", bmp(4, 0, 4, {0x01, 0x23, 0, 0}))).code, "");
+  EXPECT_EQ(read(write("a.bmp", bmp(4, 0, 4, {0x01, 0x53, 0, 0}))).code, "unreadable-image");
+  EXPECT_EQ(read(write("a.bmp", bmp(8, 1, 4, {4, 1, 0, 1}))).code, "unreadable-image");  // run-length coded
+  EXPECT_EQ(read(write("a.bmp", bmp(24, 1, 0, std::string(12, '\1')))).code, "unreadable-image");
+}
+
 // A few bytes that promise gigapixels are damaged, whatever memory there is.
 TEST_F(DamagedPicture, AHeaderAloneTakesNoMemory) {
   const std::uint64_t plenty = 1'000'000'000'000;
