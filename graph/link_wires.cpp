@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 
 #include "graph/linker.h"
 #include "graph/nearest.h"
@@ -14,16 +13,20 @@ std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int d
   const auto dot = ref.text.rfind('.');
   std::string name = ref.text.substr(0, dot);
   const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
-  const auto raw = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(),
-                                [&](const RawNode& n) { return n.name == name; });
+  const auto named = scope.nodes.find(name);
   const std::string path = scope.prefix + name;
-  if (raw == scope.doc.nodes.end()) {
+  if (named == scope.nodes.end()) {
     std::vector<std::string> names;
     for (const auto& n : scope.doc.nodes) names.push_back(n.name);
     fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, names)), ref.place);
     return {};
   }
-  if (unknown_.count(path) || depth > 64) return {};
+  const RawNode* raw = named->second;
+  if (unknown_.count(path)) return {};
+  if (depth > 4 * max_nesting) {
+    fail("cycle", fmt::format("'{}' leads through subgraphs back to itself", ref.text), ref.place);
+    return {};
+  }
   // An output that the graph's user has replaced by an input of his own.
   if (scope.parent)
     for (const auto& [input, target] : scope.doc.inputs)
@@ -200,32 +203,46 @@ void Linker::check_wiring_of_ports() {
   }
 }
 
+void Linker::report_cycle(const std::vector<int>& way, int node) {
+  std::string text;
+  const auto begin = std::find(way.begin(), way.end(), node);
+  for (auto it = begin; it != way.end() && it - begin < 50; ++it)
+    text += graph_.nodes[static_cast<std::size_t>(*it)].path + " → ";
+  if (way.end() - begin > 50) text += "… → ";
+  const auto& last = graph_.nodes[static_cast<std::size_t>(node)];
+  fail("cycle", "the wires run in a circle: " + text + last.path, last.place);
+}
+
 void Linker::sort() {
   const std::size_t n = graph_.nodes.size();
-  std::vector<int> state(n, 0), order;
-  std::vector<int> stack;
-  std::function<bool(int)> visit = [&](int i) {
-    if (state[static_cast<std::size_t>(i)] == 2) return true;
-    if (state[static_cast<std::size_t>(i)] == 1) {
-      std::string way;
-      for (auto it = std::find(stack.begin(), stack.end(), i); it != stack.end(); ++it)
-        way += graph_.nodes[static_cast<std::size_t>(*it)].path + " → ";
-      const auto& node = graph_.nodes[static_cast<std::size_t>(i)];
-      fail("cycle", "the wires run in a circle: " + way + node.path, node.place);
-      return false;
-    }
-    state[static_cast<std::size_t>(i)] = 1;
-    stack.push_back(i);
-    for (const auto& [port, wires] : graph_.nodes[static_cast<std::size_t>(i)].inputs)
-      for (const auto& w : wires)
-        if (!visit(w.node)) return false;
-    stack.pop_back();
-    state[static_cast<std::size_t>(i)] = 2;
-    order.push_back(i);
-    return true;
+  enum { unseen, open, placed };
+  std::vector<int> state(n, unseen), order,
+      way;  // the way from a node up its wires; not recursive: it may be long
+  std::vector<std::vector<int>> sources(n);  // of the nodes on the way, those still to be visited
+  const auto visit = [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    state[at] = open;
+    way.push_back(i);
+    for (const auto& [port, wires] : graph_.nodes[at].inputs)
+      for (const auto& w : wires) sources[at].push_back(w.node);
+    std::reverse(sources[at].begin(), sources[at].end());
   };
-  for (std::size_t i = 0; i < n; ++i)
-    if (!visit(static_cast<int>(i))) return;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (state[i] == unseen) visit(static_cast<int>(i));
+    while (!way.empty()) {
+      const auto at = static_cast<std::size_t>(way.back());
+      if (sources[at].empty()) {
+        state[at] = placed;
+        order.push_back(way.back());
+        way.pop_back();
+        continue;
+      }
+      const int next = sources[at].back();
+      sources[at].pop_back();
+      if (state[static_cast<std::size_t>(next)] == open) return report_cycle(way, next);
+      if (state[static_cast<std::size_t>(next)] == unseen) visit(next);
+    }
+  }
   std::vector<int> place(n);
   std::vector<GraphNode> sorted;
   for (std::size_t k = 0; k < n; ++k) place[static_cast<std::size_t>(order[k])] = static_cast<int>(k);

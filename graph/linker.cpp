@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "graph/linker.h"
 #include "graph/nearest.h"
@@ -15,6 +13,8 @@ Graph Linker::link(RawDocument doc) {
   graph_.name = doc.name.empty() ? doc.file.stem().string() : doc.name;
   graph_.doc = doc.doc;
   graph_.file = doc.file.string();
+  files_.emplace(doc);
+  if (!check_size(doc)) return std::move(graph_);
   std::map<std::string, Given> given;
   for (const auto& [name, text] : overrides_.parameters)
     given[name] = from_command_line(text, "--param " + name);
@@ -62,16 +62,22 @@ std::vector<Place> Linker::uses(const Scope& scope) {
 }
 
 void Linker::add_uses_to_messages() {
+  std::map<std::string, const Scope*> first_use;  // by file
+  for (const auto& [prefix, scope] : scopes_)
+    if (scope->parent) first_use.emplace(scope->doc.file.string(), scope.get());
   for (auto& d : found_) {
-    const Scope* inside = nullptr;
-    for (const auto& [prefix, scope] : scopes_)
-      if (scope->parent && scope->doc.file.string() == d.place.file) {
-        // The node's path tells which of several uses of one file is meant.
-        const bool meant = (d.node + "/").rfind(prefix, 0) == 0;
-        if (!inside || meant) inside = scope.get();
-        if (meant) break;
-      }
-    if (inside) d.through = uses(*inside);
+    const auto use = first_use.find(d.place.file);
+    if (use == first_use.end()) continue;
+    const Scope* inside = use->second;
+    // The node's path tells which of several uses of one file is meant.
+    const std::string path = d.node + "/";
+    for (auto slash = path.find('/'); slash != std::string::npos; slash = path.find('/', slash + 1)) {
+      const auto meant = scopes_.find(path.substr(0, slash + 1));
+      if (meant == scopes_.end() || meant->second->doc.file.string() != d.place.file) continue;
+      inside = meant->second.get();
+      break;
+    }
+    d.through = uses(*inside);
   }
 }
 
@@ -80,11 +86,34 @@ int Linker::find(const std::string& path) const {
   return it == index_.end() ? -1 : it->second;
 }
 
+bool Linker::check_size(const RawDocument& root) {
+  const SubgraphFile& all = files_->root();
+  const auto larger = [&](const RawNode& a, const RawNode& b) {
+    return files_->expansion(root, a).nodes < files_->expansion(root, b).nodes;
+  };
+  const auto deeper = [&](const RawNode& a, const RawNode& b) {
+    return files_->expansion(root, a).nesting < files_->expansion(root, b).nesting;
+  };
+  if (all.nesting > max_nesting) {
+    const RawNode& node = *std::max_element(root.nodes.begin(), root.nodes.end(), deeper);
+    fail("too-large", fmt::format("subgraphs nest more than {} levels deep in '{}'", max_nesting, node.graph),
+         node.kind_place, {}, node.name);
+  } else if (all.nodes > max_expanded_nodes) {
+    const RawNode& node = *std::max_element(root.nodes.begin(), root.nodes.end(), larger);
+    fail("too-large",
+         fmt::format("the graph expands to {} nodes, {} of them in '{}'; the limit is {}", all.nodes,
+                     files_->expansion(root, node).nodes, node.name, max_expanded_nodes),
+         node.kind_place, "use fewer subgraphs, or split the graph into several", node.name);
+  }
+  return all.nesting <= max_nesting && all.nodes <= max_expanded_nodes;
+}
+
 Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
                     std::map<std::string, Given> given) {
   auto owned = std::make_unique<Scope>();
   Scope& scope = *owned;
   scope.prefix = prefix, scope.doc = std::move(doc), scope.parent = parent, scope.node = node;
+  for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
   scopes_[prefix] = std::move(owned);
   fill_parameters(scope, std::move(given));
   override_wires(scope);
@@ -114,21 +143,23 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
 }
 
 void Linker::add_subgraph(Scope& scope, const RawNode& raw) {
-  const fs::path file = (scope.doc.file.parent_path() / raw.graph).lexically_normal();
   const std::string path = scope.prefix + raw.name;
-  for (const Scope* s = &scope; s; s = s->parent)
-    if (s->doc.file.lexically_normal() == file) {
-      unknown_.insert(path);
-      return fail("recursion", fmt::format("'{}' contains itself", raw.graph), raw.kind_place, {}, path);
-    }
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
+  const std::set<std::string>& recursive =
+      scope.parent ? files_->open(scope.parent->doc, *scope.node).recursive : files_->root().recursive;
+  if (recursive.count(raw.name)) {
     unknown_.insert(path);
-    return fail("no-file", fmt::format("cannot read the graph '{}'", file.string()), raw.kind_place, {},
-                path);
+    return fail("recursion", fmt::format("'{}' contains itself", raw.graph), raw.kind_place, {}, path);
   }
-  std::stringstream text;
-  text << in.rdbuf();
+  const SubgraphFile& file = files_->open(scope.doc, raw);
+  for (Diagnostic d : file.found) {
+    d.node = path;
+    if (!file.doc) d.place = raw.kind_place;
+    found_.push_back(std::move(d));
+  }
+  if (!file.doc) {
+    unknown_.insert(path);
+    return;
+  }
   std::map<std::string, Given> given;
   for (const auto& [name, value] : raw.params) {
     Given g = substitute(scope, value);
@@ -141,11 +172,7 @@ void Linker::add_subgraph(Scope& scope, const RawNode& raw) {
       given[target.substr(dot + 1)] = from_command_line(value, "--set " + target);
     }
   }
-  Diagnostics inside;
-  RawDocument doc = read_document(text.str(), file, inside);
-  for (auto& d : inside) d.node = path;
-  found_.insert(found_.end(), inside.begin(), inside.end());
-  open(std::move(doc), path + "/", &scope, &raw, std::move(given));
+  open(*file.doc, path + "/", &scope, &raw, std::move(given));
 }
 
 }  // namespace terrazzo

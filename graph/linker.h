@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <unordered_map>
 
 #include "graph/graph.h"
 #include "graph/raw_document.h"
+#include "graph/subgraph_files.h"
 
 namespace terrazzo {
 
@@ -23,7 +25,8 @@ struct Scope {
   std::string prefix;  // "" or "asset/"
   RawDocument doc;
   Scope* parent = nullptr;
-  const RawNode* node = nullptr;  // in the parent
+  const RawNode* node = nullptr;                          // in the parent
+  std::unordered_map<std::string, const RawNode*> nodes;  // of the document, by name
   std::map<std::string, Given> parameters;
 };
 
@@ -63,6 +66,9 @@ class Linker {
 
   // --- scopes
 
+  // Refuses a graph that would grow too large. What it counts is the same as what would be built.
+  bool check_size(const RawDocument& root);
+
   Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
               std::map<std::string, Given> given);
 
@@ -94,12 +100,15 @@ class Linker {
 
   // Sources before consumers, otherwise in the order written.
   void sort();
+  // `way`: nodes that each consume the next; the last consumes `node`, which is one of them.
+  void report_cycle(const std::vector<int>& way, int node);
 
   const Registry& registry_;
   const Overrides& overrides_;
   Diagnostics& found_;
   std::vector<bool> used_, used_wires_;  // of the overrides
   Graph graph_;
+  std::optional<SubgraphFiles> files_;
   std::map<std::string, std::unique_ptr<Scope>> scopes_;
   std::map<std::string, int> index_;  // of graph_.nodes by path
   std::set<std::string> unknown_;     // paths whose type or file is unknown, already reported

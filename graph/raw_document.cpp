@@ -26,6 +26,10 @@ class DocumentReader {
            place(text, bad), "save the file as UTF-8");
       return std::move(doc_);
     }
+    if (separators(text) > max_graph_values) {
+      fail_too_large({doc_.file.string(), 1, 1});
+      return std::move(doc_);
+    }
     YAML::Node root;
     try {
       root = YAML::Load(text);
@@ -86,6 +90,31 @@ class DocumentReader {
         {Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
   }
 
+  // Every value but the first comes after one of these, so this bounds what the parser builds.
+  static std::size_t separators(const std::string& text) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const char c = text[i], next = i + 1 < text.size() ? text[i + 1] : '\n';
+      n += c == ',' || c == ':' || c == '\n' || c == '[' || c == '{' ||
+           ((c == '-' || c == '?') && next == ' ');
+    }
+    return n;
+  }
+
+  void fail_too_large(Place at) {
+    fail("too-large",
+         fmt::format("the graph holds more than {} values, aliases written out", max_graph_values),
+         std::move(at), "keep data in files that the graph names");
+  }
+
+  // Counts values that are about to be read. False once there are too many, which is reported once.
+  bool take(std::size_t values, const YAML::Node& at) {
+    if (values_ > max_graph_values) return false;
+    values_ += values;
+    if (values_ > max_graph_values) fail_too_large(place(at.Mark()));
+    return values_ <= max_graph_values;
+  }
+
   // Calls `use` for every key once; unknown keys (where `known` is not empty) and double keys are mistakes.
   void each_key(const YAML::Node& map, const std::vector<std::string>& known, const std::string& where,
                 const std::function<void(const std::string&, const YAML::Node&, const YAML::Node&)>& use) {
@@ -93,6 +122,7 @@ class DocumentReader {
     if (!map.IsMap()) return fail("not-a-map", where + " must be a map of 'name: value'", place(map.Mark()));
     std::set<std::string> seen;
     for (const auto& pair : map) {
+      if (!take(1, map)) return;
       if (!pair.first.IsScalar()) {
         fail("bad-key", "a key must be a word", place(pair.first.Mark()));
         continue;
@@ -131,6 +161,7 @@ class DocumentReader {
       out.written = {false, {v.Scalar()}};
       return true;
     }
+    if (v.IsSequence() && !take(v.size(), v)) return false;
     if (v.IsSequence() && std::all_of(v.begin(), v.end(), [](const YAML::Node& n) { return n.IsScalar(); })) {
       out.written.is_list = true;
       for (const auto& item : v) out.written.items.push_back(item.Scalar());
@@ -221,6 +252,7 @@ class DocumentReader {
             each_key(n, {}, "inputs of '" + name + "'", [&](const auto& port, const auto&, const auto& pv) {
               std::vector<RawReference> wires;
               if (pv.IsScalar()) wires.push_back({pv.Scalar(), place(pv.Mark())});
+              if (pv.IsSequence() && !take(pv.size(), pv)) return;
               if (pv.IsSequence())
                 for (const auto& item : pv)
                   if (item.IsScalar()) wires.push_back({item.Scalar(), place(item.Mark())});
@@ -242,6 +274,7 @@ class DocumentReader {
 
   RawDocument doc_;
   Diagnostics& found_;
+  std::size_t values_ = 0;  // read so far
 };
 
 }  // namespace

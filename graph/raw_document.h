@@ -1,7 +1,9 @@
 // A graph file as it is written: YAML read into plain structures, each with its place. Knows no node types.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,14 @@ struct RawDocument {
 
 // The version of the format that this program writes and reads.
 inline constexpr int graph_format = 1;
+
+// A file with more bytes or more values is refused, because it could take all memory. Values behind an alias
+// count wherever they are used.
+inline constexpr std::size_t max_graph_bytes = std::size_t{16} << 20;
+inline constexpr std::size_t max_graph_values = 2'000'000;
+
+// Reads a graph file as text. If there is no result, `found` says why, without a place.
+std::optional<std::string> read_graph_text(const std::filesystem::path&, Diagnostics& found);
 
 RawDocument read_document(const std::string& text, const std::filesystem::path& file, Diagnostics& found);
 

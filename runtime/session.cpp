@@ -1,10 +1,9 @@
 #include "runtime/session.h"
 
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <utility>
 
+#include "graph/raw_document.h"
 #include "runtime/provenance.h"
 
 namespace terrazzo {
@@ -49,12 +48,9 @@ Session::~Session() {
 }
 
 Diagnostics Session::open(const fs::path& file, Overrides overrides) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  if (!in || fs::is_directory(file) || !(text << in.rdbuf()))
-    return {
-        {Severity::Error, "no-file", "cannot read the graph file '" + file.string() + "'", {}, {}, {}, {}}};
-  return open_text(text.str(), file, std::move(overrides));
+  Diagnostics found;
+  const auto text = read_graph_text(file, found);
+  return text ? open_text(*text, file, std::move(overrides)) : found;
 }
 
 Diagnostics Session::open_text(std::string text, const fs::path& file, Overrides overrides) {

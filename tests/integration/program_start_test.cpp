@@ -2,6 +2,8 @@
 // start.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "tests/support/program.h"
 
 namespace terrazzo {

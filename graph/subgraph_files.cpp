@@ -1,0 +1,66 @@
+#include "graph/subgraph_files.h"
+
+#include <algorithm>
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path file_of(const RawDocument& doc, const RawNode& node) {
+  return (doc.file.parent_path() / node.graph).lexically_normal();
+}
+
+// Symbolic links can give one folder endlessly many names. The last part stays as written: the paths in a
+// file are relative to where its name stands.
+fs::path identity(const fs::path& file) {
+  std::error_code error;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const fs::path real = fs::weakly_canonical(folder, error);
+  return (error ? folder : real) / file.filename();
+}
+
+}  // namespace
+
+SubgraphFiles::SubgraphFiles(const RawDocument& root) {
+  around_.insert(identity(root.file));
+  count(root, root_, 0);
+}
+
+void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level) {
+  for (const auto& node : doc.nodes) {
+    Expansion e;
+    if (!node.graph.empty()) {
+      const fs::path id = identity(file_of(doc, node));
+      if (around_.count(id)) {
+        into.recursive.insert(node.name);
+      } else {
+        const auto [at, fresh] = files_.try_emplace(id);
+        SubgraphFile& file = at->second;
+        if (fresh && level < max_nesting) {
+          if (const auto text = read_graph_text(file_of(doc, node), file.found)) {
+            file.doc = read_document(*text, file_of(doc, node), file.found);
+            around_.insert(id);
+            count(*file.doc, file, level + 1);
+            around_.erase(id);
+          }
+        }
+        e = {file.nodes + 1, file.nesting + 1};
+      }
+    }
+    // Sums stay far below 2⁶⁴: beyond the limit the exact number tells nothing more.
+    into.nodes = std::min(into.nodes + e.nodes, std::uint64_t{1} << 60);
+    into.nesting = std::max(into.nesting, e.nesting);
+  }
+}
+
+const SubgraphFile& SubgraphFiles::open(const RawDocument& doc, const RawNode& node) const {
+  return files_.at(identity(file_of(doc, node)));
+}
+
+Expansion SubgraphFiles::expansion(const RawDocument& doc, const RawNode& node) const {
+  if (node.graph.empty()) return {};
+  const auto it = files_.find(identity(file_of(doc, node)));
+  return it == files_.end() ? Expansion{} : Expansion{it->second.nodes + 1, it->second.nesting + 1};
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,180 @@
+// Small files that stand for something huge are refused before it is built.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "graph/raw_document.h"
+#include "graph/subgraph_files.h"
+#include "tests/support/arithmetic.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+
+class GraphSize : public ::testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& nodes) {
+    std::ofstream(folder / name) << "terrazzo: 1\n" << nodes;
+  }
+  Graph load(const std::string& name) {
+    found.clear();
+    return load_graph(folder / name, test::arithmetic(), {}, found);
+  }
+  std::string all() const {
+    std::string text;
+    for (const auto& d : found) text += d.text() + "\n";
+    return text;
+  }
+  // The only message, at its line of a file.
+  void expect_only(const std::string& code, const std::string& file, int line, const std::string& part) {
+    ASSERT_EQ(found.size(), 1u) << all().substr(0, 2000);
+    EXPECT_EQ(found[0].code, code);
+    EXPECT_EQ(fs::path(found[0].place.file).filename(), file);
+    EXPECT_EQ(found[0].place.line, line);
+    EXPECT_NE(found[0].message.find(part), std::string::npos) << found[0].message;
+  }
+  fs::path folder = test::temporary_folder();
+  Diagnostics found;
+};
+
+// Files f0 to f<levels>: each uses the next `times` times, the last holds one node.
+std::string name(int level) { return "f" + std::to_string(level) + ".yaml"; }
+
+TEST_F(GraphSize, AMillionNodesInSevenFilesAreRefusedWithTheirNumber) {
+  for (int level = 0; level < 6; ++level) {
+    std::string nodes = "nodes:\n";
+    for (int i = 0; i < 10; ++i) nodes += "  n" + std::to_string(i) + ": {graph: " + name(level + 1) + "}\n";
+    write(name(level), nodes);
+  }
+  write(name(6), "nodes:\n  c: {type: Constant}\n");
+  EXPECT_TRUE(load(name(0)).nodes.empty());
+  // 10 + 100 + … + 10⁶ subgraphs and 10⁶ nodes in them.
+  expect_only("too-large", name(0), 3,
+              "expands to 2111110 nodes, 211111 of them in 'n0'; the limit is 100000");
+}
+
+TEST_F(GraphSize, EmptySubgraphsCountToo) {
+  for (int level = 0; level < 30; ++level)
+    write(name(level),
+          "nodes:\n  a: {graph: " + name(level + 1) + "}\n  b: {graph: " + name(level + 1) + "}\n");
+  write(name(30), "nodes: {}\n");
+  load(name(0));
+  expect_only("too-large", name(0), 3, "expands to 2147483646 nodes");
+}
+
+TEST_F(GraphSize, TenThousandNodesLoad) {
+  std::string inner = "nodes:\n", outer = "nodes:\n";
+  for (int i = 0; i < 100; ++i) {
+    inner += "  c" + std::to_string(i) + ": {type: Constant}\n";
+    outer += "  s" + std::to_string(i) + ": {graph: inner.yaml}\n";
+  }
+  write("inner.yaml", inner), write("outer.yaml", outer);
+  const Graph g = load("outer.yaml");
+  EXPECT_EQ(all(), "");
+  EXPECT_EQ(g.nodes.size(), 10000u);
+}
+
+TEST_F(GraphSize, NestingHasALimitAndWorksUpToIt) {
+  for (const int levels : {max_nesting, max_nesting + 1, 100}) {
+    for (int level = 0; level < levels; ++level)
+      write(name(level), "nodes:\n  s: {graph: " + name(level + 1) + "}\noutputs: {out: s.out}\n");
+    write(name(levels), "nodes:\n  c: {type: Constant}\noutputs: {out: c.out}\n");
+    const Graph g = load(name(0));
+    if (levels == max_nesting) {
+      EXPECT_EQ(all(), "");
+      ASSERT_EQ(g.outputs.size(), 1u);
+      EXPECT_EQ(g.nodes.at(static_cast<std::size_t>(g.outputs[0].wire.node)).type->name, "Constant");
+    } else {
+      expect_only("too-large", name(0), 3, "more than 32 levels deep");
+    }
+  }
+}
+
+TEST_F(GraphSize, FilesThatUseEachOtherManyTimesAreToldApart) {
+  // Built without a look ahead, this takes 12! steps until no file is left that is not around already.
+  const int files = 12;
+  for (int i = 0; i < files; ++i) {
+    std::string nodes = "nodes:\n";
+    for (int k = 0; k < files; ++k) nodes += "  n" + std::to_string(k) + ": {graph: " + name(k) + "}\n";
+    write(name(i), nodes);
+  }
+  load(name(0));
+  ASSERT_FALSE(found.empty());
+  EXPECT_NE(all().find("'f0.yaml' contains itself"), std::string::npos) << all().substr(0, 1000);
+}
+
+TEST_F(GraphSize, AFolderThatLinksToItselfIsARecursion) {
+  fs::create_directory_symlink(".", folder / "d");
+  fs::create_directory_symlink(".", folder / "e");
+  write("a.yaml", "nodes:\n  x: {graph: d/a.yaml}\n  y: {graph: e/a.yaml}\n");
+  load("a.yaml");
+  ASSERT_EQ(found.size(), 2u) << all();
+  for (const auto& d : found) EXPECT_EQ(d.code, "recursion") << d.text();
+}
+
+TEST_F(GraphSize, WiresThatCircleThroughSubgraphsAreAnError) {
+  write("inner.yaml",
+        "nodes:\n  source: {type: Constant}\n  sum: {type: Add, inputs: {a: source.out, b: source.out}}\n"
+        "inputs: {value: source.out}\noutputs: {same: source.out}\n");
+  write("outer.yaml", "nodes:\n  s: {graph: inner.yaml, inputs: {value: s.same}}\n");
+  load("outer.yaml");
+  EXPECT_NE(all().find("back to itself"), std::string::npos) << all();
+}
+
+TEST_F(GraphSize, AChainOfFiftyThousandNodesLoads) {
+  std::string nodes = "nodes:\n  n0: {type: Constant}\n";
+  for (int i = 1; i < 50000; ++i) {
+    const std::string before = "n" + std::to_string(i - 1) + ".out";
+    nodes += "  n" + std::to_string(i) + ": {type: Add, inputs: {a: " + before + ", b: " + before + "}}\n";
+  }
+  // Consumers first, so that sorting starts at the far end.
+  write("chain.yaml", "nodes:\n  first: {type: Add, inputs: {a: n49999.out, b: n0.out}}\n" + nodes.substr(7));
+  const Graph g = load("chain.yaml");
+  EXPECT_EQ(all(), "");
+  ASSERT_EQ(g.nodes.size(), 50001u);
+  EXPECT_EQ(g.nodes.back().path, "first");
+}
+
+TEST_F(GraphSize, AliasesThatMultiplyAreRefused) {
+  std::string laughs = "x0: &x0 [lol, lol, lol, lol, lol, lol, lol, lol, lol, lol]\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string before = "*x" + std::to_string(i - 1);
+    laughs += "x" + std::to_string(i) + ": &x" + std::to_string(i) + " [" + before;
+    for (int k = 1; k < 10; ++k) laughs += ", " + before;
+    laughs += "]\n";
+  }
+  write("laughs.yaml", laughs + "nodes:\n  c: {type: Constant, params: {value: *x11}}\n");
+  load("laughs.yaml");
+  EXPECT_NE(all().find("must be a value or a list of values"), std::string::npos) << all();
+
+  std::string list = "&long [1";
+  for (int i = 1; i < 10000; ++i) list += ", 1";
+  std::string nodes = "nodes:\n  n0: {type: Constant, params: {value: " + list + "]}}\n";
+  for (int i = 1; i < 10000; ++i)
+    nodes += "  n" + std::to_string(i) + ": {type: Constant, params: {value: *long}}\n";
+  write("squared.yaml", nodes);
+  load("squared.yaml");
+  EXPECT_NE(all().find("more than 2000000 values, aliases written out"), std::string::npos)
+      << all().substr(0, 1000);
+}
+
+TEST_F(GraphSize, DeepAndLongFilesAreRefused) {
+  for (const std::string open : {"[", "{a: ", "- ", "? "}) {
+    std::string deep;
+    for (int i = 0; i < 100000; ++i) deep += open;
+    write("deep.yaml",
+          "nodes:\n  c: " + std::string(open == "- " || open == "? " ? "\n    " : "") + deep + "\n");
+    load("deep.yaml");
+    ASSERT_EQ(found.size(), 1u) << open;
+    EXPECT_EQ(found[0].code, "yaml") << open;
+  }
+  write("many.yaml", "nodes: [" + std::string(3'000'000, ',') + "]\n");
+  load("many.yaml");
+  expect_only("too-large", "many.yaml", 1, "more than 2000000 values");
+  load_graph("/dev/zero", test::arithmetic(), {}, found);
+  EXPECT_NE(all().find("'/dev/zero' has more than 16 MiB"), std::string::npos) << all();
+}
+
+}  // namespace
+}  // namespace terrazzo
