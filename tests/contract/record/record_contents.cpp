@@ -1,0 +1,50 @@
+// Renews this machine's entry in tests/contract/contents.json: ./dev contents. Refuses a result that changed
+// while the version of its node did not.
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+
+#include "nodes/register_nodes.h"
+#include "tests/contract/contents.h"
+
+int main() try {
+  using namespace terrazzo;
+  using nlohmann::json;
+  Registry registry;
+  register_nodes(registry);
+  json all = test::read_contents();
+  const json machine = test::this_machine();
+  const json* known = test::contents_on(all, machine);
+  const json before = known ? *known : json::object();
+  json types = json::object();
+  int changed = 0, refused = 0;
+  for (const NodeType* type : registry.all()) {
+    json now = test::example_contents(registry, *type, 2);
+    const auto it = before.find(type->name);
+    bool same_version = false;
+    const std::string difference = it == before.end()
+                                       ? type->name + " is new"
+                                       : test::compare_contents(type->name, *it, now, &same_version);
+    if (!difference.empty()) std::cerr << difference << '\n';
+    changed += !difference.empty();
+    refused += same_version;
+    types[type->name] = std::move(now);
+  }
+  if (refused) {
+    std::cerr << "nothing is written: " << refused << " results changed under the same version\n";
+    return 1;
+  }
+  bool found = false;
+  for (auto& entry : all)
+    if (entry.at("machine") == machine) entry["types"] = types, found = true;
+  if (!found) all.push_back({{"machine", machine}, {"types", types}});
+  std::ofstream out(test::contents_file());
+  out << all.dump(1) << '\n';
+  if (!out.flush()) throw std::runtime_error("cannot write " + test::contents_file().string());
+  std::cerr << types.size() << " node types, " << changed << " changed: " << test::contents_file().string()
+            << '\n';
+} catch (const std::exception& e) {
+  std::cerr << "error: " << e.what() << '\n';
+  return 1;
+}
