@@ -35,8 +35,11 @@ void become(const std::vector<std::string>& arguments, const ChildOptions& o) {
   if (o.faults) {
     const FaultPlan& p = *o.faults;
     ::setenv("LD_PRELOAD", TERRAZZO_FAULT_LIBRARY, 1);
-    ::setenv("TERRAZZO_FAULTS",
-             fmt::format("{} {} {} {} {}", p.seed, p.rate, p.operations, p.full_after, p.folder).c_str(), 1);
+    ::setenv(
+        "TERRAZZO_FAULTS",
+        fmt::format("{} {} {} {} {:d} {}", p.seed, p.rate, p.operations, p.full_after, p.passing, p.folder)
+            .c_str(),
+        1);
   }
   std::vector<std::string> words = {o.program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());

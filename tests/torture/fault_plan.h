@@ -23,7 +23,8 @@ struct FaultPlan {
   double rate = 0;               // of the calls that fail
   unsigned operations = 0;       // those that may
   std::uint64_t full_after = 0;  // from this call on nothing can be written, as on a full disk; 0: never
-  char folder[512] = {};         // only files below it
+  bool passing = false;   // only interruptions and short counts, which a program gets over by trying again
+  char folder[512] = {};  // only files below it
 };
 
 struct FaultCounts {

@@ -1,7 +1,7 @@
 // Stands between a program and the C library, and lets file operations fail by a plan.
 //
-// Preloaded, it reads the plan from TERRAZZO_FAULTS="SEED RATE OPERATIONS FULL_AFTER FOLDER" and adds its
-// counts to the file that TERRAZZO_FAULT_COUNTS names: two numbers of 8 bytes, calls and faults.
+// Preloaded, it reads the plan from TERRAZZO_FAULTS="SEED RATE OPERATIONS FULL_AFTER PASSING FOLDER" and adds
+// its counts to the file that TERRAZZO_FAULT_COUNTS names: two numbers of 8 bytes, calls and faults.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -9,6 +9,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
@@ -53,12 +54,15 @@ bool below(int fd) {
   return path[0] == '/' && below(path);
 }
 
-// 0: the call goes through. Otherwise random bits that say how it fails.
-std::uint64_t fault(unsigned operation) {
+// 0: the call goes through. Otherwise random bits that say how it fails. `can_pass`: by an interruption or a
+// short count.
+std::uint64_t fault(unsigned operation, bool can_pass = false) {
   const std::uint64_t call = ++counts->calls;
   const std::uint64_t bits = mix(plan.seed ^ mix(call));
   const bool full = plan.full_after && call >= plan.full_after && operation != open_to_read;
-  const bool chosen = (plan.operations & operation) && static_cast<double>(bits >> 11) * 0x1p-53 < plan.rate;
+  const bool chosen = (plan.operations & operation) &&
+                      static_cast<double>(bits >> 11) * 0x1p-53 < plan.rate &&
+                      (!plan.passing || (can_pass && interruptions < 3));
   if (!full && !chosen) return 0;
   ++counts->injected;
   return full && !chosen ? 1 : mix(bits) | 2;
@@ -67,7 +71,7 @@ std::uint64_t fault(unsigned operation) {
 bool is_full(std::uint64_t f) { return f == 1; }
 
 int fail(std::uint64_t f, bool may_interrupt, int other = EIO) {
-  if (!is_full(f) && may_interrupt && (f >> 8) % 3 == 0 && interruptions < 3) {
+  if (!is_full(f) && may_interrupt && interruptions < 3 && (plan.passing || (f >> 8) % 3 == 0)) {
     ++interruptions;
     errno = EINTR;
     return -1;
@@ -78,7 +82,7 @@ int fail(std::uint64_t f, bool may_interrupt, int other = EIO) {
 
 // Of `size` bytes to write: how many are written, fewer than `size`; 0: fail.
 std::size_t part(std::uint64_t f, std::size_t size) {
-  return is_full(f) || size < 2 || (f >> 4) % 2 ? 0 : 1 + (f >> 16) % (size - 1);
+  return is_full(f) || size < 2 || (f >> 4) % 2 ? 0 : 1 + (f >> 16) % std::min<std::size_t>(size - 1, 64);
 }
 
 __attribute__((constructor)) void begin_from_environment() {
@@ -86,10 +90,11 @@ __attribute__((constructor)) void begin_from_environment() {
   if (!text) return;
   FaultPlan p;
   unsigned long long seed = 0, full_after = 0;
-  if (std::sscanf(text, "%llu %lf %u %llu %511[^\n]", &seed, &p.rate, &p.operations, &full_after, p.folder) !=
-      5)
+  int passing = 0;
+  if (std::sscanf(text, "%llu %lf %u %llu %d %511[^\n]", &seed, &p.rate, &p.operations, &full_after, &passing,
+                  p.folder) != 6)
     ::abort();
-  p.seed = seed, p.full_after = full_after;
+  p.seed = seed, p.full_after = full_after, p.passing = passing;
   FaultCounts* shared = nullptr;
   if (const char* file = std::getenv("TERRAZZO_FAULT_COUNTS")) {
     const int fd = ::open(file, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -117,20 +122,20 @@ void terrazzo_begin_faults(const FaultPlan* p, FaultCounts* shared) {
   active = true;
 }
 
-#define OPEN(name, ...)                                                       \
-  {                                                                           \
-    REAL(name);                                                               \
-    mode_t mode = 0;                                                          \
-    if (flags & (O_CREAT | O_TMPFILE)) {                                      \
-      va_list rest;                                                           \
-      va_start(rest, flags);                                                  \
-      mode = va_arg(rest, mode_t);                                            \
-      va_end(rest);                                                           \
-    }                                                                         \
-    if (active && below(path))                                                \
-      if (const auto f = fault(opening(flags))) return fail(f, true, EMFILE); \
-    interruptions = 0;                                                        \
-    return real_##name(__VA_ARGS__);                                          \
+#define OPEN(name, ...)                                                             \
+  {                                                                                 \
+    REAL(name);                                                                     \
+    mode_t mode = 0;                                                                \
+    if (flags & (O_CREAT | O_TMPFILE)) {                                            \
+      va_list rest;                                                                 \
+      va_start(rest, flags);                                                        \
+      mode = va_arg(rest, mode_t);                                                  \
+      va_end(rest);                                                                 \
+    }                                                                               \
+    if (active && below(path))                                                      \
+      if (const auto f = fault(opening(flags), true)) return fail(f, true, EMFILE); \
+    interruptions = 0;                                                              \
+    return real_##name(__VA_ARGS__);                                                \
   }
 int open(const char* path, int flags, ...)
     OPEN(open, path, flags, mode) int open64(const char* path, int flags, ...)
@@ -154,7 +159,7 @@ FILE* fopen64(const char* path, const char* mode) {
 ssize_t write(int fd, const void* data, size_t size) {
   REAL(write);
   if (active && fd > 2 && below(fd))
-    if (const auto f = fault(write_bytes)) {
+    if (const auto f = fault(write_bytes, true)) {
       if (const size_t n = part(f, size)) return real_write(fd, data, n);
       return fail(f, true);
     }
@@ -164,7 +169,7 @@ ssize_t write(int fd, const void* data, size_t size) {
 ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
   REAL(pwrite);
   if (active && below(fd))
-    if (const auto f = fault(write_bytes)) {
+    if (const auto f = fault(write_bytes, true)) {
       if (const size_t n = part(f, size)) return real_pwrite(fd, data, n, at);
       return fail(f, true);
     }
@@ -174,7 +179,7 @@ ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) { return ::p
 ssize_t writev(int fd, const struct iovec* parts, int number) {
   REAL(writev);
   if (active && fd > 2 && below(fd))
-    if (const auto f = fault(write_bytes)) {
+    if (const auto f = fault(write_bytes, true)) {
       if (number > 0 && part(f, parts[0].iov_len))
         return real_writev(fd, parts, 1);  // the first part alone: a short count unless it is the only one
       return fail(f, true);
@@ -220,7 +225,7 @@ int fclose(FILE* file) {
 }
 int fsync(int fd) {
   if (active && below(fd))
-    if (const auto f = fault(sync_file)) return fail(f, true);
+    if (const auto f = fault(sync_file, true)) return fail(f, true);
   return 0;  // the machine does not crash here, and waiting for the disk would take most of the time
 }
 int fdatasync(int fd) { return ::fsync(fd); }

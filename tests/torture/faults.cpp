@@ -53,6 +53,12 @@ FaultPlan plan_of(Random& random, const fs::path& folder) {
   if (random.below(3))
     plan.operations &= ~static_cast<unsigned>(open_to_read);  // most of these end a run at once
   if (random.below(4) == 0) plan.full_after = 1 + random.below(300);
+  if (random.below(2)) {
+    plan.passing = true;
+    plan.rate = 0.9;
+    plan.operations = write_bytes;
+    plan.full_after = 0;
+  }
   std::strncpy(plan.folder, folder.c_str(), sizeof plan.folder - 1);
   return plan;
 }
@@ -79,17 +85,25 @@ Counts faults(const Options& o) {
       const fs::path full = bed.folder() / "full";
       disk.emplace(full, 4 + random.below(150));
       if (!disk->mounted()) return;
-      (random.below(2) ? out : cache) = full / "in";
+      (random.below(2) ? out : cache) = full;  // as deep as the others: provenance holds relative paths
     } else {
       options.faults = plan_of(random, bed.folder());
+      if (options.faults->passing) {  // in a new cache there is more to write
+        cache = bed.folder() / "passing_cache";
+        fs::remove_all(cache);
+      }
       if (random.below(50) == 0) options.program = o.program;
     }
     std::vector<std::string> arguments = bed.arguments(variant, out, cache);
-    if (random.below(15) == 0) arguments = {"cache", "gc", "--cache", cache.string(), "--cache-limit", "4K"};
+    if (random.below(15) == 0 && !(options.faults && options.faults->passing))
+      arguments = {"cache", "gc", "--cache", cache.string(), "--cache-limit", "4K"};
     const bool runs = arguments[0] == "run";
     if (disk && !runs) return;
     const Ended e = run(arguments, bed.folder(), options);
     must_end_well(e);
+    if (runs && options.faults && options.faults->passing && e.exit_code != 0)
+      throw std::runtime_error("writes that come back short or are interrupted must be tried again: " +
+                               e.text());
     ++counts["runs"];
     counts["runs that failed"] += e.exit_code != 0;
     counts["file size limits"] += options.largest_file >= 0;

@@ -23,8 +23,8 @@ nodes:
   photo: {type: LoadImage, params: {path: photo.ppm}}
   linked: {type: LoadImage, params: {path: link.ppm}}
   inside: {type: LoadImage, params: {path: folder/photo.ppm}}
-  sheet: {type: ContactSheet, inputs: {images: [wood.image, photo.image]}}
-  all: {type: ContactSheet, inputs: {images: [sheet.image, marble.image, linked.image, inside.image]}}
+  sheet: {type: ContactSheet, inputs: {images: [wood.image, photo.image]}, params: {cell: 32}}
+  all: {type: ContactSheet, inputs: {images: [sheet.image, marble.image, linked.image, inside.image]}, params: {cell: 32}}
   file: {type: Export, inputs: {image: all.image}, params: {path: all.png}}
 )";
 
