@@ -1,7 +1,14 @@
 // Belongs to the program itself, not to the library that it loads.
 #include <dlfcn.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <exception>
+#include <new>
+#include <system_error>
 
 #include "graph/diagnostic.h"
+#include "runtime/memory.h"
 #include "runtime/plugin.h"
 #include "runtime/studio/library.h"
 
@@ -9,8 +16,43 @@ namespace terrazzo::studio {
 
 #ifdef TERRAZZO_STUDIO_LIBRARY  // its file name, where it is a shared library
 
+namespace {
+
+// Address space that the libraries take, with what their constructors allocate.
+constexpr std::uint64_t kRoom = 400'000'000;
+
+// Nothing can catch what the libraries' constructors throw.
+std::terminate_handler usual_end;
+[[noreturn]] void end_or_say_why() {
+  const auto end_without_room = [] {
+    constexpr char message[] =
+        "error: not enough address space to load the node types: raise the limit (ulimit -v)\n";
+    [[maybe_unused]] const auto n = ::write(STDERR_FILENO, message, sizeof message - 1);
+    ::_exit(1);
+  };
+  try {
+    if (const auto e = std::current_exception()) std::rethrow_exception(e);
+  } catch (const std::bad_alloc&) {
+    end_without_room();
+  } catch (const std::system_error& e) {  // a thread whose stack finds no room
+    if (e.code() == std::errc::resource_unavailable_try_again) end_without_room();
+  } catch (...) {
+  }
+  usual_end();
+  ::_exit(1);
+}
+
+}  // namespace
+
 const Library& library() {
   static const Library& loaded = []() -> const Library& {
+    if (const std::uint64_t left = available_address_space(); left < kRoom)
+      throw Error(
+          "no-memory",
+          fmt::format("not enough address space to load the node types: {} MB are left, they need {} MB",
+                      left / 1'000'000, kRoom / 1'000'000),
+          "raise the limit (ulimit -v)");
+    usual_end = std::set_terminate(end_or_say_why);
     const auto file = library_folder() / TERRAZZO_STUDIO_LIBRARY;
     // Its symbols are global, so that plugins find those of the nodes as if the program were linked to them.
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
