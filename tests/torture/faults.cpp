@@ -80,7 +80,8 @@ Counts faults(const Options& o) {
     fs::path out = bed.out(), cache = bed.cache();
     std::optional<SmallDisk> disk;
     if (kind == 0) {
-      options.largest_file = static_cast<std::int64_t>(random.below(3000));
+      // What the program prints goes to a file as well, and must have room to say what is wrong.
+      options.largest_file = static_cast<std::int64_t>(300 + random.below(3000));
     } else if (kind == 1) {
       const fs::path full = bed.folder() / "full";
       disk.emplace(full, 4 + random.below(150));

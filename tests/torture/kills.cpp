@@ -13,6 +13,7 @@ Counts kills(const Options& o) {
   const auto hold = [](const std::string& trouble) {
     if (!trouble.empty()) throw std::runtime_error(trouble);
   };
+  double usual = bed.seconds();  // that a run takes, cached or not, and however busy the machine is
   repeat(o, "kills", [&](std::uint64_t trial) {
     Random random(o.seed, 1, trial);
     if (trial % 20 == 0) bed.new_cache();
@@ -25,7 +26,7 @@ Counts kills(const Options& o) {
         collects
             ? std::vector<std::string>{"cache", "gc", "--cache", bed.cache().string(), "--cache-limit", "4K"}
             : bed.arguments(variant);
-    const double after = (anew ? 0.3 : 0) + random.uniform(0, 1.2) * bed.seconds() * (collects ? 0.3 : 1);
+    const double after = (anew ? 0.3 : 0) + random.uniform(0, 1.1) * usual * (collects ? 0.5 : 1);
     const Ended e = run(arguments, bed.folder(), options, after);
     if (e.hung || (e.signal ? e.signal != SIGKILL : e.exit_code != 0)) throw std::runtime_error(e.text());
     ++counts[!e.signal ? "ended before" : collects ? "kills of collections" : "kills"];
@@ -37,7 +38,9 @@ Counts kills(const Options& o) {
       if (verified.exit_code != 0) throw std::runtime_error("the cache is damaged: " + verified.text());
       ++counts["caches verified"];
     }
+    const double begun = now();
     hold(bed.what_a_run_gives(random.below(2) ? variant : static_cast<int>(random.below(Bed::variants))));
+    usual += 0.1 * (now() - begun - usual);
     hold(bed.what_the_user_lost());
   });
   return counts;
