@@ -75,6 +75,16 @@ std::optional<HashedState> hash_state(const fs::path& path) {
   return {};
 }
 
+// A memo is believed without looking at the file, so a damaged one must show: it ends with the hash of what
+// it says.
+std::string with_check(const std::string& line) { return line + " " + hash_of(line).text() + "\n"; }
+
+// "" where it does not hold.
+std::string checked_line(const std::string& text) {
+  const std::string line = text.substr(0, text.rfind(' '));
+  return with_check(line) == text ? line : "";
+}
+
 }  // namespace
 
 std::optional<FileStamp> stamp_of(const fs::path& path) {
@@ -97,7 +107,8 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
     if (const auto text = read_file(memo)) {
       Entry e{};
       char hex[33] = {};
-      if (std::sscanf(text->c_str(), "%" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNd64 " %" SCNd64 " %32s",
+      const std::string line = checked_line(*text);
+      if (std::sscanf(line.c_str(), "%" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNd64 " %" SCNd64 " %32s",
                       &e.stamp.device, &e.stamp.inode, &e.stamp.size, &e.stamp.modified, &e.stamp.changed,
                       hex) == 6 &&
           e.stamp == *now && (e.hash = Hash::parse(hex))) {
@@ -114,8 +125,8 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
     const FileStamp& s = state->stamp;
     if (!memo.empty()) try {
         write_cache_entry(folder_, "files", hash_of(name),
-                          fmt::format("{} {} {} {} {} {}\n", s.device, s.inode, s.size, s.modified, s.changed,
-                                      state->hash.text()));
+                          with_check(fmt::format("{} {} {} {} {} {}", s.device, s.inode, s.size, s.modified,
+                                                 s.changed, state->hash.text())));
       } catch (const Error&) {
         // The memo only saves time; a full or read-only cache must not stop the run.
       }

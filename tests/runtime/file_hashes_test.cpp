@@ -77,11 +77,29 @@ TEST_F(FileHashesTest, RemembersAFileThatDoesNotChange) {
   // A memo that lies shows that the file itself was not read again.
   for (const auto& e : fs::recursive_directory_iterator(cache / "files"))
     if (e.is_regular_file()) {
-      std::string memo = read_file(e.path()).value();
-      memo.replace(memo.size() - 33, 32, hash_of("lie").text());
-      write(e.path(), memo);
+      std::string line = read_file(e.path()).value();
+      line.resize(line.size() - 34);  // the check after it
+      line.replace(line.size() - 32, 32, hash_of("lie").text());
+      write(e.path(), line + " " + hash_of(line).text() + "\n");
     }
   EXPECT_EQ(FileHashes(cache).hash(file), hash_of("lie"));
+}
+
+TEST_F(FileHashesTest, BelievesNoMemoWithAFlippedBit) {
+  write(file, "first");
+  settle();
+  EXPECT_EQ(FileHashes(cache).hash(file), hash_of("first"));
+  fs::path memo;
+  for (const auto& e : fs::recursive_directory_iterator(cache / "files"))
+    if (e.is_regular_file()) memo = e.path();
+  const std::string text = read_file(memo).value();
+  for (std::size_t i = 0; i < text.size(); ++i)
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string damaged = text;
+      damaged[i] ^= static_cast<char>(1 << bit);
+      write(memo, damaged);
+      EXPECT_EQ(FileHashes(cache).hash(file), hash_of("first")) << i << " " << bit;
+    }
 }
 
 // A registry with a node that reads its file, and meanwhile calls `between`, which somebody else's writing
