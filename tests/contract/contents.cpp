@@ -39,6 +39,9 @@ std::string libraries() {
   return fmt::format("{}", fmt::join(found, " "));
 }
 
+// The other formats carry provenance, which is not part of a result.
+const std::set<std::string> without_metadata = {".csv", ".json", ".obj", ".ply", ".stl"};
+
 // What compilers, libm and libraries choose code by.
 std::string cpu() {
 #if defined(__x86_64__)
@@ -108,7 +111,7 @@ json example_contents(const Registry& registry, const NodeType& type, int thread
     json node = {{"version", type.version}, {"key", r.key.text()}};
     for (const auto& [port, record] : r.outputs) node["outputs"][port] = record.content.text();
     for (const auto& file : r.files)
-      if (fs::path(file.path).extension() != ".vdb")  // OpenVDB gives each of its files a random number
+      if (without_metadata.count(fs::path(file.path).extension().string()))
         node["files"][file.path] = file.content.text();
     out[graph.nodes[i].path] = std::move(node);
   }
