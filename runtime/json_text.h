@@ -1,4 +1,5 @@
-// JSON as text. Bytes that are not UTF-8, as paths may hold, become U+FFFD: nlohmann's own default would throw.
+// JSON as text. Bytes that are not UTF-8, as paths may hold, become U+FFFD: nlohmann's own default would
+// throw.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -20,12 +20,12 @@ std::string provenance(const Graph& graph, const Overrides& overrides) {
   for (const auto& [name, value] : overrides.set) set.push_back(name + "=" + value);
   for (const auto& [name, value] : overrides.parameters) given.push_back(name + "=" + value);
   return json_text({{"program", "terrazzo"},
-                        {"version", program_version},
-                        {"graph", fs::path(graph.file).filename().string()},
-                        {"name", graph.name},
-                        {"set", set},
-                        {"param", given},
-                        {"node_versions", versions},
+                    {"version", program_version},
+                    {"graph", fs::path(graph.file).filename().string()},
+                    {"name", graph.name},
+                    {"set", set},
+                    {"param", given},
+                    {"node_versions", versions},
                     {"parameters", parameters}});
 }
 

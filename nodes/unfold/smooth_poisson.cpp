@@ -108,8 +108,8 @@ class Search {
     const double value = climb(Posterior(p_, prior), f.theta, information, enough);
     const Eigen::LLT<MatrixXd> factor(information);
     f.evidence = value + (prior.log_det - log_determinant(factor)) / 2 + log_prior(breaks.size());
-    // Few counts may leave the information singular by rounding. That tells nothing for or against this prior,
-    // but its densities are of no use.
+    // Few counts may leave the information singular by rounding. That tells nothing for or against this
+    // prior, but its densities are of no use.
     if (!std::isfinite(f.evidence)) f.evidence = kNever;
     f.freedom = static_cast<double>(bins_) - factor.solve(prior.precision).trace();
     return f;

@@ -205,9 +205,10 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
     if (finite && (o.relative || r.distribution.volume_fraction < 1)) return r;
     if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes
     const std::string found =
-        finite ? fmt::format("the densities found would fill {:.3g} times the volume: with a condition number of "
-                             "{:.2g} the counting errors are blown up",
-                             r.distribution.volume_fraction, r.condition)
+        finite ? fmt::format(
+                     "the densities found would fill {:.3g} times the volume: with a condition number of "
+                     "{:.2g} the counting errors are blown up",
+                     r.distribution.volume_fraction, r.condition)
                : fmt::format("{} profiles do not determine the densities of {} classes", o.used, classes);
     throw Error("unstable", found,
                 options.method == "inverse" ? "use fewer classes, or method: em"

@@ -59,7 +59,8 @@ int run(const Program& program, const RunCommand& o) {
   if (!report.empty())
     write_text_atomically(
         report,
-        json_text(report_json(graph, result, threads(o), session.overrides(), report.parent_path()), 2) + "\n");
+        json_text(report_json(graph, result, threads(o), session.overrides(), report.parent_path()), 2) +
+            "\n");
   if (result.cancelled()) {
     std::cerr << "interrupted; what was finished is cached\n";
     return interrupted;

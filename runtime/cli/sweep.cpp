@@ -77,7 +77,11 @@ class LocalExecutor : public Executor {
     options.cancel = cancel;
     options.provenance = provenance(graph, point.overrides);
     const RunResult result = session_.evaluator().run(graph, options);
-    session_.history().record(graph, result, session_.evaluator().hashes());
+    try {
+      session_.history().record(graph, result, session_.evaluator().hashes());
+    } catch (const std::exception& e) {
+      std::cerr << "warning: " << point.folder << " cannot be explained later: " << e.what() << '\n';
+    }
     if (result.cancelled()) return nullptr;
     json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
     write_text_atomically(options.output_folder / "report.json", json_text(report, 2) + "\n");

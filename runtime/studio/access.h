@@ -27,9 +27,9 @@ class Access {
   // The Set-Cookie header that keeps the token in the browser.
   std::string cookie() const;
 
-  // Refuses what names another host or comes from another site's page (so no page elsewhere can use the server,
-  // nor any name that points here), what lacks the token in its address and in its cookies (so no other account
-  // can), and bodies that are encoded or chunked (so their size is known before they are read).
+  // Refuses what names another host or comes from another site's page (so no page elsewhere can use the
+  // server, nor any name that points here), what lacks the token in its address and in its cookies (so no
+  // other account can), and bodies that are encoded or chunked (so their size is known before they are read).
   std::optional<Refusal> refusal(const httplib::Request&) const;
 
  private:

@@ -14,8 +14,6 @@
 
 namespace terrazzo::studio {
 
-#ifdef TERRAZZO_STUDIO_LIBRARY  // its file name, where it is a shared library
-
 namespace {
 
 // Address space that the libraries take, with what their constructors allocate.
@@ -66,11 +64,5 @@ const Library& library() {
   }();
   return loaded;
 }
-
-#else
-
-const Library& library() { return *terrazzo_studio_library(); }
-
-#endif
 
 }  // namespace terrazzo::studio

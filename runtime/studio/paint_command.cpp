@@ -31,7 +31,8 @@ int paint(const PaintOptions& o) {
   const std::atomic<bool>* cancel = cli::cancel_on_interrupt();
   SaveFile save = save_file(o);
   if (find_invalid_utf8(painting.graph(save.path())) != std::string::npos)
-    throw Error("usage", "the picture's path is not UTF-8, so no graph file can name it", "rename the picture");
+    throw Error("usage", "the picture's path is not UTF-8, so no graph file can name it",
+                "rename the picture");
   PaintServer server(painting, save, cancel);
   server.bind(o.port);
   std::cout << server.address() << std::endl;

@@ -147,7 +147,8 @@ struct PaintServer::Impl {
     Rectangle changed;
     for (const auto& point : body.at("points")) {
       if (!point.is_array() || point.size() != 2) throw Error("bad-stroke", "a point is [x, y]");
-      changed = joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}, work()));
+      changed =
+          joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}, work()));
     }
     if (body.value("end", false)) painting.end_stroke();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
@@ -206,9 +207,7 @@ struct PaintServer::Impl {
                    if (name == "paint.html") out.set_header("Set-Cookie", access.cookie());
                    out.set_content(page_file(name), media_type(name));
                  });
-    const auto answer_state = [this](auto&, const json&, httplib::Response& out) {
-      answer(out, state());
-    };
+    const auto answer_state = [this](auto&, const json&, httplib::Response& out) { answer(out, state()); };
     server.Get("/api/state", handler(answer_state));
     server.Get("/api/view", handler([this](const httplib::Request& in, const json&, httplib::Response& out) {
                  view(in.get_param_value("kind"), out);
@@ -246,7 +245,7 @@ PaintServer::~PaintServer() = default;
 
 int PaintServer::bind(int port) {
   auto& server = impl_->server;
-  const int bound = port == 0                                  ? server.bind_to_any_port("127.0.0.1")
+  const int bound = port == 0                                ? server.bind_to_any_port("127.0.0.1")
                     : server.bind_to_port("127.0.0.1", port) ? port
                                                              : -1;
   if (bound <= 0)

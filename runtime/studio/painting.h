@@ -22,8 +22,8 @@ struct NibChoice {
   std::uint64_t seed = 1;
 };
 
-// What takes long stops when its Work is cancelled and throws Cancelled. The painting is then half done: all that
-// may be done with it is to end.
+// What takes long stops when its Work is cancelled and throws Cancelled. The painting is then half done: all
+// that may be done with it is to end.
 class Painting {
  public:
   // Throws what reading the picture throws.

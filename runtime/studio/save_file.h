@@ -25,7 +25,8 @@ class SaveFile {
   const std::filesystem::path& path() const { return path_; }
 
   // Writes text(path). If the file is not as this session left it, its content stays and the text goes to the
-  // next free number, which is path() from then on. Returns whether that happened. Throws Error "write-failed".
+  // next free number, which is path() from then on. Returns whether that happened. Throws Error
+  // "write-failed".
   bool write(const std::function<std::string(const std::filesystem::path&)>& text);
 
  private:

@@ -23,9 +23,8 @@ class ForeignBytes : public ::testing::Test {
     return folder / name;
   }
   test::ProgramRun run(const fs::path& graph, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"run",     graph.string(),
-                                          "--out",   out.string(),
-                                          "--cache", (folder / "cache").string()};
+    std::vector<std::string> arguments = {"run",        graph.string(), "--out",
+                                          out.string(), "--cache",      (folder / "cache").string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_program(arguments);
   }
@@ -59,8 +58,9 @@ TEST_F(ForeignBytes, InAGraphAreAnErrorAtTheirPlace) {
     EXPECT_EQ(set.exit_code, 2);
     EXPECT_NE(set.err.find("is not UTF-8"), std::string::npos) << set.err;
   }
-  EXPECT_EQ(run_program({"sweep", good.string(), "--vary", "pattern.kind=fl\xe4", "--out", out.string()}).exit_code,
-            2);
+  EXPECT_EQ(
+      run_program({"sweep", good.string(), "--vary", "pattern.kind=fl\xe4", "--out", out.string()}).exit_code,
+      2);
 }
 
 TEST_F(ForeignBytes, InATableAreReplacedWithAWarning) {
@@ -94,7 +94,8 @@ TEST_F(ForeignBytes, InNamesOfFilesHarmNothing) {
   const fs::path work = folder / "\xe9tude";
   fs::create_directories(work);
   fs::copy(test::paint_picture(), work / "caf\xe9.png");
-  std::ofstream(work / "t\xeatra.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  std::ofstream(work / "t\xeatra.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   std::ofstream(work / "\xfc.yaml") << R"(terrazzo: 1
 nodes:
   picture: {type: LoadImage, params: {path: '*.png'}}
@@ -111,11 +112,12 @@ nodes:
     for (const auto& node : told.at("nodes")) EXPECT_EQ(node.at("status"), round) << node.at("name");
     EXPECT_NE(told.dump().find("its shape is called t\uFFFDtra"), std::string::npos);
   }
-  const auto shown = run_program({"show", (work / "\xfc.yaml").string(), "mesh.shapes", "--json", "--no-cache"});
+  const auto shown =
+      run_program({"show", (work / "\xfc.yaml").string(), "mesh.shapes", "--json", "--no-cache"});
   EXPECT_EQ(shown.exit_code, 0) << shown.err;
   EXPECT_NE(shown.out.find("t\uFFFDtra"), std::string::npos) << shown.out;
-  const auto swept = run_program({"sweep", (work / "\xfc.yaml").string(), "--vary", "mesh.scale=1,2", "--preview",
-                                  "copy.png", "--no-cache", "--out", out.string()});
+  const auto swept = run_program({"sweep", (work / "\xfc.yaml").string(), "--vary", "mesh.scale=1,2",
+                                  "--preview", "copy.png", "--no-cache", "--out", out.string()});
   EXPECT_EQ(swept.exit_code, 0) << swept.err;
   EXPECT_TRUE(fs::exists(out / "sweep.png")) << swept.err;
 }

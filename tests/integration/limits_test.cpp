@@ -13,11 +13,12 @@ namespace fs = std::filesystem;
 
 TEST(Limits, ASweepIntoAFolderThatCannotBeWritten) {
   const fs::path folder = test::temporary_folder(), graph = folder / "g.yaml";
-  std::ofstream(graph) << "terrazzo: 1\nnodes: {fat: {type: Pattern, params: {kind: fat, width: 8, height: 8}}}\n";
+  std::ofstream(graph)
+      << "terrazzo: 1\nnodes: {fat: {type: Pattern, params: {kind: fat, width: 8, height: 8}}}\n";
   std::ofstream(folder / "file") << "no folder";
   for (const char* jobs : {"1", "2", "4"}) {
-    const auto r = test::run_program({"sweep", graph.string(), "--vary", "fat.seed=1:8:1", "--jobs", jobs, "--no-cache",
-                                      "--out", (folder / "file" / "out").string()});
+    const auto r = test::run_program({"sweep", graph.string(), "--vary", "fat.seed=1:8:1", "--jobs", jobs,
+                                      "--no-cache", "--out", (folder / "file" / "out").string()});
     EXPECT_EQ(r.exit_code, 1) << jobs << r.err;
     EXPECT_NE(r.err.find("cannot write"), std::string::npos) << jobs << r.err;
   }
@@ -26,13 +27,15 @@ TEST(Limits, ASweepIntoAFolderThatCannotBeWritten) {
 // From what the loader of libraries refuses up to what suffices.
 TEST(Limits, TooLittleAddressSpaceIsSaid) {
   const fs::path folder = test::temporary_folder(), graph = folder / "g.yaml";
-  std::ofstream(graph) << "terrazzo: 1\nnodes: {fat: {type: Pattern, params: {kind: fat, width: 8, height: 8}}}\n";
+  std::ofstream(graph)
+      << "terrazzo: 1\nnodes: {fat: {type: Pattern, params: {kind: fat, width: 8, height: 8}}}\n";
   const auto run = [&](long megabytes) {
     test::ProgramOptions o;
     o.address_space = megabytes << 20;
-    return test::run_command({"timeout", "60", (test::build_folder() / "terrazzo").string(), "run", graph.string(),
-                              "--no-cache", "--threads", "2", "--out", (folder / "out").string()},
-                             o);
+    return test::run_command(
+        {"timeout", "60", (test::build_folder() / "terrazzo").string(), "run", graph.string(), "--no-cache",
+         "--threads", "2", "--out", (folder / "out").string()},
+        o);
   };
   long low = 64, high = 4096;  // refused; enough
   ASSERT_EQ(run(high).exit_code, 0);
@@ -49,7 +52,8 @@ TEST(Limits, TooLittleAddressSpaceIsSaid) {
     if (r.exit_code == 0) continue;
     EXPECT_TRUE(r.exit_code == 1 || r.exit_code == 127) << m << " MB: " << r.exit_code << r.err;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << m << " MB: " << r.err;
-    EXPECT_TRUE(r.exit_code == 127 || r.err.find("address space") != std::string::npos) << m << " MB: " << r.err;
+    EXPECT_TRUE(r.exit_code == 127 || r.err.find("address space") != std::string::npos)
+        << m << " MB: " << r.err;
   }
 }
 

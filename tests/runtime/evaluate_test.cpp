@@ -164,6 +164,19 @@ TEST_F(Evaluate, CancelStopsAndKeepsWhatIsDone) {
             (Paths{"a"}));
 }
 
+TEST_F(Evaluate, AnObserverThatThrowsCostsNoResult) {
+  const Graph g = graph_of("nodes:\n  a: {type: Constant}\n  b: {type: Clamp, inputs: {in: a.out}}\n");
+  struct Thrower : Observer {
+    void started(int) override { throw std::runtime_error("no terminal"); }
+    void finished(int, const NodeResult&) override { throw std::runtime_error("no terminal either"); }
+  } observer;
+  RunOptions o;
+  o.observer = &observer;
+  const RunResult r = run(g, o);
+  EXPECT_EQ(paths(g, r, Status::Computed), (Paths{"a", "b"}));
+  EXPECT_EQ(r.trouble, "progress is not shown any more: no terminal");
+}
+
 TEST_F(Evaluate, DamagedCacheFilesAreMissesNeverResults) {
   const Graph g = graph_of(chain);
   const RunResult clean = run(g);

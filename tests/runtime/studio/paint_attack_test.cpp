@@ -61,7 +61,8 @@ TEST_F(PaintAttack, SlowConnectionsDoNotStopThePage) {
 TEST_F(PaintAttack, ASlowRequestIsEnded) {
   const PaintProcess p({test::paint_picture().string()}, folder);
   const int s = p.connect();
-  test::send_all(s, p.head("POST", "/api/undo", "Content-Type: application/json\r\nContent-Length: 1000000\r\n"));
+  test::send_all(
+      s, p.head("POST", "/api/undo", "Content-Type: application/json\r\nContent-Length: 1000000\r\n"));
   int sent = 0;
   for (struct pollfd closed = {s, POLLIN, 0}; sent < 300 && ::poll(&closed, 1, 100) == 0; ++sent)
     ::send(s, " ", 1, MSG_NOSIGNAL);
@@ -98,8 +99,9 @@ TEST_F(PaintAttack, EncodedBodiesAreRefusedUnread) {
   EXPECT_TRUE(is(endless(p.head("POST", "/api/stroke", json + "Transfer-Encoding: chunked\r\n"),
                          "100000\r\n" + megabyte + "\r\n"),
                  415));
-  EXPECT_TRUE(is(endless(p.head("POST", "/api/stroke", json + "Content-Length: 67108864\r\n"), megabyte), 413));
-  endless("GET /", std::string(1 << 20, 'x'));                     // a line without an end
+  EXPECT_TRUE(
+      is(endless(p.head("POST", "/api/stroke", json + "Content-Length: 67108864\r\n"), megabyte), 413));
+  endless("GET /", std::string(1 << 20, 'x'));                      // a line without an end
   endless("GET / HTTP/1.1\r\n", "X-Header: 0123456789abcdef\r\n");  // headers without an end
   EXPECT_LT(p.peak_memory(), before + 24 * 1024);
   EXPECT_TRUE(is(p.ask(p.head("GET", "/api/state")), 200));
@@ -138,8 +140,8 @@ TEST_F(PaintAttack, SessionsSaveSideBySide) {
   for (int k = 0; k < 2; ++k) {
     PaintProcess p({image.string()}, folder);
     p.post("/api/nib", R"({"region": [2, 2, 40, 60]})");
-    p.post("/api/stroke",
-           R"({"begin": true, "end": true, "radius": 5, "points": [[)" + std::to_string(20 + 20 * k) + ", 40]]}");
+    p.post("/api/stroke", R"({"begin": true, "end": true, "radius": 5, "points": [[)" +
+                              std::to_string(20 + 20 * k) + ", 40]]}");
     EXPECT_TRUE(is(p.post("/api/save", "{}"), 200));
     EXPECT_EQ(p.end(SIGINT), 0);
   }
@@ -149,10 +151,9 @@ TEST_F(PaintAttack, SessionsSaveSideBySide) {
   EXPECT_NE(*first, *second);
   test::ProgramOptions here;
   here.folder = folder;
-  const auto again =
-      test::run_command({"timeout", "20", (test::build_folder() / "terrazzo").string(), "paint", image.string(),
-                         "--save", stem + ".yaml"},
-                        here);
+  const auto again = test::run_command({"timeout", "20", (test::build_folder() / "terrazzo").string(),
+                                        "paint", image.string(), "--save", stem + ".yaml"},
+                                       here);
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_NE(again.err.find("--overwrite"), std::string::npos) << again.err;
   EXPECT_EQ(read_file(folder / (stem + ".yaml")), first);

@@ -53,7 +53,8 @@ int PaintProcess::connect() const {
   struct sockaddr_in to = {};
   to.sin_family = AF_INET, to.sin_port = htons(static_cast<std::uint16_t>(port_));
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  if (::connect(s, reinterpret_cast<sockaddr*>(&to), sizeof to) != 0) throw std::runtime_error("no connection");
+  if (::connect(s, reinterpret_cast<sockaddr*>(&to), sizeof to) != 0)
+    throw std::runtime_error("no connection");
   return s;
 }
 
@@ -72,9 +73,10 @@ std::string PaintProcess::ask(const std::string& request) const {
 }
 
 std::string PaintProcess::post(const std::string& path, const std::string& json) const {
-  return ask(head("POST", path,
-                  "Content-Type: application/json\r\nContent-Length: " + std::to_string(json.size()) + "\r\n") +
-             json);
+  return ask(
+      head("POST", path,
+           "Content-Type: application/json\r\nContent-Length: " + std::to_string(json.size()) + "\r\n") +
+      json);
 }
 
 long PaintProcess::peak_memory() const {
