@@ -149,6 +149,30 @@ TEST(FilesOfNodes, ExactlyTheDeclaredOnesAreOpened) {
   EXPECT_EQ(tried, all);
 }
 
+// A node that reads files looks at its budget before it reads.
+TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
+  int tried = 0;
+  for (const auto& e : fs::directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes")) {
+    if (!fs::exists(e.path() / "example.yaml")) continue;
+    const Graph g = graph_of(e.path() / "example.yaml");
+    for (std::size_t i = 0; i < g.nodes.size(); ++i) {
+      if (!reads_files(*g.nodes[i].type)) continue;
+      Store store(test::value_types(), {});
+      FileHashes hashes;
+      Evaluator evaluator(test::value_types(), store, hashes);
+      RunOptions o;
+      o.output_folder = test::temporary_folder();
+      o.targets = {static_cast<int>(i)};
+      o.memory = 20;
+      const auto result = evaluator.run(g, o).nodes[i];
+      ASSERT_TRUE(result.error) << g.nodes[i].type->name;
+      EXPECT_EQ(result.error->code, "too-large") << g.nodes[i].type->name;
+      ++tried;
+    }
+  }
+  EXPECT_GE(tried, 7);
+}
+
 class NiftiPair : public ::testing::Test {
  protected:
   fs::path graph(const std::string& file) {
