@@ -10,6 +10,14 @@ Hash record_key(const NodeType& type, const Hash& key, const std::filesystem::pa
   return hash_of(key.text() + std::filesystem::absolute(output_folder).lexically_normal().string());
 }
 
+std::vector<fs::path> files_opened(const NodeType& type, const fs::path& path) {
+  std::vector<fs::path> files{path};
+  if (type.companion_files)
+    for (auto& companion : type.companion_files(path))
+      if (companion != path) files.push_back(std::move(companion));
+  return files;
+}
+
 std::optional<Hash> input_content(const NodeType& type, const std::filesystem::path& path,
                                   FileHashes& hashes) {
   const auto hash = hashes.hash(path);
@@ -38,9 +46,7 @@ InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
       const auto content = input_content(*node.type, path, hashes);
       if (!content) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
       out.hashes[p.name].push_back(*content);
-      auto files = node.type->companion_files ? node.type->companion_files(path) : std::vector<fs::path>{};
-      files.insert(files.begin(), path);
-      for (const auto& f : files)
+      for (const auto& f : files_opened(*node.type, path))
         if (const auto hash = hashes.hash(f)) out.read.push_back({f.string(), *hash});
     }
   }

@@ -29,6 +29,9 @@ struct InputFiles {
 };
 InputFiles input_files(const GraphNode&, FileHashes&);
 
+// The files that a node of this type opens for one that a parameter names: itself first, then its companions.
+std::vector<std::filesystem::path> files_opened(const NodeType&, const std::filesystem::path&);
+
 // What a node reads when it opens this file: content, extension (readers choose the format by it), and the
 // content of companion files. Nothing if the file cannot be read.
 std::optional<Hash> input_content(const NodeType&, const std::filesystem::path&, FileHashes&);

@@ -377,11 +377,8 @@ class Run {
       for (const auto& p : n.type->parameters)
         if (const auto it = n.parameters.find(p.name);
             p.kind == ParameterKind::InputPath && it != n.parameters.end())
-          for (const auto& path : expand_glob(std::get<std::string>(it->second.value))) {
-            out.push_back(path);
-            if (!n.type->companion_files) continue;
-            for (const auto& companion : n.type->companion_files(path)) out.push_back(companion);
-          }
+          for (const auto& path : expand_glob(std::get<std::string>(it->second.value)))
+            for (const auto& file : files_opened(*n.type, path)) out.push_back(file);
     return out;
   }
 

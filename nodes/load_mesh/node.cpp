@@ -87,6 +87,8 @@ NodeType load_mesh_node() {
               .doc_(
                   "join close vertices, drop degenerate and doubled triangles, turn all to face outwards and "
                   "fill holes; tells what it did"))
+      // A shape is called after its file. Companions enter the key by name, so a renamed file gives another key.
+      .companion_files_([](const std::filesystem::path& path) { return std::vector{path}; })
       .compute_(compute);
 }
 

@@ -126,7 +126,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 4)
+  return NodeType("Unfold", 5)
       .doc_(
           "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
           "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")

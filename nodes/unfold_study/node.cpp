@@ -100,7 +100,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_study_node() {
-  return NodeType("UnfoldStudy", 3)
+  return NodeType("UnfoldStudy", 4)
       .doc_(
           "How well sizes that are known come back: draws the profiles that random planes would show, "
           "unfolds them "

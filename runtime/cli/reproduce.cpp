@@ -141,9 +141,7 @@ bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o)
       const auto it = node.parameters.find(p.name);
       if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
       for (const auto& path : expand_glob(std::get<std::string>(it->second.value))) {
-        auto files = node.type->companion_files ? node.type->companion_files(path) : std::vector<fs::path>{};
-        files.insert(files.begin(), path);
-        for (const auto& f : files) {
+        for (const auto& f : files_opened(*node.type, path)) {
           const bool allowed = is_from_command_line(it->second) || granted(f, o);
           const auto content = allowed ? std::nullopt : hashes.hash(f);
           const bool named = content && made.contents.count(content->text());

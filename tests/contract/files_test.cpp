@@ -10,6 +10,7 @@
 #include <set>
 
 #include "graph/graph.h"
+#include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
 #include "nodes/register_nodes.h"
 #include "runtime/evaluate.h"
@@ -173,11 +174,32 @@ TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
   EXPECT_GE(tried, 7);
 }
 
+// The shape's name is part of what LoadMesh gives.
+TEST(FilesOfNodes, ARenamedMeshIsCalledByItsNewName) {
+  const fs::path folder = test::temporary_folder();
+  Store store(test::value_types(), {});
+  const auto name_of = [&](const std::string& file) {
+    fs::copy_file(fs::path(TERRAZZO_SOURCE) / "nodes/load_mesh/example.off", folder / file);
+    std::ofstream(folder / "g.yaml") << "terrazzo: 1\nnodes: {m: {type: LoadMesh, params: {path: '" << file
+                                     << "'}}}\n";
+    const Graph g = graph_of(folder / "g.yaml");
+    FileHashes hashes;
+    return Evaluator(test::value_types(), store, hashes)
+        .value(g, evaluate(g, store, folder / "out"), {0, "shapes", {}})
+        .as<Shapes>()
+        .shapes.at(0)
+        .name;
+  };
+  EXPECT_EQ(name_of("first.off"), "first");
+  EXPECT_EQ(name_of("second.off"), "second");
+}
+
 class NiftiPair : public ::testing::Test {
  protected:
   fs::path graph(const std::string& file) {
-    std::ofstream(folder / "g.yaml") << "terrazzo: 1\nnodes:\n  v:\n    type: LoadVolume\n    params: {path: '" << file
-                                     << "', slope: 1, intercept: 0}\n";
+    std::ofstream(folder / "g.yaml")
+        << "terrazzo: 1\nnodes:\n  v:\n    type: LoadVolume\n    params: {path: '" << file
+        << "', slope: 1, intercept: 0}\n";
     return folder / "g.yaml";
   }
   static void pack(const fs::path& file) {
@@ -197,15 +219,18 @@ TEST_F(NiftiPair, BothHalvesAreInTheKey) {
   } kinds[] = {{"a.hdr", "a.img", false}, {"b.hdr", "b.img", true}, {"C.HDR", "C.IMG", false}};
   for (const auto& kind : kinds)
     for (const bool name_header : {true, false}) {
-      SCOPED_TRACE(std::string(kind.header) + (kind.packed ? ".gz" : "") + (name_header ? "" : ", by its voxels"));
-      for (const auto& e : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) fs::remove_all(e);
+      SCOPED_TRACE(std::string(kind.header) + (kind.packed ? ".gz" : "") +
+                   (name_header ? "" : ", by its voxels"));
+      for (const auto& e : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {}))
+        fs::remove_all(e);
       test::NiftiFile n = test::NiftiFile::counting();
       const auto write = [&] {
         n.write_pair(folder / kind.header, folder / kind.voxels);
         if (kind.packed) pack(folder / kind.header), pack(folder / kind.voxels);
       };
       write();
-      const Graph g = graph_of(graph(std::string(name_header ? kind.header : kind.voxels) + (kind.packed ? ".gz" : "")));
+      const Graph g =
+          graph_of(graph(std::string(name_header ? kind.header : kind.voxels) + (kind.packed ? ".gz" : "")));
       Store store(test::value_types(), {});
       OpenedFiles opened(folder);
       const RunResult first = evaluate(g, store, folder / "out");
