@@ -1,5 +1,5 @@
-// All node types and value types of this build. CMake lists them from the folders: each node.cpp defines FOLDER_node(),
-// each value_types.cpp defines FOLDER_value_types(ValueTypes&).
+// All node types and value types of this build. CMake lists them from the folders: each node.cpp defines
+// FOLDER_node(), each value_types.cpp defines FOLDER_value_types(ValueTypes&).
 #pragma once
 
 #include "graph/registry.h"

@@ -27,7 +27,8 @@ std::string picture_format(std::string_view c) {
   using namespace std::string_view_literals;
   if (c.starts_with("\xff\xd8\xff"sv)) return "jpeg";
   if (c.starts_with("\x89PNG\r\n\x1a\n"sv)) return "png";
-  if (c.starts_with("II*\0"sv) || c.starts_with("MM\0*"sv) || c.starts_with("II+\0"sv) || c.starts_with("MM\0+"sv))
+  if (c.starts_with("II*\0"sv) || c.starts_with("MM\0*"sv) || c.starts_with("II+\0"sv) ||
+      c.starts_with("MM\0+"sv))
     return "tiff";
   if (c.starts_with("\x76\x2f\x31\x01"sv)) return "openexr";
   if (c.starts_with("#?"sv)) return "hdr";
@@ -56,19 +57,22 @@ void check_notes(std::string_view content) {
 double largest_ratio(const std::string& format, const std::string& compression) {
   constexpr double any = std::numeric_limits<double>::infinity();
   constexpr double deflate = 1032;  // zlib's limit
-  if (format == "jpeg") return 2000;  // progressive: one bit for a block of 64 samples or more, and subsampled colors
+  if (format == "jpeg")
+    return 2000;  // progressive: one bit for a block of 64 samples or more, and subsampled colors
   if (format == "png") return 8 * deflate;  // 1-bit pixels become bytes
   if (format == "hdr") return 128;
   if (format == "bmp") return 32;  // 1-bit pixels become three bytes
   if (format == "pnm") return 8;
   if (compression == "none") return 8;
   if (compression == "zip" || compression == "zips") return 8 * deflate;
-  if (compression == "lzw" || compression == "packbits" || compression == "rle" || compression == "jpeg") return 20000;
+  if (compression == "lzw" || compression == "packbits" || compression == "rle" || compression == "jpeg")
+    return 20000;
   return any;
 }
 
 void check_exr(std::string_view content, const Reading&) {
-  // Attributes: a name, a type, a size, a value; an empty name ends them. Of files with parts, the first part's.
+  // Attributes: a name, a type, a size, a value; an empty name ends them. Of files with parts, the first
+  // part's.
   std::size_t at = 8;
   const auto word = [&] {
     const auto end = content.find('\0', at);

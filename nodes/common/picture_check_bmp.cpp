@@ -37,7 +37,8 @@ void check_bmp(std::string_view content, const Reading&) {
   const auto refuse = [](const std::string& what) {
     throw Error("unreadable-image", what, "save it as PNG");
   };
-  if (header < least_header || header > content.size() - file_header) refuse("its BMP header is of an unknown kind");
+  if (header < least_header || header > content.size() - file_header)
+    refuse("its BMP header is of an unknown kind");
   constexpr std::uint32_t plain = 0, masks = 3;
   if (compression != plain && !(compression == masks && (bits == 16 || bits == 32)))
     refuse("it is a compressed BMP file, which is not read");
@@ -53,8 +54,8 @@ void check_bmp(std::string_view content, const Reading&) {
     damaged_picture(fmt::format("it has {} colors", colors));
   if (colors == all) return;
   for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
-    check_row(content.substr(pixels_at + y * static_cast<std::size_t>(row)), static_cast<std::uint32_t>(width), bits,
-              colors);
+    check_row(content.substr(pixels_at + y * static_cast<std::size_t>(row)),
+              static_cast<std::uint32_t>(width), bits, colors);
 }
 
 }  // namespace terrazzo

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int kMostScans = 500;  // progressive files have ten or so; thousands only cost time
 
-// What libjpeg calls back. It is C: an error leaves it by longjmp, so that no object with a destructor may live
-// between setjmp and the calls.
+// What libjpeg calls back. It is C: an error leaves it by longjmp, so that no object with a destructor may
+// live between setjmp and the calls.
 struct Listener {
   jpeg_error_mgr manager;
   jpeg_progress_mgr progress;
@@ -94,7 +94,8 @@ void check_jpeg(std::string_view content, const Reading& reading) {
   if (!run(content, header, size, true)) damaged_picture(printable(header.error));
   const double samples = size.width * size.height * size.components;
   if (samples > largest_ratio("jpeg", "") * static_cast<double>(content.size()) + 1e6)
-    damaged_picture(fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), size.width, size.height));
+    damaged_picture(
+        fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), size.width, size.height));
   require_memory(3 * samples, reading.memory,  // a progressive file's coefficients, and what is made of them
                  fmt::format("a picture of {:.0f} × {:.0f} pixels", size.width, size.height));
   Listener l;

@@ -20,7 +20,8 @@ std::string unpacked(std::string_view bytes) {
   std::string out(std::min(most, deflate * (bytes.size() + 1)), '\0');
   z_stream z = {};
   if (inflateInit(&z) != Z_OK) return {};
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())), z.avail_in = static_cast<uInt>(bytes.size());
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())),
+  z.avail_in = static_cast<uInt>(bytes.size());
   z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = static_cast<uInt>(out.size());
   inflate(&z, Z_FINISH);
   out.resize(z.total_out);
@@ -28,8 +29,8 @@ std::string unpacked(std::string_view bytes) {
   return out;
 }
 
-// A key, and then, in a zTXt chunk, one byte and packed text; in an iTXt chunk, a flag, one byte, a language and a
-// translated key before it.
+// A key, and then, in a zTXt chunk, one byte and packed text; in an iTXt chunk, a flag, one byte, a language
+// and a translated key before it.
 void check_packed_note(std::string_view name, std::string_view data) {
   constexpr std::string_view key = "XML:com.adobe.xmp";
   auto at = key.size();
@@ -52,13 +53,16 @@ void check_png(std::string_view content, const Reading& reading) {
   std::size_t at = 8, damaged = 0;
   std::string first;
   while (true) {
-    if (content.size() - at < around) damaged_picture(fmt::format("it was cut short at byte {}", content.size()));
+    if (content.size() - at < around)
+      damaged_picture(fmt::format("it was cut short at byte {}", content.size()));
     const std::uint32_t length = big32(content.substr(at));
     if (length > content.size() - at - around)
-      damaged_picture(fmt::format("it was cut short: it ends at byte {} within a chunk of {}", content.size(), length));
+      damaged_picture(
+          fmt::format("it was cut short: it ends at byte {} within a chunk of {}", content.size(), length));
     const std::string_view body = content.substr(at + 4, 4 + length);
     const std::string name = printable(body.substr(0, 4));
-    const auto sum = crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(body.data()), body.size());
+    const auto sum =
+        crc32_z(crc32_z(0, nullptr, 0), reinterpret_cast<const Bytef*>(body.data()), body.size());
     check_packed_note(body.substr(0, 4), body.substr(4));
     const bool critical = (body[0] & 0x20) == 0;
     if (sum != big32(content.substr(at + 8 + length))) {
@@ -69,8 +73,8 @@ void check_png(std::string_view content, const Reading& reading) {
     at += around + length;
   }
   if (damaged > 0)
-    reading.warn(fmt::format("{} of the PNG file's notes {} damaged; first: {}", damaged, damaged == 1 ? "is" : "are",
-                             first));
+    reading.warn(fmt::format("{} of the PNG file's notes {} damaged; first: {}", damaged,
+                             damaged == 1 ? "is" : "are", first));
 }
 
 }  // namespace terrazzo

@@ -21,7 +21,8 @@ class Tiff {
       damaged_picture(fmt::format("it was cut short: it refers to byte {} of {}", at, content_.size()));
     std::uint64_t v = 0;
     for (int k = 0; k < bytes; ++k) {
-      const auto byte = static_cast<unsigned char>(content_[at + static_cast<std::uint64_t>(little_ ? bytes - 1 - k : k)]);
+      const auto byte =
+          static_cast<unsigned char>(content_[at + static_cast<std::uint64_t>(little_ ? bytes - 1 - k : k)]);
       v = v << 8 | byte;
     }
     return v;
@@ -76,15 +77,18 @@ void check_tiff(std::string_view content, const Reading&) {
     for (std::uint64_t i = 0; i < n; ++i) {
       const std::uint64_t e = first + i * entry_size;
       const std::uint64_t tag = in.number(e, 2);
-      Entry entry{width_of(in.number(e + 2, 2)), in.number(e + 4, word), e + 4 + static_cast<std::uint64_t>(word)};
-      if (entry.count > in.size()) damaged_picture(fmt::format("its entry {} has {} values", tag, entry.count));
+      Entry entry{width_of(in.number(e + 2, 2)), in.number(e + 4, word),
+                  e + 4 + static_cast<std::uint64_t>(word)};
+      if (entry.count > in.size())
+        damaged_picture(fmt::format("its entry {} has {} values", tag, entry.count));
       const std::uint64_t bytes = entry.count * static_cast<std::uint64_t>(entry.width);
       if (bytes > static_cast<std::uint64_t>(word)) {
         entry.at = in.number(entry.at, word);
         if (entry.at > in.size() || bytes > in.size() - entry.at)
           damaged_picture(fmt::format("it was cut short: its entry {} ends beyond byte {}", tag, in.size()));
       }
-      if (tag != 273 && tag != 279 && tag != 324 && tag != 325) continue;  // places and lengths of strips and tiles
+      if (tag != 273 && tag != 279 && tag != 324 && tag != 325)
+        continue;  // places and lengths of strips and tiles
       if (entry.width == 0) damaged_picture(fmt::format("its entry {} cannot be", tag));
       entries[tag] = entry;
     }

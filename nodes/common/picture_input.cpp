@@ -43,12 +43,13 @@ PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OI
     named.warn = [&](const std::string& message) { reading_.warn(name + ": " + message); };
     if (const auto check = checks.find(format_); check != checks.end()) check->second(content, named);
   } catch (Error& e) {
-    if (e.diagnostic().code == "unreadable-file" || (e.diagnostic().code == "unreadable-image" &&
-                                                     e.diagnostic().parameter.empty()))
+    if (e.diagnostic().code == "unreadable-file" ||
+        (e.diagnostic().code == "unreadable-image" && e.diagnostic().parameter.empty()))
       throw unreadable(e.diagnostic().message);
     throw e.parameter("path");
   }
-  // Only this format's reader sees the file: by its name alone, OpenImageIO would try one reader after the other.
+  // Only this format's reader sees the file: by its name alone, OpenImageIO would try one reader after the
+  // other.
   in_ = OIIO::ImageInput::create(format_);
   if (!in_) throw unreadable(last_words(nullptr));
   OIIO::ImageSpec first;
@@ -63,9 +64,10 @@ void PictureInput::require(double bytes_per_sample, double more) const {
   const std::string compression = s.get_string_attribute("compression");
   const double native = samples * static_cast<double>(s.format.size());
   if (native > largest_ratio(format_, compression) * static_cast<double>(size_) + 1e6)
-    throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width, s.height,
-                                 s.nchannels));
-  const double tile = double(s.tile_width) * s.tile_height * s.nchannels * static_cast<double>(s.format.size());
+    throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width,
+                                 s.height, s.nchannels));
+  const double tile =
+      double(s.tile_width) * s.tile_height * s.nchannels * static_cast<double>(s.format.size());
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,
                    fmt::format("the picture '{}' of {} × {} pixels", path_.string(), s.width, s.height));

@@ -14,7 +14,7 @@ namespace {
 
 // glTF 2.0, 4.4: a header of 12 bytes, then the JSON chunk's length and type.
 std::string from_glb(const std::filesystem::path& path, const Reading& reading) {
-  constexpr int deepest = 100;  // nesting of what is kept: its text is written by recursion
+  constexpr int deepest = 100;     // nesting of what is kept: its text is written by recursion
   constexpr double per_byte = 40;  // memory of parsed JSON
   try {
     const std::string data = read_whole(path, reading);
@@ -23,7 +23,9 @@ std::string from_glb(const std::filesystem::path& path, const Reading& reading) 
     std::memcpy(&length, data.data() + 12, sizeof length);
     if (length > data.size() - 20) return "";
     require_memory(per_byte * length, reading.memory, "'" + path.string() + "'");
-    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) { return depth < deepest; };
+    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+      return depth < deepest;
+    };
     const auto json = nlohmann::json::parse(data.data() + 20, data.data() + 20 + length, shallow, false);
     const auto extras = nlohmann::json::json_pointer("/asset/extras");
     return json.is_object() && json.contains(extras) ? json_text(json.at(extras)) : "";

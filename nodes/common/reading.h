@@ -21,12 +21,12 @@ struct Reading {
 // The budget and the warnings of a node.
 Reading reading_of(Context&);
 
-// Text from a file or from a library, fit for a message: invalid UTF-8 and control characters become '?', runs of
-// blanks become one, and what exceeds 200 bytes is cut.
+// Text from a file or from a library, fit for a message: invalid UTF-8 and control characters become '?',
+// runs of blanks become one, and what exceeds 200 bytes is cut.
 std::string printable(std::string_view foreign);
 
-// The whole content of a regular file. Throws Error "too-large" if it exceeds the budget and "unreadable-file" if it
-// cannot be read.
+// The whole content of a regular file. Throws Error "too-large" if it exceeds the budget and
+// "unreadable-file" if it cannot be read.
 std::string read_whole(const std::filesystem::path&, const Reading&);
 
 }  // namespace terrazzo

@@ -45,9 +45,10 @@ VdbHeader read_vdb_header(std::string_view bytes) {
   if (in.take<std::int64_t>() != kMagic) throw damaged("it does not begin as an OpenVDB file");
   h.format = in.take<std::uint32_t>();
   if (h.format < kOldest)
-    throw Error("unreadable-volume",
-                fmt::format("its format version {} is older than {}, which OpenVDB 2 wrote", h.format, kOldest),
-                "open and save it with a newer program");
+    throw Error(
+        "unreadable-volume",
+        fmt::format("its format version {} is older than {}, which OpenVDB 2 wrote", h.format, kOldest),
+        "open and save it with a newer program");
   h.major = in.take<std::uint32_t>(), h.minor = in.take<std::uint32_t>();
   h.has_offsets = in.take<char>() != 0;
   in.take(36);  // an identity of the file

@@ -1,5 +1,5 @@
-// What an OpenVDB file says of itself, read with every length checked against the file. OpenVDB's own reader trusts
-// these lengths and allocates what they ask for.
+// What an OpenVDB file says of itself, read with every length checked against the file. OpenVDB's own reader
+// trusts these lengths and allocates what they ask for.
 #pragma once
 
 #include <cstdint>
@@ -38,9 +38,9 @@ using VdbMetadataMap = std::map<std::string, VdbMetadata>;
 VdbMetadataMap take_vdb_metadata(ByteCursor&);
 
 struct VdbHeader {
-  std::uint32_t format = 0;  // version of the format
+  std::uint32_t format = 0;            // version of the format
   std::uint32_t major = 0, minor = 0;  // of the library that wrote the file
-  bool has_offsets = false;  // whether each grid says where it ends
+  bool has_offsets = false;            // whether each grid says where it ends
   VdbMetadataMap metadata;
   std::uint32_t grids = 0;
   std::size_t end = 0;  // where the first grid's description begins

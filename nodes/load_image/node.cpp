@@ -22,8 +22,9 @@ void compute(Context& c) {
     Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c));
     if (i == 0) {
       stack = std::move(section);
-      require_memory(static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()), c.memory(),
-                     std::to_string(files.size()) + " pictures");
+      require_memory(
+          static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()),
+          c.memory(), std::to_string(files.size()) + " pictures");
       stack.pixels.reserve(stack.pixels.size() * files.size());
     } else {
       if (section.width != stack.width || section.height != stack.height)
@@ -49,8 +50,10 @@ void compute(Context& c) {
 NodeType load_image_node() {
   return NodeType("LoadImage", 2)
       .doc_(
-          "Reads a photograph, or a stack of them, as scene-linear Rec. 709: JPEG, PNG, TIFF, OpenEXR, Radiance HDR, "
-          "BMP or PNM, with color spaces through OpenColorIO. A file that was cut short is an error; what its decoder "
+          "Reads a photograph, or a stack of them, as scene-linear Rec. 709: JPEG, PNG, TIFF, OpenEXR, "
+          "Radiance HDR, "
+          "BMP or PNM, with color spaces through OpenColorIO. A file that was cut short is an error; what "
+          "its decoder "
           "complains about is a warning.")
       .output("image", "Image", "one section a file, in the order of the names")
       .parameter(Parameter::input_path("path").doc_(

@@ -1,5 +1,5 @@
-// The readers of single formats, from a file's content. Each throws Error "unreadable-mesh"; read_mesh checks what they
-// give and names the file.
+// The readers of single formats, from a file's content. Each throws Error "unreadable-mesh"; read_mesh checks
+// what they give and names the file.
 #pragma once
 
 #include <string_view>

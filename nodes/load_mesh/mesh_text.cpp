@@ -16,7 +16,8 @@ void damaged(const std::string& what) {
 
 void require_corners(std::size_t f, std::size_t corners) {
   if (corners < 3)
-    throw Error("bad-mesh", fmt::format("face {} has {} corners", f, corners), "remove lines and points from the mesh");
+    throw Error("bad-mesh", fmt::format("face {} has {} corners", f, corners),
+                "remove lines and points from the mesh");
 }
 
 bool Words::next_line(char comment) {
@@ -51,8 +52,8 @@ double coordinate(std::string_view word, int line) {
   double v = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
   const bool whole = end == digits.data() + digits.size() && !digits.empty();
-  if (error == std::errc::result_out_of_range && whole && digits.find_first_of("eE") != std::string_view::npos &&
-      digits[digits.find_first_of("eE") + 1] == '-')
+  if (error == std::errc::result_out_of_range && whole &&
+      digits.find_first_of("eE") != std::string_view::npos && digits[digits.find_first_of("eE") + 1] == '-')
     return 0;  // below the smallest number
   if (error != std::errc() || !whole || !(std::abs(v) <= std::numeric_limits<float>::max()))
     damaged(fmt::format("line {}: \"{}\" is not a number", line, printable(word)));

@@ -20,7 +20,8 @@ class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
 
-  // Goes to the next line; false at the end of the text. `comment` starts a remark that is left out ('\0': none).
+  // Goes to the next line; false at the end of the text. `comment` starts a remark that is left out ('\0':
+  // none).
   bool next_line(char comment = '\0');
   // The next word of the line, or "" at its end.
   std::string_view word();
@@ -36,7 +37,8 @@ class Words {
   int number_ = 0;
 };
 
-// A finite number in the range of single precision, rounded to it. Throws otherwise: "line 7: "nan" is not a number".
+// A finite number in the range of single precision, rounded to it. Throws otherwise: "line 7: "nan" is not a
+// number".
 double coordinate(std::string_view word, int line);
 // A whole number from 0. Throws if it is anything else or exceeds `most`.
 std::uint64_t count(std::string_view word, std::uint64_t most, int line, const char* what);

@@ -47,7 +47,8 @@ PolygonSoup read_obj(std::string_view text) {
     }
     if (found.empty()) continue;
     if (found[0] == "v") {
-      if (found.size() < 4) damaged(fmt::format("line {}: a vertex has {} coordinates", words.line(), found.size() - 1));
+      if (found.size() < 4)
+        damaged(fmt::format("line {}: a vertex has {} coordinates", words.line(), found.size() - 1));
       Vec3 p;
       for (int k = 0; k < 3; ++k) p[k] = coordinate(found[k + 1], words.line());
       soup.vertices.push_back(p);

@@ -5,8 +5,8 @@
 
 namespace terrazzo::mesh_files {
 
-// Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex and one face a line. What
-// follows the three coordinates or the corners on a line (normals, colors) is of no use here.
+// Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex and one face a
+// line. What follows the three coordinates or the corners on a line (normals, colors) is of no use here.
 PolygonSoup read_off(std::string_view text) {
   Words words(text);
   const std::string header(words.word_anywhere('#'));
@@ -15,17 +15,19 @@ PolygonSoup read_off(std::string_view text) {
     damaged("its vertices have other than three coordinates (" + printable(header) + ")");
   const std::string_view first = words.word_anywhere('#');
   if (first == "BINARY")
-    throw Error("unreadable-mesh", "it is a binary OFF file, which is not read", "save it as ASCII OFF, or as PLY");
+    throw Error("unreadable-mesh", "it is a binary OFF file, which is not read",
+                "save it as ASCII OFF, or as PLY");
   const std::uint64_t vertices = count(first, text.size(), words.line(), "the number of vertices");
-  const std::uint64_t faces = count(words.word_anywhere('#'), text.size(), words.line(), "the number of faces");
+  const std::uint64_t faces =
+      count(words.word_anywhere('#'), text.size(), words.line(), "the number of faces");
 
   const std::size_t numbers =
       3 + (header.find('N') != std::string::npos ? 3 : 0) + (header.find("ST") != std::string::npos ? 2 : 0);
   PolygonSoup soup;
   while (soup.vertices.size() < vertices || soup.polygons.size() < faces) {
     if (!words.next_line('#'))
-      damaged(fmt::format("it ends after {} of {} vertices and {} of {} faces", soup.vertices.size(), vertices,
-                          soup.polygons.size(), faces));
+      damaged(fmt::format("it ends after {} of {} vertices and {} of {} faces", soup.vertices.size(),
+                          vertices, soup.polygons.size(), faces));
     std::string_view w = words.word();
     if (w.empty()) continue;
     if (soup.vertices.size() < vertices) {
@@ -35,14 +37,16 @@ PolygonSoup read_off(std::string_view text) {
         const double v = coordinate(w, words.line());
         if (n < 3) p[static_cast<int>(n)] = v;
       }
-      if (n < numbers) damaged(fmt::format("line {}: the vertex has {} numbers of {}", words.line(), n, numbers));
+      if (n < numbers)
+        damaged(fmt::format("line {}: the vertex has {} numbers of {}", words.line(), n, numbers));
       soup.vertices.push_back(p);
     } else {
       const std::uint64_t corners = count(w, text.size(), words.line(), "the number of corners");
       std::vector<int> polygon;
       for (std::uint64_t k = 0; k < corners; ++k) {
         w = words.word();
-        if (w.empty()) damaged(fmt::format("line {}: the face has {} corners of {}", words.line(), k, corners));
+        if (w.empty())
+          damaged(fmt::format("line {}: the face has {} corners of {}", words.line(), k, corners));
         polygon.push_back(static_cast<int>(count(w, 2147483647, words.line(), "a vertex's number")));
       }
       require_corners(soup.polygons.size(), polygon.size());

@@ -17,10 +17,10 @@ enum class Type { I8, U8, I16, U16, I32, U32, F32, F64 };
 
 std::optional<Type> type_named(std::string_view name) {
   static const std::map<std::string_view, Type> types = {
-      {"char", Type::I8},    {"uchar", Type::U8},    {"short", Type::I16},   {"ushort", Type::U16},
-      {"int", Type::I32},    {"uint", Type::U32},    {"float", Type::F32},   {"double", Type::F64},
-      {"int8", Type::I8},    {"uint8", Type::U8},    {"int16", Type::I16},   {"uint16", Type::U16},
-      {"int32", Type::I32},  {"uint32", Type::U32},  {"float32", Type::F32}, {"float64", Type::F64}};
+      {"char", Type::I8},   {"uchar", Type::U8},   {"short", Type::I16},   {"ushort", Type::U16},
+      {"int", Type::I32},   {"uint", Type::U32},   {"float", Type::F32},   {"double", Type::F64},
+      {"int8", Type::I8},   {"uint8", Type::U8},   {"int16", Type::I16},   {"uint16", Type::U16},
+      {"int32", Type::I32}, {"uint32", Type::U32}, {"float32", Type::F32}, {"float64", Type::F64}};
   const auto it = types.find(name);
   if (it == types.end()) return {};
   return it->second;
@@ -28,7 +28,7 @@ std::optional<Type> type_named(std::string_view name) {
 
 struct Property {
   std::string name;
-  Type type;                  // of the value, or of a list's items
+  Type type;                   // of the value, or of a list's items
   std::optional<Type> length;  // of a list
 };
 struct Element {
@@ -48,7 +48,9 @@ Header read_header(Words& words, std::size_t size) {
   if (!words.next_line() || words.word() != "ply") damaged("does not begin as a PLY file");
   while (words.next_line()) {
     const std::string_view key = words.word();
-    const auto not_understood = [&] { damaged(fmt::format("line {} of its header is not understood", words.line())); };
+    const auto not_understood = [&] {
+      damaged(fmt::format("line {} of its header is not understood", words.line()));
+    };
     if (key == "end_header") {
       if (!format) damaged("its header names no format");
       return header;
@@ -100,14 +102,22 @@ class Numbers {
       return coordinate_or_whole(w, type);
     }
     switch (type) {
-      case Type::I8: return take<std::int8_t>();
-      case Type::U8: return take<std::uint8_t>();
-      case Type::I16: return take<std::int16_t>();
-      case Type::U16: return take<std::uint16_t>();
-      case Type::I32: return take<std::int32_t>();
-      case Type::U32: return take<std::uint32_t>();
-      case Type::F32: return take<float>();
-      case Type::F64: return take<double>();
+      case Type::I8:
+        return take<std::int8_t>();
+      case Type::U8:
+        return take<std::uint8_t>();
+      case Type::I16:
+        return take<std::int16_t>();
+      case Type::U16:
+        return take<std::uint16_t>();
+      case Type::I32:
+        return take<std::int32_t>();
+      case Type::U32:
+        return take<std::uint32_t>();
+      case Type::F32:
+        return take<float>();
+      case Type::F64:
+        return take<double>();
     }
     return 0;
   }
@@ -124,7 +134,8 @@ class Numbers {
     if (bytes_.size() < sizeof(T)) damaged("it ends before all that its header promises");
     char raw[sizeof(T)];
     std::memcpy(raw, bytes_.data(), sizeof(T));
-    if ((format_ == Format::Big) == (std::endian::native == std::endian::little)) std::reverse(raw, raw + sizeof(T));
+    if ((format_ == Format::Big) == (std::endian::native == std::endian::little))
+      std::reverse(raw, raw + sizeof(T));
     bytes_.remove_prefix(sizeof(T));
     T v;
     std::memcpy(&v, raw, sizeof(T));
@@ -139,7 +150,8 @@ void read_vertices(const Element& element, Numbers& numbers, PolygonSoup& soup) 
   std::vector<int> axis;  // of each property, or -1
   bool has[3] = {};
   for (const auto& p : element.properties) {
-    axis.push_back(p.length || p.name.size() != 1 || p.name[0] < 'x' || p.name[0] > 'z' ? -1 : p.name[0] - 'x');
+    axis.push_back(p.length || p.name.size() != 1 || p.name[0] < 'x' || p.name[0] > 'z' ? -1
+                                                                                        : p.name[0] - 'x');
     if (axis.back() >= 0) has[axis.back()] = true;
   }
   if (element.count > 0 && !(has[0] && has[1] && has[2])) damaged("its vertices lack x, y or z");
@@ -174,7 +186,8 @@ void read_faces(const Element& element, Numbers& numbers, PolygonSoup& soup) {
         const double v = numbers.next(p.type);
         if (!corners) continue;
         if (!(v >= 0 && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
-          throw Error("bad-mesh", fmt::format("face {} names vertex {}", i, v), "the file is damaged: write it again");
+          throw Error("bad-mesh", fmt::format("face {} names vertex {}", i, v),
+                      "the file is damaged: write it again");
         polygon.push_back(static_cast<int>(v));
       }
       if (!corners) continue;

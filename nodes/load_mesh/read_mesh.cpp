@@ -10,8 +10,8 @@
 namespace terrazzo {
 namespace {
 
-// Bytes of a mesh for each byte of its file, at most: a triangle takes 4 bytes in a binary PLY file, and up to 104 in
-// memory while the list of faces grows.
+// Bytes of a mesh for each byte of its file, at most: a triangle takes 4 bytes in a binary PLY file, and up
+// to 104 in memory while the list of faces grows.
 constexpr double kBytesPerByte = 30;
 
 using Format = PolygonSoup (*)(std::string_view);
@@ -24,16 +24,18 @@ Format format_of(const std::filesystem::path& path) {
   if (extension == ".ply") return mesh_files::read_ply;
   if (extension == ".stl") return mesh_files::read_stl;
   if (extension == ".off") return mesh_files::read_off;
-  throw Error("unknown-format",
-              fmt::format("{}: no mesh format is known by the extension \"{}\"", path.filename().string(), extension),
-              "give an .obj, .ply, .stl or .off file");
+  throw Error(
+      "unknown-format",
+      fmt::format("{}: no mesh format is known by the extension \"{}\"", path.filename().string(), extension),
+      "give an .obj, .ply, .stl or .off file");
 }
 
 PolygonSoup read_named(const std::filesystem::path& path, Format format, const std::string& content) {
   try {
     return format(content);
   } catch (const Error& e) {
-    throw Error(e.diagnostic().code, path.filename().string() + ": " + e.diagnostic().message, e.diagnostic().hint);
+    throw Error(e.diagnostic().code, path.filename().string() + ": " + e.diagnostic().message,
+                e.diagnostic().hint);
   }
 }
 

@@ -17,7 +17,8 @@ class Corners {
   explicit Corners(PolygonSoup& soup) : soup_(soup) {}
   int operator()(const Vec3& p) {
     // −0 + 0 is 0, and those are one place.
-    const auto [it, fresh] = at_.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(at_.size()));
+    const auto [it, fresh] =
+        at_.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(at_.size()));
     if (fresh) soup_.vertices.push_back(p);
     return it->second;
   }
@@ -39,7 +40,8 @@ PolygonSoup read_binary(std::string_view bytes) {
   if (bytes.size() < kHeader) damaged("is not an STL file");
   const std::uint32_t n = promised(bytes);
   if ((bytes.size() - kHeader) / kTriangle < n)
-    damaged(fmt::format("its header promises {} triangles, but it ends after {}", n, (bytes.size() - kHeader) / kTriangle));
+    damaged(fmt::format("its header promises {} triangles, but it ends after {}", n,
+                        (bytes.size() - kHeader) / kTriangle));
   PolygonSoup soup;
   Corners corner(soup);
   for (std::size_t t = 0; t < n; ++t) {
@@ -96,7 +98,8 @@ PolygonSoup read_ascii(std::string_view text) {
 PolygonSoup read_stl(std::string_view bytes) {
   const auto first = bytes.find_first_not_of(" \t\r\n");
   const bool solid = first != std::string_view::npos && bytes.substr(first).starts_with("solid");
-  const bool fits = bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * std::size_t{promised(bytes)};
+  const bool fits =
+      bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * std::size_t{promised(bytes)};
   return solid && !fits ? read_ascii(bytes) : read_binary(bytes);
 }
 

@@ -143,7 +143,8 @@ class Table {
   int whole(const Cells& cells, std::size_t i, std::size_t column) const {
     const double v = number(cells, i, column);
     if (v < 0 || v != std::floor(v) || v > 1e9)
-      malformed(i, "'" + printable(cells[column]) + "' is no whole number from 0 (column " + name(column) + ")");
+      malformed(i,
+                "'" + printable(cells[column]) + "' is no whole number from 0 (column " + name(column) + ")");
     return static_cast<int>(v);
   }
   [[noreturn]] void malformed(std::size_t i, const std::string& what) const {
@@ -151,7 +152,9 @@ class Table {
                 "correct the row or remove it")
         .parameter("path");
   }
-  std::string name(std::size_t column) const { return column < shift_ ? "1" : printable(header_[column - shift_]); }
+  std::string name(std::size_t column) const {
+    return column < shift_ ? "1" : printable(header_[column - shift_]);
+  }
   std::string names() const {
     std::string all;
     for (const auto& h : header_) all += (all.empty() ? "" : ", ") + (h.empty() ? "''" : h);
@@ -211,8 +214,8 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     Profile p;
     const double size = table.number(cells, i, area ? *area : *diameter);
     if (size <= 0)
-      table.malformed(i,
-                      "an area or diameter must be above 0, not '" + printable(cells[area ? *area : *diameter]) + "'");
+      table.malformed(
+          i, "an area or diameter must be above 0, not '" + printable(cells[area ? *area : *diameter]) + "'");
     p.area = area ? size * unit.area : std::numbers::pi / 4 * size * unit.length * size * unit.length;
     if (section) p.section = table.whole(cells, i, *section);
     if (!section && slice)

@@ -19,7 +19,8 @@ void compute(Context& c) {
         .parameter("path");
   Strokes out;
   try {
-    out = svg ? load_strokes::read_svg(files[0], reading_of(c)) : load_strokes::read_yaml(files[0], reading_of(c));
+    out = svg ? load_strokes::read_svg(files[0], reading_of(c))
+              : load_strokes::read_yaml(files[0], reading_of(c));
   } catch (Error& e) {
     throw e.parameter("path");
   }

@@ -50,7 +50,9 @@ class Scanner {
 };
 
 // At least 1 and at most `most`, whatever infinite or undefined number comes of huge coordinates.
-int steps(double wanted, int most) { return wanted > 1 ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : 1; }
+int steps(double wanted, int most) {
+  return wanted > 1 ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : 1;
+}
 
 void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d,
            double tolerance) {

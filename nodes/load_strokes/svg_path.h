@@ -9,8 +9,8 @@
 namespace terrazzo::load_strokes {
 
 // One polyline a subpath; a closed one ends where it began. Curves become chords no farther than `tolerance`
-// off them. As SVG asks, an error ends the path: `broken` then tells where it is. Throws Error "too-large" if the path
-// has more than `most` points, for a few characters may stand for thousands.
+// off them. As SVG asks, an error ends the path: `broken` then tells where it is. Throws Error "too-large" if
+// the path has more than `most` points, for a few characters may stand for thousands.
 std::vector<std::vector<Vec2>> read_path(const std::string& data, double tolerance, std::string& broken,
                                          std::size_t most = std::size_t{1} << 32);
 

@@ -14,12 +14,14 @@ Error bad(const std::string& what) {
                "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
 
-// `left`: how many points may still be made. A list may be named and repeated, so that a small file can hold any number.
+// `left`: how many points may still be made. A list may be named and repeated, so that a small file can hold
+// any number.
 std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
   if (!n.IsSequence()) throw bad(where(n) + ": points are a list of [x, y]");
   std::vector<Vec2> out;
   for (const auto& p : n) {
-    if (left-- == 0) throw Error("too-large", "the strokes have more points than memory holds", "leave some out");
+    if (left-- == 0)
+      throw Error("too-large", "the strokes have more points than memory holds", "leave some out");
     if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point is [x, y]");
     out.emplace_back(p[0].as<double>(), p[1].as<double>());
   }
@@ -59,7 +61,8 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
 Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   // A node of the document takes two characters and some 300 bytes.
   const std::string text = read_whole(file, reading);
-  require_memory(200.0 * static_cast<double>(text.size()), reading.memory, "the strokes in '" + file.string() + "'");
+  require_memory(200.0 * static_cast<double>(text.size()), reading.memory,
+                 "the strokes in '" + file.string() + "'");
   std::size_t left = reading.memory / (4 * sizeof(Vec2));
   try {
     const YAML::Node root = YAML::Load(text);

@@ -202,7 +202,8 @@ bool is_dicom(const std::filesystem::path& path) {
   return std::memcmp(head + 128, "DICM", 4) == 0;
 }
 
-LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work, const Reading& given) {
+LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Work& work,
+                      const Reading& given) {
   Reading reading = given;
   static const Decoders decoders;
   std::vector<Slice> slices;
@@ -211,7 +212,8 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     try {
       slices.push_back(read_slice(path, reading));
       // A slice stays, and becomes part of the volume and of its turned copy.
-      reading.memory -= std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * slices.back().values.size());
+      reading.memory -=
+          std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * slices.back().values.size());
     } catch (const Error&) {
       throw;
     } catch (const std::exception& e) {

@@ -56,20 +56,23 @@ Convert converter(int type) {
 }
 
 struct Header {
-  explicit Header(const std::filesystem::path& path) : bytes(nifti_read_header(path.c_str(), &version, 0), free) {}
+  explicit Header(const std::filesystem::path& path)
+      : bytes(nifti_read_header(path.c_str(), &version, 0), free) {}
   int version = 0;
   std::unique_ptr<void, void (*)(void*)> bytes;
 };
 
-// The library allocates what extensions ask for, up to where the voxels begin, so that place must lie in the file.
+// The library allocates what extensions ask for, up to where the voxels begin, so that place must lie in the
+// file.
 void check_header(const std::filesystem::path& path) {
   constexpr double deflate = 1032;  // bytes that one compressed byte can stand for
   const Header header(path);
   if (!header.bytes) throw unreadable(path, "it has no valid header");
   if (header.version != 1 && header.version != 2) return;
-  const double begin = header.version == 2
-                           ? static_cast<double>(static_cast<const nifti_2_header*>(header.bytes.get())->vox_offset)
-                           : static_cast<double>(static_cast<const nifti_1_header*>(header.bytes.get())->vox_offset);
+  const double begin =
+      header.version == 2
+          ? static_cast<double>(static_cast<const nifti_2_header*>(header.bytes.get())->vox_offset)
+          : static_cast<double>(static_cast<const nifti_1_header*>(header.bytes.get())->vox_offset);
   // The library prints this to the terminal, whatever its debug level.
   const int type = header.version == 2 ? static_cast<const nifti_2_header*>(header.bytes.get())->datatype
                                        : static_cast<const nifti_1_header*>(header.bytes.get())->datatype;
@@ -135,8 +138,11 @@ bool is_nifti_header(const std::filesystem::path& path) {
 
 bool is_nifti(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  const auto ends = [&](const char* lower, const char* upper) { return name.ends_with(lower) || name.ends_with(upper); };
-  if (ends(".nii", ".NII") || ends(".nii.gz", ".NII.GZ") || ends(".hdr.gz", ".HDR.GZ") || ends(".img.gz", ".IMG.GZ"))
+  const auto ends = [&](const char* lower, const char* upper) {
+    return name.ends_with(lower) || name.ends_with(upper);
+  };
+  if (ends(".nii", ".NII") || ends(".nii.gz", ".NII.GZ") || ends(".hdr.gz", ".HDR.GZ") ||
+      ends(".img.gz", ".IMG.GZ"))
     return true;
   // A Radiance picture may be called .hdr, and anything .img.
   if (!ends(".hdr", ".HDR") && !ends(".img", ".IMG")) return false;

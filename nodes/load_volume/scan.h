@@ -20,8 +20,8 @@ struct LoadedScan {
   std::vector<std::string> notes;          // what the user should know
 };
 
-// Makes room for the voxels. Throws Error "too-large" above 2^31 voxels or if they, their turned copy and `more` bytes
-// exceed the budget, and "empty-volume" if an edge is below 1.
+// Makes room for the voxels. Throws Error "too-large" above 2^31 voxels or if they, their turned copy and
+// `more` bytes exceed the budget, and "empty-volume" if an edge is below 1.
 void allocate(LoadedScan&, const std::string& file, const Reading&, double more = 0);
 
 // Whether a file can hold so many bytes of voxels: no compression in use packs better than 2000 to 1. Throws
@@ -36,7 +36,8 @@ void align_axes(LoadedScan&, const Mat3& axes);
 // NIfTI 1 and 2, also compressed, through libnifti. Throws Error "unreadable-volume", "not-a-volume" (time
 // series, colours, complex numbers), "no-spacing".
 bool is_nifti(const std::filesystem::path&);
-// The other half of a pair (.hdr and .img, each also compressed): what the library opens besides the file that is named.
+// The other half of a pair (.hdr and .img, each also compressed): what the library opens besides the file
+// that is named.
 std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&);
 LoadedScan read_nifti(const std::filesystem::path&, const Work& = {}, const Reading& = {});
 

@@ -47,7 +47,8 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
     if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
     // Twice, while the list of voxels grows.
-    const auto pixels = in.samples<double>(OIIO::TypeDesc::DOUBLE, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
+    const auto pixels =
+        in.samples<double>(OIIO::TypeDesc::DOUBLE, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
     const double top = largest(spec.format);
     for (int y = spec.height - 1; y >= 0; --y)
       for (int x = 0; x < spec.width; ++x) {
@@ -64,7 +65,7 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
 }  // namespace
 
 LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Work& work,
-                      const Reading& reading) {
+                       const Reading& reading) {
   LoadedScan scan;
   for (std::size_t i = 0; i < paths.size(); ++i) {
     append(paths[i], scan, work, reading);

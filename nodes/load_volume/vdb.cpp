@@ -55,7 +55,8 @@ void check_places(const openvdb::GridBase& base) {
   if (!grid) return;
   for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
     if (grid->tree().probeConstLeaf(leaf->origin()) != leaf.getLeaf())
-      throw unreadable("the voxels of grid '" + printable(grid->getName()) + "' lie elsewhere than their node");
+      throw unreadable("the voxels of grid '" + printable(grid->getName()) +
+                       "' lie elsewhere than their node");
 }
 
 // Notes on the file itself, such as its bounding box, are no part of the volume.
@@ -68,8 +69,8 @@ void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
     if (type == openvdb::StringMetadata::staticTypeName())
       static_cast<openvdb::StringMetadata&>(*value).setValue(std::string(meta.bytes));
     else if (value->size() != meta.bytes.size())
-      throw unreadable(fmt::format("its entry '{}' has {} bytes instead of {}", printable(name), meta.bytes.size(),
-                                   value->size()));
+      throw unreadable(fmt::format("its entry '{}' has {} bytes instead of {}", printable(name),
+                                   meta.bytes.size(), value->size()));
     else {
       std::string sized(sizeof(std::uint32_t), '\0');
       const auto size = static_cast<std::uint32_t>(meta.bytes.size());
@@ -82,12 +83,14 @@ void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
   }
 }
 
-void read_transform(openvdb::GridBase& grid, std::string_view content, const VdbHeader& header, const VdbGrid& g) {
+void read_transform(openvdb::GridBase& grid, std::string_view content, const VdbHeader& header,
+                    const VdbGrid& g) {
   Bytes in(content.substr(g.transform_at), header, g.compression);
   grid.readTransform(in);
   const auto m = grid.transform().baseMap()->getAffineMap()->getMat4();
   for (int i = 0; i < 16; ++i)
-    if (!std::isfinite(m.asPointer()[i])) throw unreadable("the transform of grid '" + printable(g.name) + "' is not finite");
+    if (!std::isfinite(m.asPointer()[i]))
+      throw unreadable("the transform of grid '" + printable(g.name) + "' is not finite");
   if (m.det() == 0) throw unreadable("the transform of grid '" + printable(g.name) + "' is singular");
 }
 

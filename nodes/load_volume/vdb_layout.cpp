@@ -17,7 +17,8 @@ Error damaged(const std::string& what) {
   return Error("unreadable-volume", what, "check that the file is whole");
 }
 
-// One tree of the layout that all grids of volumes share: a root, two levels of inner nodes, leaves of 8³ voxels.
+// One tree of the layout that all grids of volumes share: a root, two levels of inner nodes, leaves of 8³
+// voxels.
 template <class Tree>
 class TreeWalk {
   using Upper = typename Tree::RootNodeType::ChildNodeType;
@@ -58,7 +59,8 @@ class TreeWalk {
     for (const auto v : p)
       if (v % static_cast<std::int32_t>(Upper::DIM) != 0)
         throw damaged(fmt::format("a node lies at ({}, {}, {})", p[0], p[1], p[2]));
-    if (!origins_.insert(p).second) throw damaged(fmt::format("two nodes lie at ({}, {}, {})", p[0], p[1], p[2]));
+    if (!origins_.insert(p).second)
+      throw damaged(fmt::format("two nodes lie at ({}, {}, {})", p[0], p[1], p[2]));
   }
 
   static std::size_t bits_of(std::string_view mask) {
@@ -106,7 +108,8 @@ class TreeWalk {
       throw damaged(fmt::format("values are stored in the unknown way {}", kind));
     if (kind == NO_MASK_AND_ONE_INACTIVE_VAL || kind == MASK_AND_ONE_INACTIVE_VAL) in_.take(sizeof(T));
     if (kind == MASK_AND_TWO_INACTIVE_VALS) in_.take(2 * sizeof(T));
-    if (kind == MASK_AND_NO_INACTIVE_VALS || kind == MASK_AND_ONE_INACTIVE_VAL || kind == MASK_AND_TWO_INACTIVE_VALS)
+    if (kind == MASK_AND_NO_INACTIVE_VALS || kind == MASK_AND_ONE_INACTIVE_VAL ||
+        kind == MASK_AND_TWO_INACTIVE_VALS)
       in_.take(count / 8);
     if ((compression_ & COMPRESS_ACTIVE_MASK) && kind != NO_MASK_AND_ALL_VALS) count = bits_of(active);
     using Half = RealToHalf<T>;
@@ -135,7 +138,8 @@ class TreeWalk {
     packed.take(4);
     const auto size = packed.take<std::uint32_t>();
     if (unpacked != bytes || size != static_cast<std::uint64_t>(stored))
-      throw damaged(fmt::format("a compressed block of {} bytes holds {} instead of {}", stored, unpacked, bytes));
+      throw damaged(
+          fmt::format("a compressed block of {} bytes holds {} instead of {}", stored, unpacked, bytes));
   }
 
   ByteCursor& in_;

@@ -58,7 +58,8 @@ void pictures(Writer& w) {
       write_image(w.place("LoadImage" + extension, name), image, 0, "{\"document\":\"\"}");
     }
     for (const char* name : {"a.png", "a.jpg", "a.tif", "a.exr"})
-      write_image(w.place("provenance" + fs::path(name).extension().string(), name), image, 0, "{\"document\":\"\"}");
+      write_image(w.place("provenance" + fs::path(name).extension().string(), name), image, 0,
+                  "{\"document\":\"\"}");
   }
   Labels labels;
   labels.width = 9, labels.height = 7, labels.sections = 1, labels.pixel_size = 1;
@@ -90,7 +91,8 @@ void meshes(Writer& w) {
   w.text("LoadMesh.stl", "a.stl", "solid s\n" + facets.str() + "endsolid s\n");
   w.text("LoadMesh.ply", "a.ply",
          "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face 12\nproperty list uchar int vertex_indices\nend_header\n" + vertices.str() + faces.str());
+         "element face 12\nproperty list uchar int vertex_indices\nend_header\n" +
+             vertices.str() + faces.str());
 }
 
 void vdbs(Writer& w) {
@@ -140,13 +142,14 @@ void dicoms(Writer& w) {
   const auto number = [](int v) { return std::string{static_cast<char>(v), static_cast<char>(v >> 8)}; };
   const auto file = [&](const std::string& syntax, const std::string& pixels) {
     return std::string(128, '\0') + "DICM" + element(0x00020010, "UI", syntax) +
-           element(0x00180050, "DS", "2") + element(0x0020000e, "UI", "1.2.3") + element(0x00200032, "DS", "-10\\-20\\5") +
-           element(0x00200037, "DS", "1\\0\\0\\0\\1\\0") + element(0x00280002, "US", number(1)) +
-           element(0x00280004, "CS", "MONOCHROME2") + element(0x00280010, "US", number(2)) +
-           element(0x00280011, "US", number(3)) + element(0x00280030, "DS", "0.7\\0.8") +
-           element(0x00280100, "US", number(16)) + element(0x00280101, "US", number(12)) +
-           element(0x00280102, "US", number(11)) + element(0x00280103, "US", number(1)) +
-           element(0x00281052, "DS", "-1000") + element(0x00281053, "DS", "2") + pixels;
+           element(0x00180050, "DS", "2") + element(0x0020000e, "UI", "1.2.3") +
+           element(0x00200032, "DS", "-10\\-20\\5") + element(0x00200037, "DS", "1\\0\\0\\0\\1\\0") +
+           element(0x00280002, "US", number(1)) + element(0x00280004, "CS", "MONOCHROME2") +
+           element(0x00280010, "US", number(2)) + element(0x00280011, "US", number(3)) +
+           element(0x00280030, "DS", "0.7\\0.8") + element(0x00280100, "US", number(16)) +
+           element(0x00280101, "US", number(12)) + element(0x00280102, "US", number(11)) +
+           element(0x00280103, "US", number(1)) + element(0x00281052, "DS", "-1000") +
+           element(0x00281053, "DS", "2") + pixels;
   };
   std::string values;
   for (int i = 0; i < 6; ++i) values += number(100 * i);
@@ -154,19 +157,22 @@ void dicoms(Writer& w) {
   // Run-length coded: two segments, of the high bytes and of the low ones, each as one literal run.
   std::string rle(64, '\0'), high = "\5", low = "\5";
   rle[0] = 2, rle[4] = 64, rle[8] = 72;
-  for (int i = 0; i < 6; ++i) high += values[static_cast<std::size_t>(2 * i + 1)], low += values[static_cast<std::size_t>(2 * i)];
+  for (int i = 0; i < 6; ++i)
+    high += values[static_cast<std::size_t>(2 * i + 1)], low += values[static_cast<std::size_t>(2 * i)];
   rle += high + '\0' + low + '\0';
   const auto item = [](const std::string& value) {
-    return std::string("\xfe\xff\x00\xe0", 4) + static_cast<char>(value.size()) + std::string(3, '\0') + value;
+    return std::string("\xfe\xff\x00\xe0", 4) + static_cast<char>(value.size()) + std::string(3, '\0') +
+           value;
   };
-  const std::string fragments = std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + item("") + item(rle) +
-                                std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  const std::string fragments = std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + item("") +
+                                item(rle) + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
   w.text("LoadVolume.dcm", "b.dcm", file("1.2.840.10008.1.2.5", fragments));
 }
 
 void texts(Writer& w, const fs::path& source) {
   const auto content = [&](const char* name) { return read_file(source / name).value_or(""); };
-  w.text("LoadProfiles.csv", "a.csv", "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
+  w.text("LoadProfiles.csv", "a.csv",
+         "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
   w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
   const fs::path answers = w.place("StudyAnova.csv", "a.csv");
   std::ofstream(answers) << content("nodes/study_anova/answers.csv");
@@ -177,8 +183,10 @@ void texts(Writer& w, const fs::path& source) {
          "<path stroke='red' d='M1 2 A3 4 10 0 1 9 9 C1 1 2 2 3 3 q1 1 2 0 t3 3 Z'/>"
          "<circle r='9' cx='4' cy='4'/><polygon points='1,1 9,1 9,9'/></g></svg>");
   w.text("LoadStrokes.yaml", "a.yaml",
-         "strokes:\n- {radius: 6, points: [[10, 20], [30, 40]]}\n- &a {area: true, parts: [[[0, 0], [9, 0], [9, 9]]]}\n- *a\n");
-  for (const char* graph : {"nodes/anneal/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
+         "strokes:\n- {radius: 6, points: [[10, 20], [30, 40]]}\n- &a {area: true, parts: [[[0, 0], [9, 0], "
+         "[9, 9]]]}\n- *a\n");
+  for (const char* graph :
+       {"nodes/anneal/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
     w.text("graph.yaml", "a.yaml", content(graph));
   std::string json = "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"document\":\"\"}}}";
   while (json.size() % 4) json += ' ';
@@ -186,7 +194,8 @@ void texts(Writer& w, const fs::path& source) {
     const auto n = static_cast<std::uint32_t>(v);
     return std::string(reinterpret_cast<const char*>(&n), 4);
   };
-  w.text("provenance.glb", "a.glb", "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json);
+  w.text("provenance.glb", "a.glb",
+         "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json);
 }
 
 }  // namespace

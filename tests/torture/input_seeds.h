@@ -9,7 +9,7 @@
 namespace terrazzo::torture {
 
 struct InputSeed {
-  std::string reader;  // "LoadVolume.vdb": a node, or a function, and a format
+  std::string reader;                        // "LoadVolume.vdb": a node, or a function, and a format
   std::map<std::string, std::string> files;  // content by name; the reader is given the first
 };
 

@@ -9,10 +9,23 @@
 namespace terrazzo::torture {
 namespace {
 
-const char* const words[] = {"nan", "inf", "-1", "4294967295", "18446744073709551616", "1e308", "-2147483648", "0", "1e-320",
-                             "99999999", "", "''", "[", "{", "&a", "*a", "\xff\xfe", "%s"};
-const std::uint64_t lengths[] = {0, 1, 0xff, 0x7fff, 0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xffffffff, 0x40000000,
-                                 0x7fffffffffffffff, 0xffffffffffffffff, 0x100000000};
+const char* const words[] = {"nan",   "inf",         "-1", "4294967295", "18446744073709551616",
+                             "1e308", "-2147483648", "0",  "1e-320",     "99999999",
+                             "",      "''",          "[",  "{",          "&a",
+                             "*a",    "\xff\xfe",    "%s"};
+const std::uint64_t lengths[] = {0,
+                                 1,
+                                 0xff,
+                                 0x7fff,
+                                 0xffff,
+                                 0x10000,
+                                 0x7fffffff,
+                                 0x80000000,
+                                 0xffffffff,
+                                 0x40000000,
+                                 0x7fffffffffffffff,
+                                 0xffffffffffffffff,
+                                 0x100000000};
 
 // A number in the text becomes another.
 void edit_number(std::string& b, Random& r) {
@@ -32,8 +45,12 @@ void edit(std::string& b, const std::string& other, Random& r) {
   // The beginning, where headers are, is hit more often.
   const std::size_t at = r.below(2) ? r.below(b.size()) : r.below(std::min<std::size_t>(b.size(), 400));
   switch (r.below(9)) {
-    case 0: b[at] = static_cast<char>(b[at] ^ (1 << r.below(8))); break;
-    case 1: b[at] = static_cast<char>(r.below(256)); break;
+    case 0:
+      b[at] = static_cast<char>(b[at] ^ (1 << r.below(8)));
+      break;
+    case 1:
+      b[at] = static_cast<char>(r.below(256));
+      break;
     case 2:
     case 3: {  // a length in either byte order
       const std::size_t size = std::size_t{1} << r.below(4);
@@ -44,13 +61,20 @@ void edit(std::string& b, const std::string& other, Random& r) {
       if (at + size <= b.size()) std::memcpy(&b[at], bytes, size);
       break;
     }
-    case 4: b.resize(at); break;
-    case 5: b.erase(at, 1 + r.below(64)); break;
-    case 6: b.insert(at, b.substr(r.below(b.size()), 1 + r.below(64))); break;
+    case 4:
+      b.resize(at);
+      break;
+    case 5:
+      b.erase(at, 1 + r.below(64));
+      break;
+    case 6:
+      b.insert(at, b.substr(r.below(b.size()), 1 + r.below(64)));
+      break;
     case 7:
       if (!other.empty()) b = b.substr(0, at) + other.substr(r.below(other.size()));
       break;
-    default: edit_number(b, r);
+    default:
+      edit_number(b, r);
   }
 }
 
@@ -87,7 +111,8 @@ void mend_png(std::string& b) {
   for (std::size_t at = 8; b.size() - std::min(at, b.size()) >= 12;) {
     const std::size_t length = big32(at);
     if (length > b.size() - at - 12) return;
-    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(b.data() + at + 4), static_cast<uInt>(length + 4));
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(b.data() + at + 4), static_cast<uInt>(length + 4));
     for (std::size_t k = 0; k < 4; ++k) b[at + 8 + length + k] = static_cast<char>(sum >> (24 - 8 * k));
     at += 12 + length;
   }

@@ -8,9 +8,9 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstring>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <stdexcept>
@@ -62,7 +62,8 @@ void run_node(const std::string& name, const fs::path& file, bool other_choice) 
   request.type = registry().find(name);
   std::map<std::string, ParameterValue> written;
   for (const auto& p : request.type->parameters)
-    if (p.kind == ParameterKind::InputPath) request.files[p.name] = {p.name == "key" ? file.parent_path() / "key.csv" : file};
+    if (p.kind == ParameterKind::InputPath)
+      request.files[p.name] = {p.name == "key" ? file.parent_path() / "key.csv" : file};
   const auto set = [&](const char* parameter, const char* text) {
     const Parameter* p = request.type->find_parameter(parameter);
     std::string why;
@@ -141,8 +142,8 @@ void read_one(const std::string& reader, const Input& input, const fs::path& pla
 }
 
 // The outcome of each input up to the first that ended the child.
-std::vector<std::string> run_child(const std::string& reader, const std::vector<Input>& inputs, const fs::path& place,
-                                   Verdicts& verdicts) {
+std::vector<std::string> run_child(const std::string& reader, const std::vector<Input>& inputs,
+                                   const fs::path& place, Verdicts& verdicts) {
   verdicts = Verdicts{};
   const pid_t pid = ::fork();
   if (pid < 0) throw std::runtime_error("fork failed");
@@ -151,7 +152,8 @@ std::vector<std::string> run_child(const std::string& reader, const std::vector<
   ::waitpid(pid, &status, 0);
   std::vector<std::string> outcomes(verdicts.text, verdicts.text + std::min(verdicts.done, kBatch));
   if (WIFSIGNALED(status))
-    outcomes.push_back(WTERMSIG(status) == SIGALRM ? "loss: it took 10 s" : fmt::format("loss: signal {}", WTERMSIG(status)));
+    outcomes.push_back(WTERMSIG(status) == SIGALRM ? "loss: it took 10 s"
+                                                   : fmt::format("loss: signal {}", WTERMSIG(status)));
   else if (WEXITSTATUS(status) != 0)
     outcomes.push_back(fmt::format("loss: exit code {}", WEXITSTATUS(status)));
   return outcomes;
@@ -189,7 +191,9 @@ Counts mutated_inputs(const Options& o) {
   const fs::path place = o.folder / "input";
   fs::create_directories(place);
   const auto started = std::chrono::steady_clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count(); };
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  };
   Counts counts;
   for (std::uint64_t round = 0; round == 0 || elapsed() < o.seconds; ++round) {
     std::uint64_t index = 0;
@@ -211,12 +215,14 @@ Counts mutated_inputs(const Options& o) {
       const auto outcomes = run_child(reader, inputs, place, verdicts);
       for (std::size_t i = 0; i < outcomes.size(); ++i) {
         const std::uint64_t trial = round * kBatch + i;
-        const bool lost = outcomes[i].starts_with("loss") || (trial < of_reader.size() && outcomes[i] != "value");
+        const bool lost =
+            outcomes[i].starts_with("loss") || (trial < of_reader.size() && outcomes[i] != "value");
         if (lost) {
           if (i < inputs.size())
-            for (const auto& [name, content] : inputs[i].files) std::ofstream(place / name, std::ios::binary) << content;
-          throw std::runtime_error(fmt::format("{}, seed {}, trial {}: {}; the input is in {}", reader, o.seed, trial,
-                                               outcomes[i], place.string()));
+            for (const auto& [name, content] : inputs[i].files)
+              std::ofstream(place / name, std::ios::binary) << content;
+          throw std::runtime_error(fmt::format("{}, seed {}, trial {}: {}; the input is in {}", reader,
+                                               o.seed, trial, outcomes[i], place.string()));
         }
         ++counts["mutated_inputs " + reader];
         ++counts["mutated_inputs " + reader + ", " + outcomes[i]];

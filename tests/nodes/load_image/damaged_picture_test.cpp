@@ -50,7 +50,8 @@ class DamagedPicture : public ::testing::Test {
 };
 
 std::string big32(std::uint32_t v) {
-  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8), static_cast<char>(v)};
+  return {static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
+          static_cast<char>(v)};
 }
 std::string little32(std::uint32_t v) {
   const std::string b = big32(v);
@@ -59,7 +60,8 @@ std::string little32(std::uint32_t v) {
 std::string chunk(const std::string& name, const std::string& data) {
   const std::string body = name + data;
   return big32(static_cast<std::uint32_t>(data.size())) + body +
-         big32(static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()))));
+         big32(static_cast<std::uint32_t>(
+             crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()))));
 }
 
 // Every format that is written, cut anywhere: an error each time.
@@ -72,7 +74,8 @@ TEST_F(DamagedPicture, ACutFileIsAnError) {
     // The last bytes of some formats mean nothing: JPEG's end mark is two bytes long.
     for (const double share : {0.0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99}) {
       const auto size = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
-      EXPECT_EQ(read(write("cut" + name, whole.substr(0, size))).code, "unreadable-image") << name << ", " << share;
+      EXPECT_EQ(read(write("cut" + name, whole.substr(0, size))).code, "unreadable-image")
+          << name << ", " << share;
     }
     for (const std::size_t less : {1, 2, 5, 30})
       EXPECT_EQ(read(write("cut" + name, whole.substr(0, whole.size() - less))).code, "unreadable-image")
@@ -83,8 +86,8 @@ TEST_F(DamagedPicture, ACutFileIsAnError) {
 // The first page stands before the pixels, as cameras write it.
 TEST_F(DamagedPicture, ATiffWhosePixelsComeLastIsCutToo) {
   const auto entry = [](std::uint16_t tag, std::uint16_t type, std::uint32_t value) {
-    return std::string{static_cast<char>(tag), static_cast<char>(tag >> 8), static_cast<char>(type), 0} + little32(1) +
-           little32(value);
+    return std::string{static_cast<char>(tag), static_cast<char>(tag >> 8), static_cast<char>(type), 0} +
+           little32(1) + little32(value);
   };
   std::string file = std::string("II*\0", 4) + little32(8) + std::string("\x08\0", 2);
   const auto header = static_cast<std::uint32_t>(file.size() + 8 * 12 + 4);
@@ -108,7 +111,8 @@ TEST_F(DamagedPicture, WhatTheJpegDecoderComplainsAboutIsAWarning) {
     ++(o.code != "" ? errors : o.warnings.empty() ? silent : warnings);
     for (const auto& w : o.warnings) EXPECT_LT(w.size(), 400u);
   }
-  EXPECT_GT(warnings + errors, 60) << errors << " errors, " << warnings << " warnings, " << silent << " silent";
+  EXPECT_GT(warnings + errors, 60) << errors << " errors, " << warnings << " warnings, " << silent
+                                   << " silent";
 }
 
 TEST_F(DamagedPicture, AWarningReachesTheUserOfTheNode) {
@@ -133,7 +137,8 @@ TEST_F(DamagedPicture, AFlippedBitInAPngIsFound) {
 
 TEST_F(DamagedPicture, BmpColorsThatAreNotThere) {
   const auto bmp = [](int bits, int compression, std::uint32_t colors, const std::string& pixels) {
-    std::string out = "BM" + little32(0) + little32(0) + little32(54 + 4 * colors) + little32(40) + little32(4) + little32(1);
+    std::string out = "BM" + little32(0) + little32(0) + little32(54 + 4 * colors) + little32(40) +
+                      little32(4) + little32(1);
     out += std::string{1, 0, static_cast<char>(bits), 0} + little32(static_cast<std::uint32_t>(compression));
     out += std::string(12, '\0') + little32(colors) + little32(0);
     for (std::uint32_t c = 0; c < colors; ++c) out += little32(0x010203 * c);
@@ -154,12 +159,16 @@ TEST_F(DamagedPicture, AHeaderAloneTakesNoMemory) {
                           chunk("IHDR", big32(30000) + big32(30000) + std::string("\x08\x02\0\0\0", 5)) +
                           chunk("IDAT", "x") + chunk("IEND", "");
   EXPECT_EQ(read(write("bomb.png", png), plenty).code, "unreadable-image");
-  const std::string bmp = "BM" + little32(1000) + little32(0) + little32(54) + little32(40) + little32(60000) +
-                          little32(60000) + std::string("\x01\0\x08\0", 4) + little32(1) + std::string(2000, '\0');
+  const std::string bmp = "BM" + little32(1000) + little32(0) + little32(54) + little32(40) +
+                          little32(60000) + little32(60000) + std::string("\x01\0\x08\0", 4) + little32(1) +
+                          std::string(2000, '\0');
   EXPECT_EQ(read(write("bomb.bmp", bmp), plenty).code, "unreadable-image");
-  EXPECT_EQ(read(write("bomb.ppm", "P6 60000 60000 255\n" + std::string(100, 'x')), plenty).code, "unreadable-image");
-  EXPECT_EQ(read(write("bomb.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n" + std::string(100, '\2')),
-                 plenty).code,
+  EXPECT_EQ(read(write("bomb.ppm", "P6 60000 60000 255\n" + std::string(100, 'x')), plenty).code,
+            "unreadable-image");
+  EXPECT_EQ(read(write("bomb.hdr",
+                       "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 60000\n" + std::string(100, '\2')),
+                 plenty)
+                .code,
             "unreadable-image");
   std::string exr = written("a.exr");
   const auto window = exr.find("dataWindow");
@@ -199,10 +208,12 @@ TEST_F(DamagedPicture, NotesWithinNotesAreBounded) {
     if (packed) {
       std::string out(compressBound(xmp.size()), '\0');
       uLongf size = out.size();
-      compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(xmp.data()), xmp.size());
+      compress(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(xmp.data()),
+               xmp.size());
       xmp = out.substr(0, size);
     }
-    const std::string key = std::string("XML:com.adobe.xmp\0", 18) + (packed ? '\1' : '\0') + std::string(3, '\0');
+    const std::string key =
+        std::string("XML:com.adobe.xmp\0", 18) + (packed ? '\1' : '\0') + std::string(3, '\0');
     const std::string whole = written("a.png");
     return whole.substr(0, 33) + chunk("iTXt", key + xmp) + whole.substr(33);
   };

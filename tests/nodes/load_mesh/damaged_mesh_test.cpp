@@ -1,4 +1,5 @@
-// Mesh files that lie about what follows: an error each time, within the memory and time that their size allows.
+// Mesh files that lie about what follows: an error each time, within the memory and time that their size
+// allows.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -46,9 +47,10 @@ std::string raw(T v, bool swapped = false) {
 }
 
 std::string binary_ply(bool big, std::uint8_t corners = 3) {
-  std::string out = "ply\nformat binary_" + std::string(big ? "big" : "little") +
-                    "_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty float z\n"
-                    "property uchar red\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n";
+  std::string out =
+      "ply\nformat binary_" + std::string(big ? "big" : "little") +
+      "_endian 1.0\nelement vertex 3\nproperty double x\nproperty float y\nproperty float z\n"
+      "property uchar red\nelement face 1\nproperty list uchar ushort vertex_index\nend_header\n";
   for (const int v : {0, 1, 2})
     out += raw(v == 1 ? 1.5 : 0.0, big) + raw(v == 2 ? 1.0f : 0.0f, big) + raw(0.0f, big) + '\x07';
   out += static_cast<char>(corners);
@@ -69,7 +71,8 @@ TEST_F(DamagedMesh, WordsInThePlaceOfNumbersInPly) {
   ASSERT_EQ(code("good.ply", ply()), "");
   for (const std::string word : {"nan", "-nan", "inf", "x", "1e99", "0x10", "--1", "1,5"})
     EXPECT_EQ(code("v.ply", ply("0 0 0\n1 0 0\n0 " + word + " 0\n0 0 1\n")), "unreadable-mesh") << word;
-  for (const std::string word : {"nan", "-1", "-2147483648", "4294967295", "18446744073709551616", "1e9", "3.5", "inf"})
+  for (const std::string word :
+       {"nan", "-1", "-2147483648", "4294967295", "18446744073709551616", "1e9", "3.5", "inf"})
     EXPECT_NE(code("f.ply", ply(kVertices, "3 0 2 1\n" + word + " 0 1 3\n3 0 3 2\n3 1 2 3\n")), "") << word;
   for (const std::string word : {"nan", "-1", "4", "4294967295", "99999999999999999999"})
     EXPECT_NE(code("i.ply", ply(kVertices, "3 0 2 1\n3 0 1 " + word + "\n3 0 3 2\n3 1 2 3\n")), "") << word;
@@ -97,26 +100,29 @@ TEST_F(DamagedMesh, StlThatPromisesMoreThanItHolds) {
   EXPECT_EQ(code("more.stl", binary_stl(3)), "unreadable-mesh");
   EXPECT_EQ(code("most.stl", binary_stl(4294967295u)), "unreadable-mesh");
   EXPECT_EQ(code("none.stl", binary_stl(0)), "unreadable-mesh");
-  EXPECT_EQ(code("open.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"), "unreadable-mesh");
+  EXPECT_EQ(code("open.stl", "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"),
+            "unreadable-mesh");
 }
 
 TEST_F(DamagedMesh, ObjThatNamesWhatIsNotThere) {
   const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
   ASSERT_EQ(code("good.obj", v + "f 1/2/3 2//3 \\\n3\n"), "");
-  for (const std::string face : {"f 1 2 4", "f 1 2 0", "f 1 2 -4", "f 1 2 nan", "f 1 2 99999999999999999999", "f 1 2"})
+  for (const std::string face :
+       {"f 1 2 4", "f 1 2 0", "f 1 2 -4", "f 1 2 nan", "f 1 2 99999999999999999999", "f 1 2"})
     EXPECT_NE(code("bad.obj", v + face + "\n"), "") << face;
   EXPECT_EQ(code("nan.obj", "v nan 0 0\n" + v + "f 2 3 4\n"), "unreadable-mesh");
 }
 
-// What Export writes, and the text forms, cut anywhere. An OBJ file says nowhere how many lines belong to it: cut between
-// two lines it is another valid file, and only its solid is open (which LoadMesh refuses).
+// What Export writes, and the text forms, cut anywhere. An OBJ file says nowhere how many lines belong to it:
+// cut between two lines it is another valid file, and only its solid is open (which LoadMesh refuses).
 TEST_F(DamagedMesh, ACutFileIsAnError) {
   Shapes shapes;
   shapes.shapes.emplace_back();
   Mesh& m = shapes.shapes[0].mesh;
   m.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
   m.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  std::map<std::string, std::string> files = {{"t.ply", ply()}, {"t.off", "OFF\n4 4 0\n" + kVertices + kFaces}};
+  std::map<std::string, std::string> files = {{"t.ply", ply()},
+                                              {"t.off", "OFF\n4 4 0\n" + kVertices + kFaces}};
   for (const char* name : {"b.ply", "b.stl"}) {
     write_mesh(folder / name, shapes);
     files[name] = *read_file(folder / name);
@@ -125,7 +131,8 @@ TEST_F(DamagedMesh, ACutFileIsAnError) {
   for (const auto& t : m.triangles) {
     files["t.stl"] += "facet normal 0 0 1\nouter loop\n";
     for (const int v : t)
-      files["t.stl"] += fmt::format("vertex {} {} {}\n", m.vertices[v].x(), m.vertices[v].y(), m.vertices[v].z());
+      files["t.stl"] +=
+          fmt::format("vertex {} {} {}\n", m.vertices[v].x(), m.vertices[v].y(), m.vertices[v].z());
     files["t.stl"] += "endloop\nendfacet\n";
   }
   files["t.stl"] += "endsolid s\n";
@@ -134,7 +141,8 @@ TEST_F(DamagedMesh, ACutFileIsAnError) {
     // The last characters of a text may be a line's end and a name.
     const std::size_t last = name[0] == 'b' ? whole.size() - 1 : whole.size() - 4;
     for (std::size_t size = 0; size <= last; ++size)
-      ASSERT_NE(code("cut" + name, whole.substr(0, size)), "") << name << " cut to " << size << " of " << whole.size();
+      ASSERT_NE(code("cut" + name, whole.substr(0, size)), "")
+          << name << " cut to " << size << " of " << whole.size();
   }
   write_mesh(folder / "b.obj", shapes);
   const std::string obj = *read_file(folder / "b.obj");
@@ -157,7 +165,8 @@ TEST_F(DamagedMesh, TheBudgetIsKept) {
 
 // Messages quote a little of what they found, and nothing that a terminal would act on.
 TEST_F(DamagedMesh, MessagesStayShort) {
-  std::ofstream(folder / "long.ply", std::ios::binary) << ply("0 0 \x1b[31m" + std::string(100000, 'x') + "\n");
+  std::ofstream(folder / "long.ply", std::ios::binary)
+      << ply("0 0 \x1b[31m" + std::string(100000, 'x') + "\n");
   try {
     read_mesh(folder / "long.ply");
     FAIL();
@@ -171,10 +180,11 @@ TEST_F(DamagedMesh, MutationsOfEveryFormatEndInAMeshOrAnError) {
   const std::string off = "OFF\n4 4 0\n" + kVertices + kFaces;
   const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
   const std::string ascii_stl =
-      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n";
-  const std::pair<const char*, std::string> seeds[] = {
-      {"m.ply", ply()}, {"m.ply", binary_ply(false)}, {"m.off", off},
-      {"m.obj", obj},   {"m.stl", binary_stl(2)},     {"m.stl", ascii_stl}};
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+      "0\nendloop\nendfacet\nendsolid\n";
+  const std::pair<const char*, std::string> seeds[] = {{"m.ply", ply()},         {"m.ply", binary_ply(false)},
+                                                       {"m.off", off},           {"m.obj", obj},
+                                                       {"m.stl", binary_stl(2)}, {"m.stl", ascii_stl}};
   const char* const words[] = {"nan", "-1", "4294967295", " ", "\n", "1e308"};
   int kept = 0;
   for (std::uint64_t k = 0; k < 1200; ++k) {
@@ -184,10 +194,17 @@ TEST_F(DamagedMesh, MutationsOfEveryFormatEndInAMeshOrAnError) {
     for (std::uint64_t edits = 0; edits <= k % 3; ++edits) {
       const std::size_t at = r.below(bytes.size());
       switch (r.below(4)) {
-        case 0: bytes[at] = static_cast<char>(r.below(256)); break;
-        case 1: bytes.replace(at, 1, words[r.below(6)]); break;
-        case 2: bytes.resize(at + 1); break;
-        default: bytes.insert(at, bytes.substr(r.below(bytes.size()), 40));
+        case 0:
+          bytes[at] = static_cast<char>(r.below(256));
+          break;
+        case 1:
+          bytes.replace(at, 1, words[r.below(6)]);
+          break;
+        case 2:
+          bytes.resize(at + 1);
+          break;
+        default:
+          bytes.insert(at, bytes.substr(r.below(bytes.size()), 40));
       }
     }
     kept += code(name, bytes).empty();

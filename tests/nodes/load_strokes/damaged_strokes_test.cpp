@@ -34,14 +34,16 @@ std::string arcs(int count) {
 
 TEST_F(DamagedStrokes, ArcsByTheThousandStayWithinTheBudget) {
   EXPECT_EQ(test::code_of([&] { load_strokes::read_svg(write("a.svg", arcs(5)), budget(20'000'000)); }), "");
-  EXPECT_EQ(test::code_of([&] { load_strokes::read_svg(write("a.svg", arcs(5000)), budget(20'000'000)); }), "too-large");
+  EXPECT_EQ(test::code_of([&] { load_strokes::read_svg(write("a.svg", arcs(5000)), budget(20'000'000)); }),
+            "too-large");
 }
 
 TEST_F(DamagedStrokes, PointsTooFarAwayForWholeNumbersOfChords) {
-  for (const char* d : {"M0 0 C1e300 0 0 1e300 1 1", "M0 0 A1e300 1e-300 0 1 1 1 1", "M1e308 0 Q-1e308 0 1e308 1e308",
-                        "M0 0 A1e308 1e308 1e308 1 0 1e308 0"})
+  for (const char* d : {"M0 0 C1e300 0 0 1e300 1 1", "M0 0 A1e300 1e-300 0 1 1 1 1",
+                        "M1e308 0 Q-1e308 0 1e308 1e308", "M0 0 A1e308 1e308 1e308 1 0 1e308 0"})
     EXPECT_NE(test::code_of([&] {
-                load_strokes::read_svg(write("a.svg", std::string("<svg><path stroke='red' d='") + d + "'/></svg>"));
+                load_strokes::read_svg(
+                    write("a.svg", std::string("<svg><path stroke='red' d='") + d + "'/></svg>"));
               }),
               "too-large")
         << d;
@@ -52,7 +54,8 @@ TEST_F(DamagedStrokes, AListThatIsNamedAndRepeatedStaysWithinTheBudget) {
   for (int i = 0; i < 1000; ++i) text += "[1,2],";
   text += "]}\n";
   for (int i = 0; i < 1000; ++i) text += "- *a\n";
-  EXPECT_EQ(test::code_of([&] { load_strokes::read_yaml(write("a.yaml", text), budget(10'000'000)); }), "too-large");
+  EXPECT_EQ(test::code_of([&] { load_strokes::read_yaml(write("a.yaml", text), budget(10'000'000)); }),
+            "too-large");
   EXPECT_EQ(load_strokes::read_yaml(folder / "a.yaml", budget(200'000'000)).strokes.size(), 1001u);
 }
 

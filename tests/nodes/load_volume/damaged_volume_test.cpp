@@ -38,7 +38,8 @@ class DamagedVolume : public ::testing::Test {
     };
     add.template operator()<openvdb::FloatGrid>("density", 1.5f, [](int i) { return 0.1f * float(i); });
     add.template operator()<openvdb::DoubleGrid>("d", 0.0, [](int i) { return 0.1 * i; });
-    add.template operator()<openvdb::Vec3SGrid>("Cd", openvdb::Vec3s(0), [](int i) { return openvdb::Vec3s(float(i)); });
+    add.template operator()<openvdb::Vec3SGrid>("Cd", openvdb::Vec3s(0),
+                                                [](int i) { return openvdb::Vec3s(float(i)); });
     add.template operator()<openvdb::Int32Grid>("n", 0, [](int i) { return i; });
     add.template operator()<openvdb::BoolGrid>("b", false, [](int i) { return i % 2 == 0; });
     volume = v;

@@ -135,7 +135,8 @@ TEST(LoadDicom, DamagedFilesNeverCrash) {
 TEST(LoadDicom, SequencesWithinSequencesAreBounded) {
   const auto folder = test::temporary_folder();
   write(folder / "good.dcm", {.z = 1});
-  const std::string sequence("\x08\x00\x40\x11SQ\0\0\xff\xff\xff\xff", 12), item("\xfe\xff\x00\xe0\xff\xff\xff\xff", 8);
+  const std::string sequence("\x08\x00\x40\x11SQ\0\0\xff\xff\xff\xff", 12),
+      item("\xfe\xff\x00\xe0\xff\xff\xff\xff", 8);
   std::string bytes = *read_file(folder / "good.dcm");
   const auto meta_end = bytes.find(std::string("\x08\x00\x16\x00", 4));
   ASSERT_NE(meta_end, std::string::npos);
