@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -198,8 +199,11 @@ auto CacheUsage::change(Change change) const {
 
 std::uint64_t CacheUsage::add(std::int64_t bytes) const {
   return change([&](auto& s) {
-    if (s.bytes != std::numeric_limits<std::uint64_t>::max()) s.bytes += static_cast<std::uint64_t>(bytes);
-    return s.bytes;
+    if (s.bytes == std::numeric_limits<std::uint64_t>::max()) return s.bytes;
+    // Writers that were killed never added what is removed now.
+    const auto gone = bytes < 0 ? static_cast<std::uint64_t>(-bytes) : 0;
+    return s.bytes =
+               gone > 0 ? s.bytes - std::min(s.bytes, gone) : s.bytes + static_cast<std::uint64_t>(bytes);
   });
 }
 

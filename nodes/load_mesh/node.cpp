@@ -5,6 +5,7 @@
 #include "nodes/common/mesh.h"
 #include "nodes/common/shape_measures.h"
 #include "nodes/load_mesh/read_mesh.h"
+#include "nodes/load_mesh/reduce.h"
 #include "nodes/load_mesh/repair.h"
 #include "runtime/context.h"
 
@@ -41,6 +42,8 @@ Mesh solid_from(Context& c, const std::filesystem::path& path, const Work& work)
     throw Error("inside-out", name + " has its inside out, or encloses nothing",
                 mend ? "give a mesh with an extent in all three directions" : "set repair: true to turn it")
         .parameter("path");
+  if (c.keyword("max_triangles").empty())
+    reduce_triangles(mesh, static_cast<std::size_t>(c.integer("max_triangles")), work);
   return mesh;
 }
 
@@ -87,7 +90,13 @@ NodeType load_mesh_node() {
               .doc_(
                   "join close vertices, drop degenerate and doubled triangles, turn all to face outwards and "
                   "fill holes; tells what it did"))
-      // A shape is called after its file. Companions enter the key by name, so a renamed file gives another key.
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Int, "max_triangles", "all")
+              .range(4, 1e8)
+              .doc_("reduce a mesh with more triangles to this many, by collapsing the edges that move its "
+                    "surface least; all: keep the mesh as it is"))
+      // A shape is called after its file. Companions enter the key by name, so a renamed file gives another
+      // key.
       .companion_files_([](const std::filesystem::path& path) { return std::vector{path}; })
       .compute_(compute);
 }

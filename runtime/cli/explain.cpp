@@ -63,7 +63,8 @@ void add_explain(CLI::App& app, const Program& program, int& exit_code) {
       ->take_all()
       ->expected(1);
   command->callback([o, &program, &exit_code] {
-    Session session(program.registry(), program.types(), session_options(*o));
+    const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+    Session session(nodes.registry, nodes.types, session_options(*o));
     if (open_graph(session, *o))
       print_plan(session, *o, true);
     else

@@ -210,8 +210,9 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   write_text_atomically(path, text);
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
-  o.set.clear(), o.parameters.clear();  // they stand in the file now
-  Session session(program.registry(), program.types(), session_options(o));
+  o.set.clear(), o.parameters.clear();     // they stand in the file now
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   ProgressLine line(session, {}, o.quiet);
   const auto evaluation = session.evaluate({}, &line);

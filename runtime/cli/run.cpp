@@ -31,7 +31,8 @@ void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResu
 }
 
 int run(const Program& program, const RunCommand& o) {
-  Session session(program.registry(), program.types(), session_options(o));
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   const Graph& graph = *session.graph();
   if (o.dry_run) {

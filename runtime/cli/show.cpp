@@ -39,7 +39,8 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
 }
 
 int show(const Program& program, const ShowOptions& o) {
-  Session session(program.registry(), program.types(), session_options(o));
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   if (!o.file.empty()) return write(program, session, o);
   const Wire wire = session.graph()->wire_to(o.target);

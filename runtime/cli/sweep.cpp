@@ -160,7 +160,8 @@ int sweep(const Program& program, const SweepCommand& o) {
   for (const auto& v : o.vary) vary.push_back(parse_vary(v));
   const auto points = sweep_points(vary, overrides(o));
   if (!check_points(program, o, points)) return wrong_usage;
-  Session session(program.registry(), program.types(), session_options(o));
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  Session session(nodes.registry, nodes.types, session_options(o));
   LocalExecutor local(program, session, o);
   std::vector<json> reports(points.size());
   std::size_t finished = 0;

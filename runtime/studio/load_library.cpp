@@ -17,7 +17,7 @@ namespace terrazzo::studio {
 namespace {
 
 // Address space that the libraries take, with what their constructors allocate.
-constexpr std::uint64_t kRoom = 400'000'000;
+constexpr std::uint64_t kRoom = 520'000'000;
 
 // Nothing can catch what the libraries' constructors throw.
 std::terminate_handler usual_end;
@@ -28,8 +28,10 @@ std::terminate_handler usual_end;
     [[maybe_unused]] const auto n = ::write(STDERR_FILENO, message, sizeof message - 1);
     ::_exit(1);
   };
+  const auto thrown = std::current_exception();
+  if (!thrown && available_address_space() < kRoom) end_without_room();  // a library gave up by itself
   try {
-    if (const auto e = std::current_exception()) std::rethrow_exception(e);
+    if (thrown) std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     end_without_room();
   } catch (const std::system_error& e) {  // a thread whose stack finds no room

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <limits>
 
 #include "nodes/data/table.h"
 #include "runtime/disk_cache.h"
@@ -191,6 +192,16 @@ TEST_F(CacheFolder, WithinItsLimitOnePartIsLookedAtNotAll) {
   std::uint64_t all = first.records;
   for (int i = 1; i < 256; ++i) all += tend_cache(cache, 1'000'000'000).records;
   EXPECT_EQ(all, 600u);
+}
+
+TEST_F(CacheFolder, TheSumOfBytesNeverFallsBelowZero) {
+  open_cache_folder(cache);
+  const CacheUsage usage(cache);
+  EXPECT_EQ(usage.add(5000), 5000u);
+  EXPECT_EQ(usage.add(-8000), 0u);
+  EXPECT_EQ(usage.add(100), 100u);
+  fs::remove(cache / "usage");
+  EXPECT_EQ(usage.add(100), std::numeric_limits<std::uint64_t>::max());  // nobody knows
 }
 
 TEST_F(CacheFolder, ATimeInTheFutureIsNotLeastValuable) {

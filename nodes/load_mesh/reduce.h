@@ -1,0 +1,17 @@
+// Scanned meshes with fewer triangles.
+#pragma once
+
+#include <cstddef>
+
+#include "nodes/common/mesh.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+// Collapses edges until at most `triangles` are left, those first that move the surface least (Garland and
+// Heckbert 1997, by OpenMesh). The mesh stays closed; collapses that would fold it are left out, so a few
+// triangles more may remain. `mesh` must be closed and consistently oriented. Throws Error "bad-mesh" if
+// surfaces touch along an edge or at a vertex.
+void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& = {});
+
+}  // namespace terrazzo
