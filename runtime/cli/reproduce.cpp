@@ -14,6 +14,7 @@
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -43,14 +44,23 @@ Made made_from_report(const json& report) {
   return made;
 }
 
+// A file's JSON, or null if it is none. Throws Error "too-large" if parsing it would take too much memory.
+json json_in(const fs::path& path) {
+  constexpr double per_byte = 40;  // of parsed JSON
+  std::error_code error;
+  const auto size = fs::file_size(path, error);
+  if (error) return nullptr;
+  require_memory(per_byte * static_cast<double>(size), available_memory(), "'" + path.string() + "'");
+  const auto text = read_file(path);
+  return text ? json::parse(*text, nullptr, false) : json(nullptr);
+}
+
 // Formats without metadata fall back to a report.json beside the file or above it.
 std::optional<Made> made_by_report_beside(const fs::path& file) {
   const fs::path path = fs::absolute(file).lexically_normal();
   fs::path folder = path.parent_path();
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    const auto text = read_file(folder / "report.json");
-    if (!text) continue;
-    const json report = json::parse(*text, nullptr, false);
+    const json report = json_in(folder / "report.json");
     if (!report.is_object() || !report.contains("document")) continue;
     const std::string name = path.lexically_relative(folder).string();
     for (const auto& node : report.at("nodes"))
@@ -61,11 +71,10 @@ std::optional<Made> made_by_report_beside(const fs::path& file) {
 }
 
 Made how_made(const Program& program, const fs::path& file) {
-  const auto text = read_file(file);
-  if (!text) throw Error("usage", "cannot read '" + file.string() + "'");
+  if (::access(file.c_str(), R_OK) != 0) throw Error("usage", "cannot read '" + file.string() + "'");
   try {
-    if (const json j = json::parse(*text, nullptr, false); j.is_object() && j.contains("document"))
-      return made_from_report(j);
+    if (file.extension() == ".json")
+      if (const json j = json_in(file); j.is_object() && j.contains("document")) return made_from_report(j);
     const std::string inside = program.nodes().read_provenance ? program.nodes().read_provenance(file) : "";
     if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
       Made made{j.at("document"), {}, {}};

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "runtime/cache_folder.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/support/program.h"
@@ -75,8 +76,10 @@ TEST_F(CacheUnderStress, KilledRunsLeaveNothingDamagedAndTheResultTheSame) {
       whole *= 0.9;  // too late: what is cached already, or a machine that is free again
   }
   EXPECT_GE(killed, 10) << "the test killed too late to mean anything";
-  const auto verified = run_program({"cache", "verify", "--sample", "100", "--cache", cache.string()});
-  EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  if (is_cache_folder(cache)) {  // the last may have been killed before it marked the folder
+    const auto verified = run_program({"cache", "verify", "--sample", "100", "--cache", cache.string()});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  }
   ASSERT_EQ(run_program(arguments(cache, "out")).exit_code, 0);
   EXPECT_EQ(contents("out"), clean);
   // What was written under a final name is whole.
