@@ -2,7 +2,7 @@
 //
 //   terrazzo-cache        the format's version; its presence makes the folder ours
 //   CACHEDIR.TAG          tells backup programs to skip the folder (bford.info/cachedir)
-//   usage                 bytes in use, and where the next sweep goes on
+//   usage                 bytes in use, and the part that the next sweep looks at
 //   lock                  held by the process that collects
 //   actions|values|files|history/ab/ab0123…    entries, named by a hash of 32 hexadecimal digits
 #pragma once

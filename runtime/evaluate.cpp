@@ -192,7 +192,7 @@ class Run {
       if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
   }
 
-  // An observer that throws is told nothing more: it must not take the results along.
+  // An observer that throws receives no more events, and the results stay.
   template <class Call>
   void tell(Call&& call) {
     if (!options_.observer) return;

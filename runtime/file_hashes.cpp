@@ -12,21 +12,12 @@
 #include <vector>
 
 #include "runtime/cache_folder.h"
+#include "runtime/descriptor.h"
 #include "runtime/files.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
-
-struct Descriptor {
-  int fd;
-  explicit Descriptor(int fd) : fd(fd) {}
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-};
 
 std::int64_t nanoseconds(const struct timespec& t) {
   return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;

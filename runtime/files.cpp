@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "runtime/descriptor.h"
+
 namespace terrazzo {
 namespace fs = std::filesystem;
 
@@ -42,20 +44,6 @@ std::vector<fs::path> expand_glob(const fs::path& pattern) {
   std::sort(found.begin(), found.end());
   return found;
 }
-
-namespace {
-
-struct Descriptor {
-  int fd;
-  explicit Descriptor(int fd) : fd(fd) {}
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-};
-
-}  // namespace
 
 std::optional<std::string> read_file(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));

@@ -1,4 +1,4 @@
-// Who may talk to a page's server: whoever knows the token in the address that the program prints.
+// Who may talk to a page's server: anybody who knows the token in the address that the program prints.
 #pragma once
 
 #include <optional>

@@ -5,7 +5,7 @@
 
 namespace terrazzo::studio {
 
-// Serves the page until it is told to stop. Returns the exit code.
+// Serves the page until it is stopped. Returns the exit code.
 int paint(const PaintOptions&);
 
 }  // namespace terrazzo::studio

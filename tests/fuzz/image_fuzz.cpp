@@ -1,4 +1,4 @@
-// Pictures of every format, as photographs and as masks. The format is told by the content.
+// Pictures of every format, as photographs and as masks. The content decides the format.
 #include <unistd.h>
 
 #include <fstream>
