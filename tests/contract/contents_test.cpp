@@ -1,22 +1,12 @@
 // The contents of every node's example are those recorded with its version.
 #include "tests/contract/contents.h"
+#include "tests/support/all_nodes.h"
 
 #include <gtest/gtest.h>
-
-#include "nodes/register_nodes.h"
 
 namespace terrazzo {
 namespace {
 using nlohmann::json;
-
-const Registry& registry() {
-  static const Registry r = [] {
-    Registry x;
-    register_nodes(x);
-    return x;
-  }();
-  return r;
-}
 
 class RecordedContents : public ::testing::TestWithParam<std::string> {};
 
@@ -27,12 +17,12 @@ TEST_P(RecordedContents, AreGivenAgain) {
     GTEST_SKIP() << "no contents are recorded for " << machine.dump() << "; ./dev contents records them";
   if (!known->contains(GetParam()))
     GTEST_SKIP() << "no contents of this node are recorded; ./dev contents records them";
-  const json now = test::example_contents(registry(), *registry().find(GetParam()), 2);
+  const json now = test::example_contents(test::all_nodes(), *test::all_nodes().find(GetParam()), 2);
   ASSERT_FALSE(now.empty()) << "the example does not use its node";
   EXPECT_EQ(test::compare_contents(GetParam(), known->at(GetParam()), now), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Contract, RecordedContents, ::testing::ValuesIn(registry().names()),
+INSTANTIATE_TEST_SUITE_P(Contract, RecordedContents, ::testing::ValuesIn(test::all_nodes().names()),
                          [](const auto& info) { return info.param; });
 
 json contents(int version, const std::string& key, const std::string& content) {

@@ -12,25 +12,16 @@
 #include "graph/graph.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
-#include "nodes/register_nodes.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
 #include "tests/nodes/load_volume/nifti_file.h"
+#include "tests/support/all_nodes.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-
-const Registry& registry() {
-  static const Registry r = [] {
-    Registry x;
-    register_nodes(x);
-    return x;
-  }();
-  return r;
-}
 
 // Counts the files opened below a folder, by whatever library, from its construction on.
 class OpenedFiles {
@@ -98,7 +89,7 @@ RunResult evaluate(const Graph& g, Store& store, const fs::path& out, std::vecto
 
 Graph graph_of(const fs::path& file) {
   Diagnostics found;
-  Graph g = load_graph(file, registry(), {}, found);
+  Graph g = load_graph(file, test::all_nodes(), {}, found);
   for (const auto& d : found) ADD_FAILURE() << d.text();
   return g;
 }
@@ -145,7 +136,7 @@ TEST(FilesOfNodes, ExactlyTheDeclaredOnesAreOpened) {
     EXPECT_EQ(opened.take(), declared(g));
   }
   std::set<std::string> all;
-  for (const auto& t : registry().all())
+  for (const auto& t : test::all_nodes().all())
     if (reads_files(*t)) all.insert(t->name);
   EXPECT_EQ(tried, all);
 }

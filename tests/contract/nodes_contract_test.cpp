@@ -16,25 +16,16 @@
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
-#include "nodes/register_nodes.h"
 #include "nodes/solid_base/solid_base.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
+#include "tests/support/all_nodes.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-
-const Registry& registry() {
-  static const Registry r = [] {
-    Registry x;
-    register_nodes(x);
-    return x;
-  }();
-  return r;
-}
 
 // ShapeEstimate → shape_estimate
 std::string folder_of(const std::string& type) {
@@ -56,7 +47,7 @@ fs::path folder(const NodeType& t) {
 
 class EveryNode : public ::testing::TestWithParam<std::string> {
  protected:
-  const NodeType& type() const { return *registry().find(GetParam()); }
+  const NodeType& type() const { return *test::all_nodes().find(GetParam()); }
 };
 
 TEST_P(EveryNode, IsDocumentedAtItsDoor) {
@@ -97,7 +88,7 @@ TEST_P(EveryNode, ACancelledRunComputesNothing) {
 TEST_P(EveryNode, ItsExampleRunsTheSameOnAnyNumberOfThreads) {
   Diagnostics found;
   const fs::path file = folder(type()) / "example.yaml";
-  const Graph g = load_graph(file, registry(), {}, found);
+  const Graph g = load_graph(file, test::all_nodes(), {}, found);
   for (const auto& d : found) ADD_FAILURE() << d.text();
   if (has_errors(found)) return;
   bool uses = false;
@@ -146,7 +137,7 @@ Value empty_value(const std::string& type) {
 // something, never a crash or an exception from within some library.
 TEST_P(EveryNode, SurvivesEmptyInputs) {
   Diagnostics found;
-  const Graph g = load_graph(folder(type()) / "example.yaml", registry(), {}, found);
+  const Graph g = load_graph(folder(type()) / "example.yaml", test::all_nodes(), {}, found);
   ASSERT_FALSE(has_errors(found));
   const fs::path base = test::temporary_folder();
   Store store(test::value_types(), {});
@@ -182,7 +173,7 @@ TEST_P(EveryNode, SurvivesEmptyInputs) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Contract, EveryNode, ::testing::ValuesIn(registry().names()),
+INSTANTIATE_TEST_SUITE_P(Contract, EveryNode, ::testing::ValuesIn(test::all_nodes().names()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <atomic>
 
 #include "graph/raw_document.h"
-#include "nodes/register_nodes.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
+#include "tests/support/all_nodes.h"
 
 namespace terrazzo::test {
 namespace fs = std::filesystem;
@@ -17,13 +17,8 @@ namespace fs = std::filesystem;
 NodeRun run_node(const std::string& type_name, const std::multimap<std::string, Value>& inputs,
                  const std::map<std::string, std::string>& parameters, const fs::path& output_folder,
                  int threads) {
-  static const Registry registry = [] {
-    Registry r;
-    register_nodes(r);
-    return r;
-  }();
   ComputeRequest request;
-  request.type = registry.find(type_name);
+  request.type = all_nodes().find(type_name);
   if (!request.type) throw Error("unknown-type", "there is no node type " + type_name);
   for (const auto& [port, value] : inputs) {
     const Port* p = request.type->find_input(port);

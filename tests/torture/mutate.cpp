@@ -102,7 +102,7 @@ std::string packed(const std::string& b) {
   return out;
 }
 
-void mend_png(std::string& b) {
+void renew_png_checksums(std::string& b) {
   const auto big32 = [&](std::size_t at) {
     std::uint32_t v = 0;
     for (std::size_t k = 0; k < 4; ++k) v = v << 8 | static_cast<unsigned char>(b[at + k]);
@@ -121,12 +121,12 @@ void mend_png(std::string& b) {
 }  // namespace
 
 std::string mutated(const std::string& whole, const std::string& other, Random& r) {
-  const bool mend = r.below(2);
-  const bool zipped = mend && whole.starts_with("\x1f\x8b");
+  const bool renew = r.below(2);
+  const bool zipped = renew && whole.starts_with("\x1f\x8b");
   std::string b = zipped ? unpacked(whole) : whole;
   for (std::uint64_t edits = 1 + r.below(r.below(4) == 0 ? 8 : 2); edits > 0; --edits) edit(b, other, r);
   if (zipped) return packed(b);
-  if (mend && b.starts_with("\x89PNG")) mend_png(b);
+  if (renew && b.starts_with("\x89PNG")) renew_png_checksums(b);
   return b;
 }
 

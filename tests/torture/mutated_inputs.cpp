@@ -19,9 +19,9 @@
 #include "graph/raw_document.h"
 #include "nodes/common/provenance.h"
 #include "nodes/data/volume.h"
-#include "nodes/register_nodes.h"
 #include "runtime/codec.h"
 #include "runtime/compute_node.h"
+#include "tests/support/all_nodes.h"
 #include "tests/torture/input_seeds.h"
 #include "tests/torture/mutate.h"
 #include "tests/torture/torture.h"
@@ -48,18 +48,9 @@ struct Input {
   bool other_choice = false;
 };
 
-const Registry& registry() {
-  static const Registry r = [] {
-    Registry x;
-    register_nodes(x);
-    return x;
-  }();
-  return r;
-}
-
 void run_node(const std::string& name, const fs::path& file, bool other_choice) {
   ComputeRequest request;
-  request.type = registry().find(name);
+  request.type = test::all_nodes().find(name);
   std::map<std::string, ParameterValue> written;
   for (const auto& p : request.type->parameters)
     if (p.kind == ParameterKind::InputPath)
@@ -90,7 +81,7 @@ void read(const std::string& reader, const fs::path& file, bool other_choice) {
     read_provenance(file);
   } else if (reader == "graph.yaml") {
     Diagnostics found;
-    load_graph(file, registry(), {}, found);
+    load_graph(file, test::all_nodes(), {}, found);
     if (has_errors(found)) throw Error(found.front());
   } else {
     run_node(reader.substr(0, reader.find('.')), file, other_choice);
@@ -99,7 +90,7 @@ void read(const std::string& reader, const fs::path& file, bool other_choice) {
 
 // What may start no thread is prepared once, so that each child has it.
 void prepare() {
-  registry();
+  test::all_nodes();
   initialize_openvdb();
   OIIO::attribute("threads", 1);
   OIIO::attribute("exr_threads", -1);
