@@ -36,8 +36,7 @@ NodeType& NodeType::output(std::string name, std::string type, std::string doc) 
 NodeType& NodeType::parameter(Parameter p) { return parameters.push_back(std::move(p)), *this; }
 NodeType& NodeType::was(std::string former) { return former_names.push_back(std::move(former)), *this; }
 NodeType& NodeType::writes_files_() { return writes_files = true, *this; }
-NodeType& NodeType::companion_files_(
-    std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&)) {
+NodeType& NodeType::companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&)) {
   companion_files = fn;
   return *this;
 }

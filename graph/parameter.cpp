@@ -214,9 +214,10 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
       if (word.empty()) return why = "the path is empty", std::nullopt;
       if (word.find('\0') != std::string::npos) return why = "the path holds a zero byte", std::nullopt;
       if (p.kind == ParameterKind::OutputPath && leaves_folder(word))
-        return why = fmt::format("'{}' lies outside the output folder (write a path below it; --out chooses the "
-                                 "folder)",
-                                 word),
+        return why = fmt::format(
+                   "'{}' lies outside the output folder (write a path below it; --out chooses the "
+                   "folder)",
+                   word),
                std::nullopt;
       return word;
     case ParameterKind::Ints: {

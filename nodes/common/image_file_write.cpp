@@ -75,8 +75,8 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
   if (!provenance.empty() &&
       (provenance.size() < 60000 || extension == ".png" || extension == ".exr" || deep))
     spec.attribute("ImageDescription", provenance);
-  // Encoded in memory and written by ourselves: on a full disk libjpeg would end the program, and others say nothing.
-  // (TIFF reports failures, but cannot be told to write Exif into memory.)
+  // Encoded in memory and written by ourselves: on a full disk libjpeg would end the program, and others say
+  // nothing. (TIFF reports failures, but cannot be told to write Exif into memory.)
   OIIO::Filesystem::IOVecOutput memory;
   const bool in_memory = !deep && out->supports("ioproxy") && out->set_ioproxy(&memory);
   if (!out->open(path.string(), spec)) throw unwritable(path, out->geterror());

@@ -11,10 +11,10 @@ namespace terrazzo {
 struct PlotSeries {
   enum class Kind { Line, Points, Bars };
   Kind kind = Kind::Line;
-  std::string name;          // in the legend; empty: not listed
-  std::vector<double> x, y;  // NaN breaks a line
+  std::string name;               // in the legend; empty: not listed
+  std::vector<double> x, y;       // NaN breaks a line
   std::vector<double> low, high;  // of y; empty: no intervals
-  int color = 0;             // index into the palette
+  int color = 0;                  // index into the palette
 };
 
 struct Plot {

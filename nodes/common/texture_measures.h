@@ -34,8 +34,8 @@ double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t 
 double patch_distance(std::vector<PatchPicture> a, std::vector<PatchPicture> b, std::uint64_t draw = 0,
                       const Work& = {});
 
-// How far patches of a are from their nearest in b, at the finest scale: the `share` quantile, rms a pixel and
-// channel. Up to 1024 patches of a, 2048 of b. Negative where none fits.
+// How far patches of a are from their nearest in b, at the finest scale: the `share` quantile, rms a pixel
+// and channel. Up to 1024 patches of a, 2048 of b. Negative where none fits.
 double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<PatchPicture>& b, double share,
                      const Work& = {});
 

@@ -23,7 +23,10 @@ nlohmann::json describe(const Image& v) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : v.pixels) mean += p.cast<double>();
   if (!v.pixels.empty()) mean /= static_cast<double>(v.pixels.size());
-  return {{"width", v.width}, {"height", v.height}, {"sections", v.sections}, {"pixel_size", v.pixel_size},
+  return {{"width", v.width},
+          {"height", v.height},
+          {"sections", v.sections},
+          {"pixel_size", v.pixel_size},
           {"mean", json_of(mean)}};
 }
 
@@ -31,8 +34,9 @@ nlohmann::json describe(const Image& v) {
 
 template <>
 const ValueType& value_type<Image>() {
-  static const ValueType type = make_value_type<Image>(
-      "Image", "One section or a stack of equal-scale sections, scene-linear Rec. 709", encode, decode, describe);
+  static const ValueType type =
+      make_value_type<Image>("Image", "One section or a stack of equal-scale sections, scene-linear Rec. 709",
+                             encode, decode, describe);
   return type;
 }
 

@@ -15,7 +15,10 @@ struct Image {
 
   Image() = default;
   Image(int width, int height, int sections, double pixel_size, Vec3f fill = Vec3f::Zero())
-      : width(width), height(height), sections(sections), pixel_size(pixel_size),
+      : width(width),
+        height(height),
+        sections(sections),
+        pixel_size(pixel_size),
         pixels(static_cast<std::size_t>(width) * height * sections, fill) {}
 
   std::size_t index(int x, int y, int section = 0) const {

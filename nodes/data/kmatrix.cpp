@@ -11,7 +11,8 @@ void encode(const KMatrix& v, Writer& w) {
   for (const auto& e : v.shapes) {
     w.pod(e.probability), w.pod(e.mean_caliper), w.pod(e.max_section_area), w.pod(e.volume);
     w.pod(e.profiles_per_caliper);
-    w.bytes(e.K.data(), static_cast<std::size_t>(e.K.size()) * sizeof(double));  // classes² numbers, column by column
+    w.bytes(e.K.data(),
+            static_cast<std::size_t>(e.K.size()) * sizeof(double));  // classes² numbers, column by column
     w.array(e.cdf);
   }
 }
@@ -40,11 +41,17 @@ nlohmann::json describe(const KMatrix& v) {
       for (Eigen::Index j = 0; j < e.K.cols(); ++j) row.push_back(e.K(i, j));
       rows.push_back(std::move(row));
     }
-    list.push_back({{"probability", e.probability}, {"mean_caliper", e.mean_caliper},
-                    {"max_section_area", e.max_section_area}, {"volume", e.volume},
-                    {"profiles_per_caliper", e.profiles_per_caliper}, {"K", std::move(rows)}});
+    list.push_back({{"probability", e.probability},
+                    {"mean_caliper", e.mean_caliper},
+                    {"max_section_area", e.max_section_area},
+                    {"volume", e.volume},
+                    {"profiles_per_caliper", e.profiles_per_caliper},
+                    {"K", std::move(rows)}});
   }
-  return {{"classes", v.classes}, {"averaging", v.averaging}, {"residual", v.residual}, {"shapes", std::move(list)}};
+  return {{"classes", v.classes},
+          {"averaging", v.averaging},
+          {"residual", v.residual},
+          {"shapes", std::move(list)}};
 }
 
 }  // namespace
@@ -52,7 +59,8 @@ nlohmann::json describe(const KMatrix& v) {
 template <>
 const ValueType& value_type<KMatrix>() {
   static const ValueType type = make_value_type<KMatrix>(
-      "KMatrix", "How often a particle of each size class shows a profile of each class", encode, decode, describe);
+      "KMatrix", "How often a particle of each size class shows a profile of each class", encode, decode,
+      describe);
   return type;
 }
 

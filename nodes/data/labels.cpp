@@ -27,7 +27,8 @@ nlohmann::json describe(const Labels& v) {
           {"sections", v.sections},
           {"pixel_size", v.pixel_size},
           {"profiles", v.count()},
-          {"area_fraction", v.ids.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(v.ids.size())}};
+          {"area_fraction",
+           v.ids.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(v.ids.size())}};
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace terrazzo {
 
 struct Labels {
   int width = 0, height = 0, sections = 1;
-  double pixel_size = 1;           // mm per pixel
-  std::vector<std::int32_t> ids;   // as in Image; 0 is binder, 1… the profiles, numbered through all sections
+  double pixel_size = 1;          // mm per pixel
+  std::vector<std::int32_t> ids;  // as in Image; 0 is binder, 1… the profiles, numbered through all sections
   std::vector<std::int32_t> classes;  // of profile id k at k − 1: the colour or particle class, 0…
 
   std::size_t index(int x, int y, int section = 0) const {

@@ -40,26 +40,34 @@ Profiles decode(Reader& r) {
 nlohmann::json describe(const Profiles& v) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& p : v.profiles) {
-    nlohmann::json j = {{"section", p.section}, {"class", p.cls}, {"area", p.area},
-                        {"centroid", json_of(p.centroid)}, {"touches_border", p.touches_border},
-                        {"weight", p.weight}, {"color", json_of(p.color)}};
+    nlohmann::json j = {{"section", p.section},
+                        {"class", p.cls},
+                        {"area", p.area},
+                        {"centroid", json_of(p.centroid)},
+                        {"touches_border", p.touches_border},
+                        {"weight", p.weight},
+                        {"color", json_of(p.color)}};
     if (!p.contour.empty()) {
       auto& c = j["contour"] = nlohmann::json::array();
       for (const auto& q : p.contour) c.push_back(json_of(q));
     }
     list.push_back(std::move(j));
   }
-  return {{"observed_area", v.observed_area}, {"sections", v.sections}, {"classes", v.classes},
-          {"window", json_of(v.window)}, {"binder_color", json_of(v.binder_color)},
-          {"area_fraction", v.area_fraction}, {"profiles", std::move(list)}};
+  return {{"observed_area", v.observed_area},
+          {"sections", v.sections},
+          {"classes", v.classes},
+          {"window", json_of(v.window)},
+          {"binder_color", json_of(v.binder_color)},
+          {"area_fraction", v.area_fraction},
+          {"profiles", std::move(list)}};
 }
 
 }  // namespace
 
 template <>
 const ValueType& value_type<Profiles>() {
-  static const ValueType type =
-      make_value_type<Profiles>("Profiles", "What plane sections show of the particles", encode, decode, describe);
+  static const ValueType type = make_value_type<Profiles>(
+      "Profiles", "What plane sections show of the particles", encode, decode, describe);
   return type;
 }
 

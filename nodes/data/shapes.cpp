@@ -14,7 +14,8 @@ void encode(const Shapes& v, Writer& w) {
   w.pod<std::uint64_t>(v.shapes.size());
   for (const auto& s : v.shapes) {
     w.text(s.name);
-    w.pod(s.probability), w.pod(s.volume), w.pod(s.surface_area), w.pod(s.mean_caliper), w.pod(s.max_section_area);
+    w.pod(s.probability), w.pod(s.volume), w.pod(s.surface_area), w.pod(s.mean_caliper),
+        w.pod(s.max_section_area);
     w.pod<std::uint8_t>(s.smooth);
     w.raw_array(s.mesh.vertices), w.raw_array(s.mesh.triangles);
   }
@@ -40,10 +41,16 @@ Shapes decode(Reader& r) {
 nlohmann::json describe(const Shapes& v) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& s : v.shapes)
-    list.push_back({{"name", s.name}, {"probability", s.probability}, {"vertices", s.mesh.vertices.size()},
-                    {"triangles", s.mesh.triangles.size()}, {"volume", s.volume}, {"surface_area", s.surface_area},
-                    {"mean_caliper", s.mean_caliper}, {"max_section_area", s.max_section_area},
-                    {"size", s.size()}, {"smooth", s.smooth}});
+    list.push_back({{"name", s.name},
+                    {"probability", s.probability},
+                    {"vertices", s.mesh.vertices.size()},
+                    {"triangles", s.mesh.triangles.size()},
+                    {"volume", s.volume},
+                    {"surface_area", s.surface_area},
+                    {"mean_caliper", s.mean_caliper},
+                    {"max_section_area", s.max_section_area},
+                    {"size", s.size()},
+                    {"smooth", s.smooth}});
   return {{"shapes", std::move(list)}};
 }
 

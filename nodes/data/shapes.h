@@ -14,8 +14,8 @@ namespace terrazzo {
 using Triangle = std::array<std::int32_t, 3>;
 
 struct Mesh {
-  std::vector<Vec3> vertices;        // mm
-  std::vector<Triangle> triangles;   // counter-clockwise seen from outside
+  std::vector<Vec3> vertices;       // mm
+  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
 };
 
 // Size and section measures of a mesh at scale 1; `measure_shape` (nodes/common/shape_measures.h) fills them.

@@ -33,8 +33,11 @@ nlohmann::json describe(const SizeDistribution& v) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& e : v.shapes)
     list.push_back({{"shape", e.shape}, {"class", e.cls}, {"N_V", e.N_V}, {"low", e.low}, {"high", e.high}});
-  return {{"class_edges", v.class_edges}, {"shapes", std::move(list)}, {"volume_fraction", v.volume_fraction},
-          {"d_max", v.d_max}, {"goodness_of_fit", v.goodness_of_fit}};
+  return {{"class_edges", v.class_edges},
+          {"shapes", std::move(list)},
+          {"volume_fraction", v.volume_fraction},
+          {"d_max", v.d_max},
+          {"goodness_of_fit", v.goodness_of_fit}};
 }
 
 }  // namespace

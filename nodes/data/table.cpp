@@ -25,7 +25,8 @@ void encode(const Table& v, Writer& w) {
   for (const auto& c : v.columns) w.text(c);
   w.pod<std::uint64_t>(v.rows.size());
   for (const auto& row : v.rows) {
-    if (row.size() != v.columns.size()) throw Error("bad-table", "a row of the table has another length than its header");
+    if (row.size() != v.columns.size())
+      throw Error("bad-table", "a row of the table has another length than its header");
     for (const auto& cell : row) {
       w.pod<std::uint8_t>(cell.index() == 0 ? 0 : 1);
       if (cell.index() == 0)

@@ -14,7 +14,7 @@ struct Table {
   std::vector<std::string> columns;  // units in the name: "area mm²"
   std::vector<std::vector<Cell>> rows;
 
-  int column(const std::string& name) const;  // −1 where there is none
+  int column(const std::string& name) const;                      // −1 where there is none
   double number(std::size_t row, const std::string& name) const;  // throws Error where it is no number
 };
 

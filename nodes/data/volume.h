@@ -1,4 +1,5 @@
-// Volume: named OpenVDB grids over one box. Include it only where grids are touched: OpenVDB is slow to compile.
+// Volume: named OpenVDB grids over one box. Include it only where grids are touched: OpenVDB is slow to
+// compile.
 #pragma once
 
 #include <openvdb/openvdb.h>

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "nodes/common/color.h"
-#include "nodes/common/slice_axes.h"
 #include "nodes/common/noise.h"
+#include "nodes/common/slice_axes.h"
 
 namespace terrazzo::pattern {
 namespace {

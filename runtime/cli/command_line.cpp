@@ -27,9 +27,10 @@ void add_cache_options(CLI::App& app, GraphOptions& o) {
 void add_run_options(CLI::App& app, GraphOptions& o) {
   app.add_option("--out", o.out, "Folder for the files written")->capture_default_str();
   app.add_option("--threads", o.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024));
-  app.add_option("--memory", o.memory,
-                 "Bytes of results to keep in memory beyond those in use: 500M, 4G (default: 2 GiB). If given, "
-                 "also the most that one loaded file may take")
+  app.add_option(
+         "--memory", o.memory,
+         "Bytes of results to keep in memory beyond those in use: 500M, 4G (default: 2 GiB). If given, "
+         "also the most that one loaded file may take")
       ->transform(CLI::AsSizeValue(true));
   add_cache_options(app, o);
 }

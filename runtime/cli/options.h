@@ -32,8 +32,8 @@ std::vector<std::pair<std::string, std::string>> split_assignments(const std::ve
 Overrides overrides(const GraphOptions&);
 SessionOptions session_options(const GraphOptions&);
 std::filesystem::path default_cache();  // where results are kept if nobody says where
-// The cache folder to use, or none with --no-cache and, with a warning, where the default folder could be changed by
-// other users. Throws Error "not-a-cache" or "unsafe-folder" for a folder given with --cache.
+// The cache folder to use, or none with --no-cache and, with a warning, where the default folder could be
+// changed by other users. Throws Error "not-a-cache" or "unsafe-folder" for a folder given with --cache.
 std::filesystem::path cache_folder(const GraphOptions&);
 int threads(const GraphOptions&);
 

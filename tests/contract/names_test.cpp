@@ -1,4 +1,5 @@
-// Two types of one name in one namespace link without a word and crash when run: no two headers may define the same.
+// Two types of one name in one namespace link without a word and crash when run: no two headers may define
+// the same.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -20,7 +20,8 @@ TEST(Format, FilesOfVersion1Run) {
   EXPECT_EQ(test::number_of(e.value(g, r, g.wire_to("result"))), 2 + 1.5 + 1);
   EXPECT_EQ(g.doc, "Every construct once.");
   // Nor has what enters the keys changed: cached results of this version stay good.
-  EXPECT_EQ(r.nodes[static_cast<std::size_t>(g.find("inner/clamp"))].key.text(), "c39a2df043ff97981c479a34fddc437a");
+  EXPECT_EQ(r.nodes[static_cast<std::size_t>(g.find("inner/clamp"))].key.text(),
+            "c39a2df043ff97981c479a34fddc437a");
 }
 
 TEST(Format, AVersionToComeIsRefusedWithAWord) {

@@ -23,17 +23,16 @@ Start start(const std::vector<std::string>& arguments) {
 }
 
 TEST(ProgramStart, HelpAndUsageErrorsLoadNoNodes) {
-  const std::vector<std::pair<std::vector<std::string>, int>> commands = {
-      {{"--version"}, 0},
-      {{"--help"}, 0},
-      {{"run", "--help"}, 0},
-      {{"paint", "--help"}, 0},
-      {{}, 2},
-      {{"no-such-thing"}, 2},
-      {{"run"}, 2},
-      {{"run", "a.yaml", "--wrong"}, 2},
-      {{"paint"}, 2},
-      {{"cache"}, 2}};
+  const std::vector<std::pair<std::vector<std::string>, int>> commands = {{{"--version"}, 0},
+                                                                          {{"--help"}, 0},
+                                                                          {{"run", "--help"}, 0},
+                                                                          {{"paint", "--help"}, 0},
+                                                                          {{}, 2},
+                                                                          {{"no-such-thing"}, 2},
+                                                                          {{"run"}, 2},
+                                                                          {{"run", "a.yaml", "--wrong"}, 2},
+                                                                          {{"paint"}, 2},
+                                                                          {{"cache"}, 2}};
   for (const auto& [arguments, exit_code] : commands) {
     const Start s = start(arguments);
     std::string text = "terrazzo";

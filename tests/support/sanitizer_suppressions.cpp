@@ -1,7 +1,8 @@
 // What the sanitizers must not report, in every program built with them.
 #ifdef __SANITIZE_THREAD__
-// Tasks are handed over within TBB, whose headers are compiled here and whose library is not (runtime/thread_marks.h).
-// The others are libraries built without the sanitizer; swrast_dri is Mesa's software renderer with threads of its own.
+// Tasks are handed over within TBB, whose headers are compiled here and whose library is not
+// (runtime/thread_marks.h). The others are libraries built without the sanitizer; swrast_dri is Mesa's
+// software renderer with threads of its own.
 extern "C" const char* __tsan_default_suppressions() {
   return "race_top:task_ptr_or_nullptr\n"
          "race_top:tbb::detail\n"

@@ -6,7 +6,7 @@
 #include <string>
 namespace terrazzo::torture {
 struct Options {
-  double seconds = 60;            // about how long this part may take
+  double seconds = 60;  // about how long this part may take
   std::uint64_t seed = 1;
   std::filesystem::path program;  // terrazzo
   std::filesystem::path source;   // the checkout, for graphs

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/kmeans.h"
 #include "nodes/common/color.h"
+#include "nodes/common/kmeans.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"

@@ -37,10 +37,9 @@ TEST(ContactSheet, PlacesPicturesInReadingOrder) {
 TEST(ContactSheet, CaptionsTakeARowBelow) {
   const Value image = Value::of(plain(64, 64, Vec3f::Zero()));
   const auto without = run_node("ContactSheet", {{"images", image}});
-  const auto with =
-      run_node("ContactSheet", {{"images", image}},
-               {{"captions",
-                 "[a very long caption that does not fit below so small a picture however one sets it]"}});
+  const auto with = run_node(
+      "ContactSheet", {{"images", image}},
+      {{"captions", "[a very long caption that does not fit below so small a picture however one sets it]"}});
   const Image &a = without.output<Image>("image"), &b = with.output<Image>("image");
   EXPECT_EQ(a.width, b.width);
   ASSERT_GT(b.height, a.height + 15);
