@@ -66,7 +66,7 @@ std::string describe_text(const NodeType& t) {
     if (list.empty()) return;
     out += fmt::format("{}\n", title);
     for (const auto& p : list)
-      out += fmt::format("  {:<16} {}{}{}: {}\n", p.name, p.type_text(), p.many ? ", several" : "",
+      out += fmt::format("  {:<16} {}{}{}: {}\n", p.name, p.type_text(), p.many ? ", list" : "",
                          p.optional ? ", optional" : "", p.doc);
   };
   ports("Inputs", t.inputs);
@@ -89,7 +89,7 @@ std::string describe_markdown(const NodeType& t) {
     if (list.empty()) return;
     out += fmt::format("## {}\n\n| name | type | |\n|---|---|---|\n", title);
     for (const auto& p : list)
-      out += fmt::format("| `{}` | {}{}{} | {} |\n", p.name, p.type_text(), p.many ? " (several)" : "",
+      out += fmt::format("| `{}` | {}{}{} | {} |\n", p.name, p.type_text(), p.many ? " (list)" : "",
                          p.optional ? " (optional)" : "", p.doc);
     out += "\n";
   };
@@ -106,7 +106,7 @@ std::string describe_markdown(const NodeType& t) {
 
 NodeType describe_graph(const Graph& g) {
   NodeType t(g.name, 1);
-  t.doc = g.doc.empty() ? "The graph " + g.file : g.doc;
+  t.doc = g.doc.empty() ? "Graph " + g.file : g.doc;
   t.inputs = g.inputs;
   for (const auto& p : g.parameters) t.parameters.push_back(p.declaration);
   for (const auto& o : g.outputs) {

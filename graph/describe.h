@@ -1,4 +1,4 @@
-// Node types and graphs as text and JSON: reference, schema for editors, drawings.
+// Node types and graphs as text and JSON: reference pages, the JSON Schema, drawings.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,13 +12,14 @@ namespace terrazzo {
 nlohmann::json describe_json(const NodeType&);
 std::string describe_text(const NodeType&);
 std::string describe_markdown(const NodeType&);
-// "1 mm, above 0", "auto", "required"
+// The allowed values: "above 0", "1 to 10; or auto", "a, b, c". "" if there is no limit.
 std::string range_text(const Parameter&);
 
-// A graph as if it were a node type: its parameters, its inputs and outputs with the types they end in.
+// Describes a graph as a node type: its parameters, and its inputs and outputs with the types of the ports
+// that they connect to.
 NodeType describe_graph(const Graph&);
 
-// JSON Schema (draft 2020-12) of graph files, for completion and checking in editors.
+// JSON Schema (draft 2020-12) of graph files, for completion and validation in editors.
 nlohmann::json graph_schema(const Registry&);
 
 std::string draw_dot(const Graph&);

@@ -1,5 +1,4 @@
-// Messages with a place: what every layer reports, so that the user sees node, parameter and
-// file:line:column.
+// Diagnostics of all layers: messages with node, parameter and file:line:column.
 #pragma once
 
 #include <exception>
@@ -8,12 +7,12 @@
 
 namespace terrazzo {
 
-// Where a thing was written. Lines and columns count from 1; line 0 means "nowhere in particular".
+// A location in a file. Lines and columns count from 1. Line 0 means that the line is unknown.
 struct Place {
   std::string file;
   int line = 0;
   int column = 0;
-  std::string text() const;  // "file:line:column", or "" where unknown
+  std::string text() const;  // "file:line:column", "file" if the line is unknown, or ""
   bool operator==(const Place&) const = default;
 };
 
@@ -21,28 +20,28 @@ enum class Severity { Error, Warning, Note };
 
 struct Diagnostic {
   Severity severity = Severity::Error;
-  std::string code;  // short and stable, for programs: "unknown-parameter", "jammed"
+  std::string code;  // short and stable, for use in programs: "unknown-parameter", "jammed"
   std::string message;
-  std::string hint;  // what to do, may be empty
+  std::string hint;  // what the user can do; may be empty
   Place place;
   std::string node;       // path of the node, "asset/pack", may be empty
   std::string parameter;  // may be empty
-  // Where the subgraphs around the place are used, innermost first.
+  // Where the enclosing subgraphs are used, innermost first.
   std::vector<Place> through = {};
 
-  // "file:line:column: error: node.parameter: message (hint)", and a line for each place in `through`
+  // "file:line:column: error: node.parameter: message (hint)", then one line per place in `through`
   std::string text() const;
 };
 
 using Diagnostics = std::vector<Diagnostic>;
 bool has_errors(const Diagnostics&);
 
-// What a node or a reader throws. The runtime adds node and place where they are missing.
+// The exception that nodes and readers throw. The runtime adds the node and the place if they are missing.
 class Error : public std::exception {
  public:
   explicit Error(Diagnostic d);
   Error(std::string code, std::string message, std::string hint = {});
-  // The parameter at fault, by name: the runtime turns it into the place where it was written.
+  // Names the parameter at fault. The runtime sets the place to where that parameter was set.
   Error& parameter(std::string name);
   const char* what() const noexcept override { return text_.c_str(); }
   const Diagnostic& diagnostic() const { return diagnostic_; }
@@ -52,7 +51,7 @@ class Error : public std::exception {
   std::string text_;
 };
 
-// Thrown from within loops when the user cancelled; never an error message.
+// Thrown from inside loops after the user cancels. Never shown as an error.
 class Cancelled : public std::exception {
  public:
   const char* what() const noexcept override { return "cancelled"; }

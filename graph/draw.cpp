@@ -1,5 +1,5 @@
-// Drawings of a graph: Graphviz, Mermaid, and SVG by a layered layout of our own (Sugiyama's: layers by
-// longest path, order within a layer by the mean place of the neighbours).
+// Drawings of a graph: Graphviz, Mermaid, and SVG with our own layered layout (Sugiyama's method: layers by
+// longest path, order within a layer by the mean position of the neighbors).
 #include <fmt/format.h>
 
 #include <algorithm>

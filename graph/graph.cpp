@@ -27,7 +27,7 @@ Wire Graph::wire_to(const std::string& text) const {
   if (dot == std::string::npos) {
     if (type.outputs.size() == 1) return {node, type.outputs[0].name, {}};
     throw Error("unknown-port", type.name + " '" + path + "' has " + std::to_string(type.outputs.size()) +
-                                    " outputs: name one as " + path + ".PORT");
+                                    " outputs: choose one with " + path + ".PORT");
   }
   const std::string port = text.substr(dot + 1);
   if (!type.find_output(port)) {

@@ -1,4 +1,4 @@
-// Graph: a document, subgraphs unfolded, every name resolved. What the evaluator runs.
+// Graph: a document with all subgraphs expanded and all names resolved. This is what the evaluator runs.
 #pragma once
 
 #include <filesystem>
@@ -14,14 +14,14 @@
 namespace terrazzo {
 
 struct Wire {
-  int node = -1;  // index of the source
+  int node = -1;  // index of the source node
   std::string port;
   Place place;
 };
 
 struct SetParameter {
   ParameterValue value;
-  Place place;  // where it was written; without line for the command line
+  Place place;  // where it was set; the line is 0 for the command line
   std::string as_written;
 };
 
@@ -29,9 +29,9 @@ struct GraphNode {
   std::string path;  // "asset/pack"
   const NodeType* type = nullptr;
   Place place;
-  std::map<std::string, SetParameter> parameters;   // written ones only
-  std::map<std::string, std::vector<Wire>> inputs;  // connected ones only
-  std::vector<Place> through;                       // where the subgraphs around it are used, innermost first
+  std::map<std::string, SetParameter> parameters;   // only those that are set
+  std::map<std::string, std::vector<Wire>> inputs;  // only those that are connected
+  std::vector<Place> through;                       // where the enclosing subgraphs are used, innermost first
   bool in_subgraph() const { return path.find('/') != std::string::npos; }
 };
 
@@ -40,7 +40,7 @@ struct GraphOutput {
   Wire wire;
 };
 
-// A parameter that a graph offers to its user.
+// A parameter declared by the graph itself.
 struct GraphParameter {
   Parameter declaration;
   Place place;
@@ -52,34 +52,34 @@ struct Graph {
   std::string file;
   std::vector<GraphNode> nodes;  // sources before their consumers
   std::vector<GraphOutput> outputs;
-  std::vector<Port> inputs;  // what a graph around this one may connect
+  std::vector<Port> inputs;  // inputs that an enclosing graph may connect
   std::vector<GraphParameter> parameters;
 
-  int find(const std::string& path) const;  // −1 where there is none
+  int find(const std::string& path) const;  // −1 if there is no such node
   std::vector<std::string> paths() const;
-  // Wire to "node.port", or "node" where the node has one output. Throws Error "unknown-node" /
-  // "unknown-port".
+  // Wire to a graph output, to "node.port", or to "node" if that node has exactly one output. Throws Error
+  // "unknown-node" or "unknown-port".
   Wire wire_to(const std::string& text) const;
-  // Nodes that are evaluated when nobody names a target: what nobody consumes (in subgraphs only what writes
-  // files), and the graph's own outputs.
+  // The default targets: nodes that write files, nodes outside subgraphs whose outputs nobody uses, and the
+  // nodes of the graph's outputs.
   std::vector<int> sinks() const;
 };
 
-// What is changed without touching the file: "asset/pack.seed" = "2", "photo" = "x.png".
+// Changes applied to a graph without editing its file: "asset/pack.seed" = "2", "photo" = "x.png".
 struct Overrides {
   std::vector<std::pair<std::string, std::string>> set;
   std::vector<std::pair<std::string, std::string>> parameters;
-  // Input "asset/pack.shapes" ← outputs {"shape.shapes"}, in the place of what the file connects; none
-  // disconnects.
+  // Input "asset/pack.shapes" ← outputs {"shape.shapes"}. Replaces the wires in the file; an empty list
+  // disconnects the input.
   std::vector<std::pair<std::string, std::vector<std::string>>> wires = {};
 };
 
-// Reads a graph file and checks everything: every mistake ends up in `found`, with its place. The result can
-// be run only if has_errors(found) is false. Paths in values are made absolute against the file that they
-// stand in, those in overrides against the working folder.
+// Reads and checks a graph file. Appends every error to `found`, with its place. Run the result only if
+// has_errors(found) is false. Relative paths in a file are resolved against that file's folder, paths in
+// overrides against the working folder.
 Graph load_graph(const std::filesystem::path& file, const Registry&, const Overrides&, Diagnostics& found);
 
-// The same from text, as if it stood in `file` (which need not exist).
+// Like load_graph(), but for text that is treated as the content of `file`, which does not need to exist.
 Graph load_graph_text(const std::string& text, const std::filesystem::path& file, const Registry&,
                       const Overrides&, Diagnostics& found);
 

@@ -1,4 +1,4 @@
-// Parameters: references, defaults, the command line, former names.
+// Linking parameters: references, defaults, overrides, former names.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ void Linker::fill_parameters(Scope& scope, std::map<std::string, Given> given) {
 const Parameter* Linker::find_former(const GraphNode& node, const std::string& name, const Place& at) {
   for (const auto& p : node.type->parameters)
     if (std::find(p.former_names.begin(), p.former_names.end(), name) != p.former_names.end()) {
-      note("former-name", fmt::format("'{}' of {} is called '{}' now", name, node.type->name, p.name), at,
+      note("former-name", fmt::format("'{}' of {} is now called '{}'", name, node.type->name, p.name), at,
            node.path);
       return &p;
     }
@@ -104,8 +104,7 @@ void Linker::set_parameter(GraphNode& node, const std::string& name, const Given
                 fmt::format("{} has no parameter '{}'{}", node.type->name, name, did_you_mean(name, names)),
                 given.place, {}, node.path);
   }
-  if (given.written.items.empty() && !given.written.is_list)
-    return;  // already reported where it was substituted
+  if (given.written.items.empty() && !given.written.is_list) return;  // substitute() reported the error
   std::string why;
   auto value = read_parameter(*p, given.written, why);
   if (!value) return fail("bad-value", why, given.place, {}, node.path, p->name);

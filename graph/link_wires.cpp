@@ -1,4 +1,4 @@
-// Wires: references followed through subgraphs to the node that makes the value.
+// Linking wires: follows references through subgraphs to the node that produces the value.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,10 +24,12 @@ std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int d
   const RawNode* raw = named->second;
   if (unknown_.count(path)) return {};
   if (depth > 4 * max_nesting) {
-    fail("cycle", fmt::format("'{}' leads through subgraphs back to itself", ref.text), ref.place);
+    fail("cycle",
+         fmt::format("the wires form a cycle: '{}' leads through subgraphs back to itself", ref.text),
+         ref.place);
     return {};
   }
-  // An output that the graph's user has replaced by an input of his own.
+  // The enclosing graph may have replaced this output by connecting one of the subgraph's inputs.
   if (scope.parent)
     for (const auto& [input, target] : scope.doc.inputs)
       if (target.text == ref.text)
@@ -74,7 +76,8 @@ void Linker::override_wires(Scope& scope) {
     std::vector<RawReference> refs;
     for (const auto& source : sources) {
       if (source.rfind(scope.prefix, 0) != 0) {
-        fail("unknown-node", fmt::format("'{}' is not within '{}'", source, scope.prefix), place);
+        fail("unknown-node", fmt::format("'{}' is not inside the subgraph '{}'", source, scope.prefix),
+             place);
         continue;
       }
       refs.push_back({source.substr(scope.prefix.size()), place});
@@ -101,7 +104,7 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
   const int index = find(path);
   if (index < 0) {
     for (const auto& [port, refs] : raw.inputs)
-      for (const auto& ref : refs) resolve(scope, ref);  // their own mistakes show all the same
+      for (const auto& ref : refs) resolve(scope, ref);  // reports errors in the references
     return;
   }
   for (const auto& [port, refs] : raw.inputs) {
@@ -116,13 +119,13 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
       continue;
     }
     if (refs.size() > 1 && !p->many) {
-      fail("too-many-wires", fmt::format("input '{}' takes one wire, not {}", port, refs.size()),
+      fail("too-many-wires", fmt::format("input '{}' accepts one wire, not {}", port, refs.size()),
            refs[1].place, {}, path);
       continue;
     }
     for (const auto& ref : refs) attach(scope, index, *p, ref);
   }
-  // Inputs of the surrounding graph that end in an input of this node.
+  // Inputs of this subgraph that lead to an input of this node.
   if (scope.parent)
     for (const auto& [input, target] : scope.doc.inputs)
       for (const auto& [given, wires] : scope.node->inputs) {
@@ -137,16 +140,16 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
 
 void Linker::attach(Scope& scope, int index, const Port& port, const RawReference& ref) {
   const auto wire = resolve(scope, ref);
-  broken_inputs_.insert(
-      {index, port.name});  // a wire was meant: "missing input" would be a second, wrong message
+  broken_inputs_.insert({index, port.name});  // prevents a misleading second message, "missing input"
   if (!wire) return;
   const std::string& type =
       graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port)->types[0];
   GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
   if (!port.accepts(type))
-    return fail("wrong-type",
-                fmt::format("input '{}' takes {}, but {} is {}", port.name, port.type_text(), ref.text, type),
-                ref.place, {}, node.path);
+    return fail(
+        "wrong-type",
+        fmt::format("input '{}' accepts {}, but {} is {}", port.name, port.type_text(), ref.text, type),
+        ref.place, {}, node.path);
   Wire w = *wire;
   w.place = ref.place;
   node.inputs[port.name].push_back(std::move(w));
@@ -174,14 +177,14 @@ void Linker::describe_inputs(Scope& root) {
     const NodeType* type = index < 0 ? nullptr : graph_.nodes[static_cast<std::size_t>(index)].type;
     const Port* input = type ? type->find_input(port) : nullptr;
     const Port* output = type ? type->find_output(port) : nullptr;
-    if (!input || output) {  // an output that is replaced, perhaps one of a graph within
+    if (!input || output) {  // the input replaces an output, perhaps one of an inner subgraph
       const auto wire = resolve(root, ref);
       if (!wire) continue;
       output = graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port);
     }
     Port p = output ? *output : *input;
     p.name = name;
-    p.optional = output || input->optional;  // what it replaces is there without it
+    p.optional = output || input->optional;  // without a wire, the replaced output is used
     graph_.inputs.push_back(std::move(p));
   }
 }
@@ -210,15 +213,15 @@ void Linker::report_cycle(const std::vector<int>& way, int node) {
     text += graph_.nodes[static_cast<std::size_t>(*it)].path + " → ";
   if (way.end() - begin > 50) text += "… → ";
   const auto& last = graph_.nodes[static_cast<std::size_t>(node)];
-  fail("cycle", "the wires run in a circle: " + text + last.path, last.place);
+  fail("cycle", "the wires form a cycle: " + text + last.path, last.place);
 }
 
 void Linker::sort() {
   const std::size_t n = graph_.nodes.size();
   enum { unseen, open, placed };
   std::vector<int> state(n, unseen), order,
-      way;  // the way from a node up its wires; not recursive: it may be long
-  std::vector<std::vector<int>> sources(n);  // of the nodes on the way, those still to be visited
+      way;  // path from a node upstream; an explicit stack, because recursion could overflow
+  std::vector<std::vector<int>> sources(n);  // for nodes in `way`: sources still to be visited
   const auto visit = [&](int i) {
     const auto at = static_cast<std::size_t>(i);
     state[at] = open;

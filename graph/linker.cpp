@@ -1,4 +1,4 @@
-// Scopes: the graph itself and the subgraphs in it.
+// Linking scopes: the root graph and its subgraphs.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ Graph Linker::link(RawDocument doc) {
   report_unused_wires();
   sort();
   add_uses_to_messages();
-  // In the order that a reader of the file meets them.
+  // In the order of the file.
   std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
     return a.place.file == b.place.file &&
            std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
@@ -69,7 +69,7 @@ void Linker::add_uses_to_messages() {
     const auto use = first_use.find(d.place.file);
     if (use == first_use.end()) continue;
     const Scope* inside = use->second;
-    // The node's path tells which of several uses of one file is meant.
+    // If a file is used several times, the node's path identifies the use.
     const std::string path = d.node + "/";
     for (auto slash = path.find('/'); slash != std::string::npos; slash = path.find('/', slash + 1)) {
       const auto meant = scopes_.find(path.substr(0, slash + 1));
@@ -128,7 +128,7 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
   node.through = uses(scope);
   node.type = registry_.find(raw.type);
   if (!node.type && (node.type = registry_.find_former(raw.type)))
-    note("former-name", fmt::format("{} is called {} now", raw.type, node.type->name), raw.kind_place,
+    note("former-name", fmt::format("{} is now called {}", raw.type, node.type->name), raw.kind_place,
          node.path);
   if (!node.type) {
     unknown_.insert(node.path);

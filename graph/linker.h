@@ -1,5 +1,5 @@
-// Linker: from documents to a Graph. Opens subgraphs, fills in parameters, resolves wires, checks everything
-// it meets.
+// Linker: turns documents into a Graph. It opens subgraphs, fills in parameters, resolves wires and checks
+// all of it.
 #pragma once
 
 #include <memory>
@@ -13,20 +13,20 @@
 
 namespace terrazzo {
 
-// A written value with the folder that relative paths in it mean, and where it came from.
+// A written value, the base folder of relative paths in it, and the place it came from.
 struct Given {
   WrittenValue written;
   std::filesystem::path folder;
   Place place;
 };
 
-// One opened file: the graph itself, or a subgraph under the path of its node.
+// One opened file: the root graph, or a subgraph at the path of its node.
 struct Scope {
   std::string prefix;  // "" or "asset/"
   RawDocument doc;
   Scope* parent = nullptr;
   const RawNode* node = nullptr;                          // in the parent
-  std::unordered_map<std::string, const RawNode*> nodes;  // of the document, by name
+  std::unordered_map<std::string, const RawNode*> nodes;  // nodes of the document by name
   std::map<std::string, Given> parameters;
 };
 
@@ -45,7 +45,7 @@ class Linker {
   void fail(std::string code, std::string message, Place at, std::string hint = {}, std::string node = {},
             std::string parameter = {});
   void note(std::string code, std::string message, Place at, std::string node);
-  // Where the subgraphs around a scope are used, innermost first.
+  // Where a scope and its enclosing subgraphs are used, innermost first.
   static std::vector<Place> uses(const Scope&);
   void add_uses_to_messages();
 
@@ -55,18 +55,19 @@ class Linker {
 
   // --- parameters
 
-  // Replaces ${name}. A value that is nothing but one reference keeps the type and origin of what it names.
+  // Replaces ${name}. A value that consists of one reference keeps the list or scalar, folder and place of
+  // the parameter it names.
   Given substitute(const Scope& scope, const RawValue& raw);
 
   void fill_parameters(Scope& scope, std::map<std::string, Given> given);
 
   void set_parameter(GraphNode& node, const std::string& name, const Given& given);
-  // The parameter that once had this name, said so in a note; or null.
+  // The parameter that had this name in an earlier version, or null. Reports the new name in a note.
   const Parameter* find_former(const GraphNode&, const std::string& name, const Place&);
 
   // --- scopes
 
-  // Refuses a graph that would grow too large. What it counts is the same as what would be built.
+  // Rejects a graph that would expand to too many nodes. Counts exactly the nodes that would be built.
   bool check_size(const RawDocument& root);
 
   Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
@@ -80,12 +81,12 @@ class Linker {
 
   // --- wires
 
-  // Replaces what the file connects by what the overrides say.
+  // Replaces wires in the file with those in the overrides.
   void override_wires(Scope&);
   void report_unused_wires();
 
-  // Follows a reference through subgraphs to the node that makes the value. Mistakes are reported once, where
-  // written.
+  // Follows a reference through subgraphs to the node that produces the value. Reports each error once, at
+  // the reference.
   std::optional<Wire> resolve(Scope& scope, const RawReference& ref, int depth = 0);
 
   void connect(Scope& scope, const RawNode& raw);
@@ -95,25 +96,25 @@ class Linker {
   void check_subgraph_inputs(Scope& scope, const RawNode& raw);
 
   void check_wiring_of_ports();
-  // The graph's own inputs with the types of the ports they stand for; what names nothing is a mistake.
+  // Adds the graph's inputs with the types of the ports that they name. Reports names that do not exist.
   void describe_inputs(Scope& root);
 
-  // Sources before consumers, otherwise in the order written.
+  // Puts sources before consumers and otherwise keeps the order of the file.
   void sort();
-  // `way`: nodes that each consume the next; the last consumes `node`, which is one of them.
+  // `way`: nodes that each consume the next one. The last consumes `node`, which is also in `way`.
   void report_cycle(const std::vector<int>& way, int node);
 
   const Registry& registry_;
   const Overrides& overrides_;
   Diagnostics& found_;
-  std::vector<bool> used_, used_wires_;  // of the overrides
+  std::vector<bool> used_, used_wires_;  // per override: was it applied?
   Graph graph_;
   std::optional<SubgraphFiles> files_;
   std::map<std::string, std::unique_ptr<Scope>> scopes_;
-  std::map<std::string, int> index_;  // of graph_.nodes by path
+  std::map<std::string, int> index_;  // indices into graph_.nodes by path
   std::set<std::string> unknown_;     // paths whose type or file is unknown, already reported
-  std::set<std::pair<int, std::string>> broken_inputs_;
-  std::set<std::pair<std::string, std::string>> attempted_;  // parameters written, rightly or not
+  std::set<std::pair<int, std::string>> broken_inputs_;      // inputs with a wire, valid or not
+  std::set<std::pair<std::string, std::string>> attempted_;  // parameters with a value, valid or not
 };
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Reads graph files.
+// Loading graph files.
 #include <fmt/format.h>
 
 #include <fstream>
@@ -19,7 +19,7 @@ std::optional<std::string> read_graph_text(const fs::path& file, Diagnostics& fo
     return fail("no-file", fmt::format("cannot read the graph file '{}'", file.string()), {});
   std::string text;
   char part[1 << 16];
-  while (in && text.size() <= max_graph_bytes) {  // it may be a device that never ends
+  while (in && text.size() <= max_graph_bytes) {  // the file may be an endless device
     in.read(part, sizeof part);
     text.append(part, static_cast<std::size_t>(in.gcount()));
   }
@@ -27,7 +27,7 @@ std::optional<std::string> read_graph_text(const fs::path& file, Diagnostics& fo
   if (text.size() > max_graph_bytes)
     return fail("too-large",
                 fmt::format("the graph file '{}' has more than {} MiB", file.string(), max_graph_bytes >> 20),
-                "keep data in files that the graph names");
+                "move data to separate files and refer to them in the graph");
   return text;
 }
 

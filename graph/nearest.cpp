@@ -7,8 +7,8 @@
 namespace terrazzo {
 namespace {
 
-// Levenshtein's distance with a swap of neighbours counted once (optimal string alignment), the commonest
-// slip.
+// Levenshtein distance that counts a swap of two neighboring letters, the most common typo, as one edit
+// (optimal string alignment).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before, above(b.size() + 1), row(b.size() + 1);
   std::iota(above.begin(), above.end(), 0);
@@ -44,7 +44,7 @@ std::string nearest(const std::string& name, const std::vector<std::string>& can
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string n = nearest(name, candidates);
-  return n.empty() ? "" : ", did you mean '" + n + "'?";
+  return n.empty() ? "" : "; did you mean '" + n + "'?";
 }
 
 }  // namespace terrazzo

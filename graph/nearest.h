@@ -1,4 +1,4 @@
-// The nearest valid name, for error messages.
+// Suggests the nearest valid name in error messages.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 
 namespace terrazzo {
 
-// The candidate with the smallest edit distance (case ignored), or "" where none is near enough to be meant.
+// The candidate with the smallest case-insensitive edit distance, or "" if none is near enough.
 std::string nearest(const std::string& name, const std::vector<std::string>& candidates);
-// ", did you mean 'segment'?" or "".
+// "; did you mean 'segment'?" or "".
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// A node type: the one declaration from which schema, keys, reference pages and help all come.
+// A node type. The JSON Schema, action keys, reference pages and help are all derived from this declaration.
 #pragma once
 
 #include <filesystem>
@@ -9,30 +9,31 @@
 
 namespace terrazzo {
 
-class Context;  // runtime/context.h; the graph layer only carries the pointer
+class Context;  // runtime/context.h
 
 struct Port {
   std::string name;
-  std::vector<std::string> types;  // names of value types; an input with none takes any
+  std::vector<std::string> types;  // names of value types; an input without types accepts any
   std::string doc;
   bool optional = false;
-  bool many = false;  // an input that takes a list of wires
+  bool many = false;  // the input accepts a list of wires
   bool accepts(const std::string& type) const;
   std::string type_text() const;  // "Image", "Particles or Volume", "any"
 };
 
 struct NodeType {
   std::string name;
-  int version = 1;  // raise it whenever the same inputs can give another result
+  int version = 1;  // raise it whenever the same inputs can produce a different result
   std::string doc;
-  std::string source;  // paper and section, or ""
+  std::string source;  // source paper and section, or ""
   std::vector<Port> inputs;
   std::vector<Port> outputs;
   std::vector<Parameter> parameters;
-  std::vector<std::string> former_names;  // still read in graph files, with a note
-  bool writes_files = false;              // its results are files under the output folder
-  // Further files that reading an input file opens, such as the .img beside a .hdr. Their content enters the
-  // key like the file's own. Null if the node opens only the files that its parameters name.
+  std::vector<std::string> former_names;  // still accepted in graph files, with a note
+  bool writes_files = false;              // its results are files in the output folder
+  // Other files that the node opens along with an input file, such as the .img of a .hdr. Their content is
+  // part of the action key, like that of the file itself. Null if the node opens only the files named by its
+  // parameters.
   std::vector<std::filesystem::path> (*companion_files)(const std::filesystem::path&) = nullptr;
   void (*compute)(Context&) = nullptr;
 
@@ -51,7 +52,7 @@ struct NodeType {
 
   const Port* find_input(const std::string&) const;
   const Port* find_output(const std::string&) const;
-  const Parameter* find_parameter(const std::string&) const;  // by its name of today
+  const Parameter* find_parameter(const std::string&) const;  // by its current name
 };
 
 }  // namespace terrazzo

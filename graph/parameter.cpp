@@ -107,7 +107,7 @@ std::optional<T> parse_number(const std::string& s) {
 
 bool in_range(const Parameter& p, double v, std::string& why) {
   if (!std::isfinite(v)) {
-    why = "is not a finite number";
+    why = fmt::format("{} is not a finite number", v);
     return false;
   }
   if (v > p.min || (v == p.min && !p.min_open)) {
@@ -120,8 +120,8 @@ bool in_range(const Parameter& p, double v, std::string& why) {
   else if (std::isinf(p.min))
     why = fmt::format("{} is out of range: it must be at most {}{}", v, p.max, unit);
   else
-    why = fmt::format("{} is out of range: it must lie {} {} and {}{}", v, p.min_open ? "above" : "between",
-                      p.min, p.max, unit);
+    why = fmt::format("{} is out of range: it must be {} {} and {}{}{}", v, p.min_open ? "above" : "between",
+                      p.min, p.min_open ? "at most " : "", p.max, unit);
   return false;
 }
 
@@ -151,7 +151,8 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
     for (const auto& item : w.items) {
       const auto v = parse_number<double>(item);
       if (!v || !std::isfinite(*v) || *v < 0)
-        return why = "'" + item + "' is not a linear colour component", std::nullopt;
+        return why = "'" + item + "' is not a valid color component: it must be a number of at least 0",
+               std::nullopt;
       rgb.push_back(*v);
     }
     return rgb;
@@ -163,13 +164,13 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
       const char* at = s.data() + 1 + 2 * i;
       const auto [end, error] = std::from_chars(at, at + 2, byte, 16);
       if (error != std::errc() || end != at + 2)
-        return why = "'" + s + "' is not a colour like \"#a0b0c0\"", std::nullopt;
+        return why = "'" + s + "' is not a color such as \"#a0b0c0\"", std::nullopt;
       const double e = byte / 255.0;  // IEC 61966-2-1
       rgb.push_back(e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4));
     }
     return rgb;
   }
-  return why = "'" + s + "' is not a colour: write \"#rrggbb\" or three linear numbers", std::nullopt;
+  return why = "'" + s + "' is not a color: write \"#rrggbb\" or three linear numbers", std::nullopt;
 }
 
 }  // namespace
@@ -180,7 +181,7 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
 
   const bool wants_list = p.kind == ParameterKind::Ints || p.kind == ParameterKind::Numbers ||
                           p.kind == ParameterKind::Texts || p.kind == ParameterKind::Color;
-  if (w.is_list && !wants_list) return why = "takes one value, not a list", std::nullopt;
+  if (w.is_list && !wants_list) return why = "needs one value, not a list", std::nullopt;
 
   const auto or_keyword = [&](std::string text) {
     if (!p.keywords.empty()) text += fmt::format(", nor one of {}", fmt::join(p.keywords, ", "));
@@ -198,7 +199,7 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
       return why = or_keyword("'" + word + "' is not a whole number"), std::nullopt;
     case ParameterKind::Number:
       if (const auto v = parse_number<double>(word)) {
-        if (in_range(p, *v, why)) return *v + 0.0;  // −0 and 0 are one value
+        if (in_range(p, *v, why)) return *v + 0.0;  // −0 and 0 are the same value
         return std::nullopt;
       }
       return why = or_keyword("'" + word + "' is not a number"), std::nullopt;
@@ -212,11 +213,10 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
     case ParameterKind::InputPath:
     case ParameterKind::OutputPath:
       if (word.empty()) return why = "the path is empty", std::nullopt;
-      if (word.find('\0') != std::string::npos) return why = "the path holds a zero byte", std::nullopt;
+      if (word.find('\0') != std::string::npos) return why = "the path contains a zero byte", std::nullopt;
       if (p.kind == ParameterKind::OutputPath && leaves_folder(word))
         return why = fmt::format(
-                   "'{}' lies outside the output folder (write a path below it; --out chooses the "
-                   "folder)",
+                   "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)",
                    word),
                std::nullopt;
       return word;

@@ -1,4 +1,4 @@
-// Parameters: their declaration, their values, and how a written value becomes one.
+// Parameters: declarations, values, and parsing of written values.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace terrazzo {
 
-// What a parameter holds once read. Colours are three scene-linear numbers; a keyword is a string.
+// The value of a parameter. Colors are three scene-linear numbers. Keywords are strings.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
                                     std::vector<double>, std::vector<std::string>>;
 
@@ -20,38 +20,38 @@ enum class ParameterKind {
   Number,
   Choice,      // one of `choices`
   Text,        // free text
-  Ints,        // one or several; a single value is a list of one
-  Numbers,     // one or several
-  Texts,       // one or several
+  Ints,        // one or more; a single value is a list of one
+  Numbers,     // one or more
+  Texts,       // one or more
   Color,       // "#rrggbb" (sRGB) or three scene-linear numbers
-  InputPath,   // a file that is read: its content enters the key, not its name; may be a glob
-  OutputPath,  // a file that is written, relative to the output folder
+  InputPath,   // file to read, or a glob; the action key contains its content, not its name
+  OutputPath,  // file to write, relative to the output folder
 };
 const char* name_of(ParameterKind);
 
-// The written form of a value, free of any syntax: a scalar or a list of scalars.
+// A value as written, without YAML syntax: a scalar or a list of scalars.
 struct WrittenValue {
   bool is_list = false;
-  std::vector<std::string> items;  // exactly one where !is_list
+  std::vector<std::string> items;  // exactly one if !is_list
   std::string text() const;
 };
 
-// The declaration of a parameter: from it come schema, key, help and reference pages.
+// The declaration of a parameter. Schema, action keys, help and reference pages are derived from it.
 struct Parameter {
   std::string name;
   ParameterKind kind = ParameterKind::Number;
   std::string doc;
-  std::string unit;                     // "mm", "mm²", "degrees", "pixels"; "" for a pure number
-  std::optional<ParameterValue> value;  // the default; without one the user must write it
+  std::string unit;                     // "mm", "mm²", "degrees", "pixels"; "" if dimensionless
+  std::optional<ParameterValue> value;  // the default; none: the parameter is required
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
-  bool min_open = false;              // min itself is not allowed
-  std::vector<std::string> choices;   // of a Choice
-  std::vector<std::string> keywords;  // words allowed beside the kind's own values, such as "auto"
-  std::size_t min_count = 1, max_count = 1u << 20;  // of lists
-  std::vector<std::string> former_names;            // still read in graph files, with a note
+  bool min_open = false;                            // min itself is not allowed
+  std::vector<std::string> choices;                 // allowed values of Choice and, unless empty, of Texts
+  std::vector<std::string> keywords;                // words accepted in place of a value, such as "auto"
+  std::size_t min_count = 1, max_count = 1u << 20;  // allowed lengths of lists
+  std::vector<std::string> former_names;            // still accepted in graph files, with a note
 
-  // Declaration in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
+  // Declares in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
   static Parameter boolean(std::string name, bool value);
   static Parameter integer(std::string name, std::int64_t value);
   static Parameter number(std::string name, double value);
@@ -63,7 +63,7 @@ struct Parameter {
   static Parameter color(std::string name, double r, double g, double b);
   static Parameter input_path(std::string name);   // required
   static Parameter output_path(std::string name);  // required
-  // The same kinds with a keyword as the default: with_keyword(ParameterKind::Int, "clusters", "auto")
+  // Any kind, with a keyword as the default: with_keyword(ParameterKind::Int, "clusters", "auto")
   static Parameter with_keyword(ParameterKind kind, std::string name, std::string keyword);
 
   Parameter& doc_(std::string text);
@@ -71,17 +71,19 @@ struct Parameter {
   Parameter& range(double lo, double hi);
   Parameter& above(double lo);                       // > lo
   Parameter& count(std::size_t lo, std::size_t hi);  // length of a list
-  Parameter& keyword(std::string word);              // one more allowed word
+  Parameter& keyword(std::string word);              // adds a keyword
   Parameter& required();                             // no default
   Parameter& was(std::string former_name);
 };
 
-// Reads a written value. Returns the value, or says what is wrong in `why` (with the nearest valid word).
+// Parses and checks a written value. On failure, returns nothing and explains the error in `why`, with the
+// nearest valid word.
 std::optional<ParameterValue> read_parameter(const Parameter&, const WrittenValue&, std::string& why);
 
-// One spelling per value: enters keys, so a default written out or 1 for 1.0 changes nothing.
+// The unique spelling of a value that action keys contain. So writing out a default, or 1 instead of 1.0,
+// does not change a key.
 std::string canonical(const ParameterValue&);
-// As a person would write it in a graph file.
+// The value as a person would write it in a graph file.
 std::string written(const ParameterValue&);
 
 }  // namespace terrazzo

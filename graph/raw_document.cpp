@@ -71,7 +71,7 @@ class DocumentReader {
              });
     if (!has_version)
       fail("no-version", "the format version is missing", {doc_.file.string(), 1, 1},
-           fmt::format("begin with 'terrazzo: {}'", graph_format));
+           fmt::format("start the file with 'terrazzo: {}'", graph_format));
     if (!has_nodes) fail("no-nodes", "the graph has no nodes", {doc_.file.string(), 1, 1});
     return std::move(doc_);
   }
@@ -90,7 +90,8 @@ class DocumentReader {
         {Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
   }
 
-  // Every value but the first comes after one of these, so this bounds what the parser builds.
+  // Every value except the first follows a separator, so this bounds the number of nodes that the parser
+  // builds.
   static std::size_t separators(const std::string& text) {
     std::size_t n = 0;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -103,11 +104,11 @@ class DocumentReader {
 
   void fail_too_large(Place at) {
     fail("too-large",
-         fmt::format("the graph holds more than {} values, aliases written out", max_graph_values),
-         std::move(at), "keep data in files that the graph names");
+         fmt::format("the graph contains more than {} values, with aliases expanded", max_graph_values),
+         std::move(at), "move data to separate files and refer to them in the graph");
   }
 
-  // Counts values that are about to be read. False once there are too many, which is reported once.
+  // Counts values before they are read. Returns false once there are too many, and reports that once.
   bool take(std::size_t values, const YAML::Node& at) {
     if (values_ > max_graph_values) return false;
     values_ += values;
@@ -115,7 +116,8 @@ class DocumentReader {
     return values_ <= max_graph_values;
   }
 
-  // Calls `use` for every key once; unknown keys (where `known` is not empty) and double keys are mistakes.
+  // Calls `use` once for every key. Reports duplicate keys, and keys that are not in `known` unless it is
+  // empty.
   void each_key(const YAML::Node& map, const std::vector<std::string>& known, const std::string& where,
                 const std::function<void(const std::string&, const YAML::Node&, const YAML::Node&)>& use) {
     if (map.IsNull()) return;
@@ -129,7 +131,7 @@ class DocumentReader {
       }
       const std::string key = pair.first.Scalar();
       if (!seen.insert(key).second) {
-        fail("duplicate-key", fmt::format("'{}' stands twice in {}", key, where), place(pair.first.Mark()));
+        fail("duplicate-key", fmt::format("'{}' appears twice in {}", key, where), place(pair.first.Mark()));
         continue;
       }
       if (!known.empty() && std::find(known.begin(), known.end(), key) == known.end()) {
@@ -149,9 +151,9 @@ class DocumentReader {
     }
     if (version == graph_format) return;
     fail("format-version",
-         fmt::format("format version '{}' is not known here", v.IsScalar() ? v.Scalar() : "?"),
+         fmt::format("format version '{}' is not supported", v.IsScalar() ? v.Scalar() : "?"),
          place(key.Mark()),
-         version > graph_format ? "made by a newer Terrazzo"
+         version > graph_format ? "the file needs a newer version of Terrazzo"
                                 : fmt::format("this program reads version {}", graph_format));
   }
 
@@ -204,7 +206,7 @@ class DocumentReader {
                    fail("unknown-type",
                         fmt::format("parameter '{}' has the unknown type '{}'{}", name, word,
                                     did_you_mean(word, names)),
-                        place(n.Mark()), fmt::format("{}", fmt::join(names, ", ")));
+                        place(n.Mark()), fmt::format("use one of {}", fmt::join(names, ", ")));
                  }
                } else if (k == "default") {
                  read_value(n, p.value, name);
@@ -231,7 +233,8 @@ class DocumentReader {
     node.name = name;
     node.place = node.kind_place = place(key.Mark());
     if (name.empty() || name.find_first_of(". ") != std::string::npos)
-      fail("bad-name", fmt::format("'{}' cannot name a node: dots and blanks are not allowed", name),
+      fail("bad-name",
+           fmt::format("'{}' is not a valid node name: it must not be empty or contain dots or spaces", name),
            node.place);
     each_key(
         v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",
@@ -285,7 +288,7 @@ RawDocument read_document(const std::string& text, const std::filesystem::path& 
 
 WrittenValue read_written(const std::string& text) {
   try {
-    // A leading # would be a comment, and colours are written with one.
+    // YAML would treat a leading # as a comment, but colors start with one.
     const YAML::Node v = !text.empty() && text[0] == '#' ? YAML::Node(text) : YAML::Load(text);
     if (v.IsScalar()) return {false, {v.Scalar()}};
     if (v.IsSequence()) {

@@ -1,4 +1,4 @@
-// A graph file as it is written: YAML read into plain structures, each with its place. Knows no node types.
+// A graph file as written: YAML parsed into plain structures, each with its place. Independent of node types.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +23,14 @@ struct RawReference {  // "segment.labels"
 struct RawNode {
   std::string name;
   Place place;
-  std::string type, graph;  // one of the two
-  Place kind_place;         // of `type:` or `graph:`
+  std::string type, graph;  // exactly one is set
+  Place kind_place;         // of the value of `type:` or `graph:`
   std::vector<std::pair<std::string, RawValue>> params;
   std::vector<std::pair<std::string, std::vector<RawReference>>> inputs;
 };
 struct RawParameter {
   Parameter declaration;
-  RawValue value;  // the default as written; `items` empty where there is none
+  RawValue value;  // the default as written; `items` is empty if there is none
   Place place;
 };
 struct RawDocument {
@@ -41,20 +41,19 @@ struct RawDocument {
   std::vector<std::pair<std::string, RawReference>> inputs, outputs;
 };
 
-// The version of the format that this program writes and reads.
+// The format version that this program reads and writes.
 inline constexpr int graph_format = 1;
 
-// A file with more bytes or more values is refused, because it could take all memory. Values behind an alias
-// count wherever they are used.
+// Larger files are rejected, because they could exhaust memory. Values behind an alias count at each use.
 inline constexpr std::size_t max_graph_bytes = std::size_t{16} << 20;
 inline constexpr std::size_t max_graph_values = 2'000'000;
 
-// Reads a graph file as text. If there is no result, `found` says why, without a place.
+// Reads a graph file as text. On failure, returns nothing and appends an error without a place to `found`.
 std::optional<std::string> read_graph_text(const std::filesystem::path&, Diagnostics& found);
 
 RawDocument read_document(const std::string& text, const std::filesystem::path& file, Diagnostics& found);
 
-// A value from the command line: a scalar or a flow list. Throws Error "bad-value".
+// Parses a value from the command line, a scalar or a flow list. Throws Error "bad-value".
 WrittenValue read_written(const std::string& text);
 
 }  // namespace terrazzo

@@ -11,25 +11,25 @@ void demand(bool ok, const NodeType& t, const std::string& what) {
   if (!ok) throw Error("bad-node-type", "node type " + t.name + ": " + what);
 }
 
-// A declaration that is not whole would make keys, reference pages or messages wrong later: refuse it at the
-// door.
+// Rejects incomplete declarations here, because they would lead to wrong keys, reference pages or messages
+// later.
 void check_declaration(const NodeType& t) {
   demand(!t.name.empty() && t.version >= 1 && t.compute, t,
-         "needs a name, a version from 1 on and a compute function");
+         "needs a name, a version of at least 1 and a compute function");
   demand(!t.doc.empty(), t, "has no documentation");
-  demand(!t.outputs.empty() || t.writes_files, t, "has neither outputs nor files");
+  demand(!t.outputs.empty() || t.writes_files, t, "has no outputs and writes no files");
   std::set<std::string> inputs, outputs, parameters;
   for (const auto& p : t.inputs)
     demand(inputs.insert(p.name).second && !p.doc.empty(), t,
-           "input '" + p.name + "' is double or undocumented");
+           "input '" + p.name + "' is duplicate or undocumented");
   for (const auto& p : t.outputs) {
     demand(outputs.insert(p.name).second && !p.doc.empty(), t,
-           "output '" + p.name + "' is double or undocumented");
+           "output '" + p.name + "' is duplicate or undocumented");
     demand(p.types.size() == 1, t, "output '" + p.name + "' needs exactly one type");
   }
   for (const auto& p : t.parameters) {
     demand(parameters.insert(p.name).second && !p.doc.empty(), t,
-           "parameter '" + p.name + "' is double or undocumented");
+           "parameter '" + p.name + "' is duplicate or undocumented");
     std::string why;
     if (p.value && p.kind != ParameterKind::Color) {
       WrittenValue w;

@@ -1,4 +1,4 @@
-// The node types that a program knows, by name.
+// The node types of a program, by name.
 #pragma once
 
 #include <map>
@@ -11,13 +11,13 @@ namespace terrazzo {
 
 class Registry {
  public:
-  // Throws Error "duplicate-node-type" when the name is taken, "bad-node-type" when the declaration is not
-  // whole.
+  // Throws Error "duplicate-node-type" if the name is taken, "bad-node-type" if the declaration is incomplete
+  // or invalid.
   void add(NodeType);
   const NodeType* find(const std::string& name) const;
-  // The type that once had this name, or null.
+  // The type that had this name in an earlier version, or null.
   const NodeType* find_former(const std::string& name) const;
-  std::vector<const NodeType*> all() const;  // by name
+  std::vector<const NodeType*> all() const;  // sorted by name
   std::vector<std::string> names() const;
 
  private:

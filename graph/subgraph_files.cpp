@@ -10,8 +10,9 @@ fs::path file_of(const RawDocument& doc, const RawNode& node) {
   return (doc.file.parent_path() / node.graph).lexically_normal();
 }
 
-// Symbolic links can give one folder endlessly many names. The last part stays as written: the paths in a
-// file are relative to where its name stands.
+// Identifies a file. Symbolic links can give one folder infinitely many names, so links in the folder are
+// resolved. The file name stays as written, because paths in the file are relative to the folder that
+// contains this name.
 fs::path identity(const fs::path& file) {
   std::error_code error;
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
@@ -47,7 +48,7 @@ void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level)
         e = {file.nodes + 1, file.nesting + 1};
       }
     }
-    // Sums stay far below 2⁶⁴: beyond the limit the exact number tells nothing more.
+    // Clamped to avoid overflow. Far beyond the limit, the exact number does not matter.
     into.nodes = std::min(into.nodes + e.nodes, std::uint64_t{1} << 60);
     into.nesting = std::max(into.nesting, e.nesting);
   }

@@ -3,7 +3,7 @@
 namespace terrazzo {
 namespace {
 
-// Bytes of the character at the start of `text`, 0 where none stands there (RFC 3629).
+// Length in bytes of the character at the start of `text`, or 0 if it is invalid (RFC 3629).
 std::size_t length_of_first(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

@@ -1,4 +1,4 @@
-// Text from outside: graph files must be UTF-8; in data what is not is replaced.
+// UTF-8 checks for text from outside. Graph files must be UTF-8; invalid bytes in data are replaced.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace terrazzo {
 
-// Where the first bytes stand that are not UTF-8 (overlong forms and surrogates included), or npos.
+// Position of the first byte that is not valid UTF-8, or npos. Overlong forms and surrogates are invalid.
 std::size_t find_invalid_utf8(std::string_view text, std::size_t from = 0);
-// The text with every such byte replaced by U+FFFD.
+// The text with every invalid byte replaced by U+FFFD.
 std::string valid_utf8(std::string text);
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// A graph as one file again: subgraphs unfolded, parameters filled in.
+// Writes a graph as a single file, with subgraphs expanded and graph parameters filled in.
 #pragma once
 
 #include <string>
@@ -8,9 +8,8 @@
 
 namespace terrazzo {
 
-// The nodes marked in `which` (all where it is empty), in the format of graph files. Loading it gives the
-// same nodes under the same paths. Paths of files that are read are written relative to `base`, absolute
-// without one.
+// Writes the nodes marked in `which` (all if it is empty) in the graph file format. Loading the text yields
+// the same nodes with the same paths. Input paths are written relative to `base`, or absolute if it is empty.
 std::string write_graph(const Graph&, const std::vector<bool>& which = {},
                         const std::filesystem::path& base = {});
 

@@ -1,4 +1,4 @@
-// All node types and value types of this build. CMake lists them from the folders: each node.cpp defines
+// All node types and value types of this build. CMake collects them from the folders: each node.cpp defines
 // FOLDER_node(), each value_types.cpp defines FOLDER_value_types(ValueTypes&).
 #pragma once
 

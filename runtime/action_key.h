@@ -1,5 +1,5 @@
-// The key of a node's computation: type, version, canonical parameters, content of files and inputs. Nothing
-// else.
+// The action key of a node: a hash of its type, version, canonical parameters, and the content of its files
+// and inputs. Nothing else enters it.
 #pragma once
 
 #include <filesystem>
@@ -17,23 +17,24 @@ namespace terrazzo {
 Hash action_key(const GraphNode&, const std::map<std::string, std::vector<Hash>>& files,
                 const std::map<std::string, std::vector<OutputRecord>>& inputs);
 
-// The key under which the computation is recorded. What a node writes lies in one output folder and says
-// which run wrote it: each folder has its own record.
+// The key under which the computation is recorded. It equals `key`, except for nodes that write files: their
+// files belong to one output folder, so each output folder has its own record.
 Hash record_key(const NodeType&, const Hash& key, const std::filesystem::path& output_folder);
 
-// A path parameter's files and their content. Throws Error "no-file" with the parameter.
+// The input files of a node by path parameter.
 struct InputFiles {
   std::map<std::string, std::vector<std::filesystem::path>> paths;
-  std::map<std::string, std::vector<Hash>> hashes;  // input_content
+  std::map<std::string, std::vector<Hash>> hashes;  // input_content() of each path
   std::vector<FileRecord> read;                     // every file, companions included, with its own content
 };
+// Throws Error "no-file" or "unreadable-file", with the parameter.
 InputFiles input_files(const GraphNode&, FileHashes&);
 
-// The files that a node of this type opens for one that a parameter names: itself first, then its companions.
-std::vector<std::filesystem::path> files_opened(const NodeType&, const std::filesystem::path&);
+// The files that a node of this type opens to read `path`: the file itself, then its companions.
+std::vector<std::filesystem::path> files_opened(const NodeType&, const std::filesystem::path& path);
 
-// What a node reads when it opens this file: content, extension (readers choose the format by it), and the
-// content of companion files. Nothing if the file cannot be read.
+// A hash of everything that a node reads when it opens this file: the content, the extension (it selects the
+// format), and the content of companion files. Nothing if the file cannot be read.
 std::optional<Hash> input_content(const NodeType&, const std::filesystem::path&, FileHashes&);
 
 }  // namespace terrazzo

@@ -21,7 +21,7 @@ FileRecord file_from(const json& j) {
   return {j.at("path"), Hash::parse(j.at("content").get<std::string>())};
 }
 
-// The kind is written beside the value: an empty list does not tell what it is a list of.
+// Stores the kind along with the value, because an empty list does not reveal its element type.
 json to_json(const ParameterValue& v) {
   json value = std::visit([](const auto& x) { return json(x); }, v);
   return json::array({v.index(), std::move(value)});

@@ -1,4 +1,4 @@
-// What is known of one computation: its results, and how to do it again.
+// The record of one computation: its results, and what is needed to repeat it.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace terrazzo {
 
 struct OutputRecord {
   std::string type;
-  Hash content;  // of type and encoded value
+  Hash content;  // hash of type name and encoded value
   std::uint64_t bytes = 0;
   bool operator==(const OutputRecord&) const = default;
 };
@@ -32,15 +32,15 @@ struct ActionRecord {
   std::vector<FileRecord> files;
   double seconds = 0;
 
-  // What it was computed from: enough to compute it again without its graph.
+  // Everything needed to repeat the computation without its graph.
   std::string type;
   int version = 0;
-  std::map<std::string, ParameterValue> parameters;  // all of them
+  std::map<std::string, ParameterValue> parameters;  // all parameters, defaults included
   std::map<std::string, std::vector<OutputRecord>> inputs;
-  std::map<std::string, std::vector<FileRecord>> input_files;  // absolute paths; content with extension
+  std::map<std::string, std::vector<FileRecord>> input_files;  // absolute paths; content: input_content()
 };
 
-// Throws nlohmann::json::exception or Error where the JSON is none of ours.
+// Reading throws nlohmann::json::exception, std::exception or Error if the JSON is not a valid record.
 nlohmann::json to_json(const ActionRecord&);
 ActionRecord action_record_from_json(const nlohmann::json&);
 

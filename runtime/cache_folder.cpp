@@ -23,7 +23,7 @@ constexpr const char* version_file = "terrazzo-cache";
 constexpr const char* version_text = "1\n";
 constexpr const char* tag_text =
     "Signature: 8a477f597d28d172789f06886806bc55\n"
-    "# This folder is a cache made by terrazzo. Its content can be computed again.\n"
+    "# This folder is a cache created by terrazzo. Its content can be recomputed.\n"
     "# For information about cache directory tags see https://bford.info/cachedir/\n";
 
 bool is_table(const std::string& name) {
@@ -36,13 +36,14 @@ bool is_part(const std::string& name) {
   return name.size() == 2 && name.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-// The entry that a file's name gives, or zero.
+// The hash in the name of an entry's file, or zero.
 Hash entry_of(const std::string& name) {
   return name.find_first_not_of("0123456789abcdef") == std::string::npos ? Hash::parse(name) : Hash{};
 }
 
-// A temporary name of a table's file: ".ab0123….host.pid.bits.tmp" or ".incoming.host.pid.bits.tmp". Versions
-// before 0.2 gave ".incoming-PID-N.PID.N.tmp", "incoming-PID-N" and ".ab0123….PID.N.tmp".
+// Whether this is the temporary name of a file in a table: ".ab0123….host.pid.bits.tmp" or
+// ".incoming.host.pid.bits.tmp". Versions before 0.2 used ".incoming-PID-N.PID.N.tmp", "incoming-PID-N" and
+// ".ab0123….PID.N.tmp".
 bool is_leftover(const std::string& name) {
   if (is_temporary_name(name, "incoming")) return true;
   if (name.size() > 33 && name[0] == '.' && entry_of(name.substr(1, 32)) &&
@@ -59,7 +60,7 @@ bool is_leftover(const std::string& name) {
          digits_and(stem.substr(33), ".");
 }
 
-// What lies beside the tables, and what making it leaves if it is interrupted.
+// Whether this is the name of one of the files next to the tables, or of its temporary file.
 bool is_upkeep(const std::string& name) {
   const std::string tag = "CACHEDIR.TAG";
   return name == "lock" || name == "usage" || name == version_file || name == tag ||
@@ -67,7 +68,8 @@ bool is_upkeep(const std::string& name) {
          (name.ends_with(".TAG") && is_temporary_name(name.substr(0, name.size() - 4), "CACHEDIR"));
 }
 
-// What may lie in a folder that is not marked yet. Stops at the first name that is none of ours.
+// Whether an unmarked folder contains nothing but cache files. `stranger`: the first other name, or the
+// error.
 bool holds_only_entries(const fs::path& folder, std::string& stranger) {
   std::error_code error;
   for (auto it = fs::recursive_directory_iterator(folder, error);
@@ -128,17 +130,17 @@ void open_cache_folder(const fs::path& folder) {
   if (::stat(folder.c_str(), &s) != 0 || !S_ISDIR(s.st_mode))
     fail("cache-unusable", "it is not a folder", "choose another folder with --cache, or --no-cache");
   if (s.st_mode & S_IWOTH)
-    fail("unsafe-folder", "everybody may write to it, and so change results",
-         fmt::format("chmod o-w '{}', or choose another folder", folder.string()));
+    fail("unsafe-folder", "everybody may write to it and could change results",
+         fmt::format("run chmod o-w '{}' or choose another folder", folder.string()));
   if (const auto version = read_file(folder / version_file)) {
     if (*version == version_text) return;
     fail("not-a-cache", "it belongs to another version of terrazzo",
-         "choose another folder, or remove this one if that version is gone");
+         "choose another folder, or remove this one if you no longer use that version");
   }
   std::string stranger;
   if (!holds_only_entries(folder, stranger))
-    fail("not-a-cache", fmt::format("it is not empty and not a cache: it holds '{}'", stranger),
-         "choose an empty or new folder; terrazzo marks a cache folder with a file 'terrazzo-cache'");
+    fail("not-a-cache", fmt::format("it contains '{}', which is not part of a cache", stranger),
+         "choose a new or empty folder; cache folders contain a file named 'terrazzo-cache'");
   const bool fresh = fs::is_empty(folder, error);
   try {
     if (fresh) CacheUsage(folder).set(0);
@@ -167,7 +169,7 @@ void each_cache_file(const fs::path& folder, const char* table, int part,
                      const std::function<void(const CacheFile&)>& use) {
   const Clock clock;
   const fs::path base = folder / table;
-  each_file_in(base, "", clock, use);  // files on their way, and entries of versions before 0.2
+  each_file_in(base, "", clock, use);  // files being written, and entries from versions before 0.2
   for (int k = part < 0 ? 0 : part; k <= (part < 0 ? 255 : part); ++k) {
     const std::string name = fmt::format("{:02x}", k);
     each_file_in(base / name, name, clock, use);
@@ -191,7 +193,7 @@ auto CacheUsage::change(Change change) const {
     state = {bytes, part & 255};
   const auto result = change(state);
   const std::string line = fmt::format("{:020d} {:03d}\n", state.bytes, state.part);
-  // If this fails the sum is too small, and is right again after the next collection.
+  // If this fails, the sum is too small until the next collection corrects it.
   [[maybe_unused]] const auto done = ::pwrite(file, line.data(), line.size(), 0);
   ::close(file);
   return result;
@@ -200,7 +202,7 @@ auto CacheUsage::change(Change change) const {
 std::uint64_t CacheUsage::add(std::int64_t bytes) const {
   return change([&](auto& s) {
     if (s.bytes == std::numeric_limits<std::uint64_t>::max()) return s.bytes;
-    // Writers that were killed never added what is removed now.
+    // Clamped at 0, because writers that were killed never added the bytes that are removed now.
     const auto gone = bytes < 0 ? static_cast<std::uint64_t>(-bytes) : 0;
     return s.bytes =
                gone > 0 ? s.bytes - std::min(s.bytes, gone) : s.bytes + static_cast<std::uint64_t>(bytes);

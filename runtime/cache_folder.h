@@ -1,9 +1,9 @@
-// The cache folder: how it is laid out, marked, and told from a folder of the user's.
+// The cache folder: its layout, and the mark that distinguishes it from a user's folder.
 //
-//   terrazzo-cache        the format's version; its presence makes the folder ours
-//   CACHEDIR.TAG          tells backup programs to skip the folder (bford.info/cachedir)
-//   usage                 bytes in use, and the part that the next sweep looks at
-//   lock                  held by the process that collects
+//   terrazzo-cache        the format version; marks the folder as a cache
+//   CACHEDIR.TAG          makes backup programs skip the folder (bford.info/cachedir)
+//   usage                 bytes in use, and the part that tend_cache() inspects next
+//   lock                  held by the process that is collecting
 //   actions|values|files|history/ab/ab0123…    entries, named by a hash of 32 hexadecimal digits
 #pragma once
 
@@ -19,46 +19,46 @@ namespace terrazzo {
 
 inline constexpr std::array cache_tables = {"actions", "values", "files", "history"};
 
-// Makes the folder if it is missing, private to the user, and marks it. A folder of an earlier version, which
-// has no mark, is taken over if it holds nothing but entries. Throws Error "not-a-cache" if the folder holds
-// anything else or belongs to another version, "unsafe-folder" if everybody may write to it, "cache-unusable"
-// if it cannot be made.
+// Creates the folder if it is missing, accessible only to the user, and marks it. Accepts an unmarked folder
+// from an earlier version if it contains nothing but cache entries. Throws Error "not-a-cache" if the folder
+// contains anything else or belongs to another version, "unsafe-folder" if everybody may write to it,
+// "cache-unusable" if it cannot be created.
 void open_cache_folder(const std::filesystem::path&);
 
 // Whether the folder exists and is marked as a cache of this version.
 bool is_cache_folder(const std::filesystem::path&);
 
-// Where an entry lies.
+// The path of an entry.
 std::filesystem::path cache_entry(const std::filesystem::path& folder, const char* table, const Hash&);
 
-// A file of this size takes whole blocks of 4096 bytes.
+// The disk space that a file of this size occupies, in whole blocks of 4096 bytes.
 inline std::uint64_t bytes_on_disk(std::uint64_t size) { return (size + 4095) / 4096 * 4096; }
 
-// Writes an entry that is text and counts its bytes. Throws Error "write-failed".
+// Writes a text entry and adds its size to the bytes in use. Throws Error "write-failed".
 void write_cache_entry(const std::filesystem::path& folder, const char* table, const Hash&,
                        const std::string& text);
 
 struct CacheFile {
   std::filesystem::path path;
-  Hash name;            // zero for a leftover
-  std::uint64_t bytes;  // on the disk: bytes_on_disk
-  double age;           // seconds since its last use; never negative, also if its time lies in the future
+  Hash name;            // zero for a leftover file
+  std::uint64_t bytes;  // disk space: bytes_on_disk()
+  double age;           // seconds since its last use; 0 if its time is in the future
 };
 
-// Entries and leftovers of writers that were interrupted, in one of a table's 256 parts or, with `part` < 0,
-// in all of them. Files whose names this program does not give are passed over, and so is what disappears
+// Visits the entries and the leftover files of interrupted writers in one of a table's 256 parts, or in all
+// parts if `part` < 0. Skips files whose names this program would not choose, and files that disappear
 // meanwhile.
 void each_cache_file(const std::filesystem::path& folder, const char* table, int part,
                      const std::function<void(const CacheFile&)>&);
 
-// Bytes in use, shared by all processes: every writer adds, and who collects sets.
+// The bytes in use, shared by all processes. Writers add to it; collecting sets it.
 class CacheUsage {
  public:
   explicit CacheUsage(const std::filesystem::path& folder) : file_(folder / "usage") {}
-  // Adds bytes and returns the sum; UINT64_MAX if nobody knows it, as after an upgrade.
+  // Adds bytes and returns the sum, or UINT64_MAX if the sum is unknown, for example after an upgrade.
   std::uint64_t add(std::int64_t bytes) const;
   void set(std::uint64_t bytes) const;
-  // Counts from 0 to 255 and begins again: the part that the next sweep looks at.
+  // The part that tend_cache() inspects next. Counts from 0 to 255, then starts over.
   int next_part() const;
 
  private:
@@ -67,7 +67,7 @@ class CacheUsage {
   std::filesystem::path file_;
 };
 
-// Held while the object lives, unless another process has it.
+// Holds the cache lock during the object's lifetime. held() is false if another process has the lock.
 class CacheLock {
  public:
   explicit CacheLock(const std::filesystem::path& folder);

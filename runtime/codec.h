@@ -1,4 +1,4 @@
-// Writer and Reader: the one byte form of a value. What is hashed, cached and read back is the same stream.
+// Writer and Reader: the binary encoding of values. The same byte stream is hashed, cached and read back.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +23,15 @@ class Writer {
     pod<std::uint64_t>(s.size());
     bytes(s.data(), s.size());
   }
-  // Elements without padding only: padding bytes are not values and would spoil the content hash.
+  // Only for elements without padding: padding bytes are undefined and would make the content hash undefined.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   void array(const std::vector<T>& v) {
     pod<std::uint64_t>(v.size());
     bytes(v.data(), v.size() * sizeof(T));
   }
-  // Eigen's fixed-size vectors and quaternions, which are plain numbers in memory but not trivially copyable.
+  // For Eigen's fixed-size vectors and quaternions, which are plain numbers in memory but not trivially
+  // copyable.
   template <class T>
   void raw_array(const std::vector<T>& v) {
     pod<std::uint64_t>(v.size());
@@ -38,8 +39,8 @@ class Writer {
   }
 };
 
-// Reads what a Writer wrote. Every method throws Error "damaged" instead of reading past the end, and never
-// allocates more than the bytes that are left can fill.
+// Reads the stream of a Writer. Every method throws Error "damaged" instead of reading past the end, and
+// never allocates more than the remaining bytes can fill.
 class Reader {
  public:
   Reader(const void* data, std::size_t size) : at_(static_cast<const char*>(data)), left_(size) {}
@@ -70,7 +71,7 @@ class Reader {
     bytes(static_cast<void*>(v.data()), v.size() * sizeof(T));
     return v;
   }
-  // A length that at least `element` bytes each must follow.
+  // Reads a length. Throws if fewer than length × `element` bytes remain.
   std::size_t count(std::size_t element) {
     const auto n = pod<std::uint64_t>();
     if (n > left_ / (element ? element : 1))

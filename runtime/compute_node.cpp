@@ -12,7 +12,8 @@ namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
 
-// The path below the folder, with links in it resolved. Throws Error "outside-output" if it leads out.
+// The path folder / relative. Throws Error "outside-output" if it leads out of the folder after links are
+// resolved.
 fs::path confined(const fs::path& folder, const std::string& relative) {
   std::error_code error;
   const fs::path path = folder / relative, root = fs::weakly_canonical(folder, error);
@@ -21,12 +22,12 @@ fs::path confined(const fs::path& folder, const std::string& relative) {
   if (leaves_folder(relative) || leaves_folder(parent.lexically_relative(root)))
     throw Error("outside-output",
                 "'" + relative + "' leads out of the output folder '" + folder.string() + "'",
-                "write a path below it that no link redirects; --out chooses the folder")
+                "use a relative path inside it that no link redirects; --out sets the folder")
         .parameter("path");
   return path;
 }
 
-// Whether writing `to` would replace `file`. A link with that name would be replaced, not what it points to.
+// Whether writing `to` would replace `file`. Writing replaces a link itself, not its target.
 bool same_place(const fs::path& file, const fs::path& to) {
   std::error_code error;
   const fs::path place = fs::weakly_canonical(to.parent_path(), error) / to.filename();
@@ -51,17 +52,17 @@ class NodeContext : public Context {
 
   void write_file(const std::string& relative, const std::function<void(const fs::path&)>& write) override {
     if (!request_.type->writes_files)
-      throw Error("node-bug", request_.type->name + " writes a file without saying so");
+      throw Error("node-bug", request_.type->name + " writes a file but does not declare writes_files_()");
     const fs::path final = confined(request_.output_folder, relative);
     for (const auto& input : request_.protected_files)
       if (same_place(input, final))
         throw Error("overwrites-input",
                     "'" + relative + "' would overwrite '" + input.string() + "', which the graph reads",
-                    "write to another name, or to another folder with --out")
+                    "choose another file name, or another folder with --out")
             .parameter("path");
     write_atomically(final, [&](const fs::path& temporary) {
       write(temporary);
-      work_.check();  // cancelled while writing: the final name stays as it was
+      work_.check();  // if cancelled while writing, the existing file stays as it was
     });
     result.files.push_back(relative);
   }
@@ -72,7 +73,7 @@ class NodeContext : public Context {
   void set_output(const std::string& name, Value v) override {
     const Port* port = request_.type->find_output(name);
     if (!port || !port->accepts(v.type().name))
-      throw Error("node-bug", request_.type->name + " gives an output '" + name + "' (" + v.type().name +
+      throw Error("node-bug", request_.type->name + " sets an output '" + name + "' (" + v.type().name +
                                   ") that it does not declare");
     result.outputs[name] = std::move(v);
   }
@@ -92,7 +93,7 @@ ComputeResult compute_node(ComputeRequest request) {
     context.work().check();
     for (const auto& port : type.outputs)
       if (!context.result.outputs.count(port.name))
-        throw Error("node-bug", type.name + " did not give its output '" + port.name + "'");
+        throw Error("node-bug", type.name + " did not set its output '" + port.name + "'");
     return std::move(context.result);
   } catch (const Error&) {
     throw;
@@ -100,7 +101,7 @@ ComputeResult compute_node(ComputeRequest request) {
     throw;
   } catch (const std::bad_alloc&) {
     throw Error("out-of-memory", "not enough memory",
-                "choose a smaller resolution, size or number of particles");
+                "reduce the resolution, the size or the number of particles");
   } catch (const std::exception& e) {
     throw Error("failed", e.what());
   }

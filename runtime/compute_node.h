@@ -1,4 +1,4 @@
-// One computation: a node type, its inputs and parameters, and what came of it. The only Context there is.
+// Runs one computation: a node type with its inputs and parameters. Implements Context.
 #pragma once
 
 #include <filesystem>
@@ -14,13 +14,13 @@ namespace terrazzo {
 struct ComputeRequest {
   const NodeType* type = nullptr;
   std::map<std::string, std::vector<Value>> inputs;
-  std::map<std::string, ParameterValue> parameters;  // all of them, defaults filled in
+  std::map<std::string, ParameterValue> parameters;  // all parameters, defaults included
   std::map<std::string, std::vector<std::filesystem::path>> files;
   std::filesystem::path output_folder;
-  std::vector<std::filesystem::path> protected_files;  // that the node must not overwrite: the graph's inputs
+  std::vector<std::filesystem::path> protected_files;  // the graph's inputs, which must not be overwritten
   std::string provenance;                              // JSON
   Work work;
-  std::uint64_t memory = 0;  // bytes that loaders may take; 0: what the machine has left
+  std::uint64_t memory = 0;  // bytes that loaders may allocate; 0: all available memory
 };
 
 struct ComputeResult {
@@ -30,10 +30,10 @@ struct ComputeResult {
   std::vector<std::string> files;  // relative to the output folder
 };
 
-// Throws Error (out of memory and foreign exceptions included) or Cancelled.
+// Throws Error or Cancelled. Other exceptions, such as std::bad_alloc, are converted to Error.
 ComputeResult compute_node(ComputeRequest);
 
-// Every parameter of the type: as written, else its default.
+// Every parameter of the type: its written value, otherwise its default. Throws Error "missing-parameter".
 std::map<std::string, ParameterValue> effective_parameters(
     const NodeType&, const std::map<std::string, ParameterValue>& written);
 

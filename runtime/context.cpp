@@ -3,10 +3,8 @@
 namespace terrazzo {
 namespace {
 
-// Asking for what was never declared is a mistake in the node, not of the user.
-[[noreturn]] void undeclared(const std::string& what) {
-  throw Error("node-bug", "the node asks for " + what);
-}
+// Using something undeclared is a bug in the node, not an error of the user.
+[[noreturn]] void undeclared(const std::string& what) { throw Error("node-bug", "the node uses " + what); }
 
 }  // namespace
 
@@ -36,7 +34,7 @@ namespace {
 template <class T>
 const T& get(const ParameterValue& v, const std::string& name) {
   if (const T* x = std::get_if<T>(&v)) return *x;
-  undeclared("the parameter '" + name + "' as another kind than it has (" + canonical(v) + ")");
+  undeclared("the parameter '" + name + "' with the wrong kind (its value is " + canonical(v) + ")");
 }
 }  // namespace
 
@@ -61,7 +59,7 @@ std::string Context::keyword(const std::string& n) const {
 
 const std::vector<std::filesystem::path>& Context::files(const std::string& name) const {
   const auto it = files_.find(name);
-  if (it == files_.end()) undeclared("the files of '" + name + "', which is no path");
+  if (it == files_.end()) undeclared("the files of '" + name + "', which is not an input path");
   return it->second;
 }
 

@@ -1,4 +1,5 @@
-// Context: all that a node's compute may see. No clock, no environment, no globals.
+// Context: everything that a node's compute function may use. It must not read the clock, the environment or
+// globals.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ class Context {
  public:
   virtual ~Context() = default;
 
-  // --- inputs. A required one is always there; an optional one may be null.
+  // --- Inputs. Required inputs are always set; optional inputs may be null.
   template <class T>
   const T& input(const std::string& name) const {
     return value(name).template as<T>();
@@ -31,10 +32,10 @@ class Context {
   }
   bool has(const std::string& name) const { return find(name) != nullptr; }
   const Value& value(const std::string& name) const;
-  // All wires of an input that takes a list, in the order written.
+  // The values of an input that accepts a list of wires, in the order written.
   const std::vector<Value>& list(const std::string& name) const;
 
-  // --- parameters, checked against their declaration before compute runs.
+  // --- Parameters, checked against their declarations before compute runs.
   bool boolean(const std::string& name) const;
   std::int64_t integer(const std::string& name) const;
   double number(const std::string& name) const;
@@ -42,33 +43,33 @@ class Context {
   std::vector<std::int64_t> ints(const std::string& name) const;
   std::vector<double> numbers(const std::string& name) const;  // Numbers, Color
   std::vector<std::string> texts(const std::string& name) const;
-  // The keyword that stands in the place of a value ("auto"), or "" where there is a value.
+  // The keyword used in place of a value, such as "auto", or "" if there is a value.
   std::string keyword(const std::string& name) const;
-  // The files that an InputPath names: existing, absolute, sorted. A glob that matches nothing never gets
-  // here.
+  // The files that an InputPath names: existing, absolute, sorted, at least one.
   const std::vector<std::filesystem::path>& files(const std::string& name) const;
 
-  // Bytes that this computation may allocate for what a file's header asks for. Loaders compare it with what
-  // they need before they allocate (require_memory in runtime/memory.h).
+  // The bytes that this computation may allocate for the content of a file. Loaders compare it with the size
+  // in the file's header before they allocate (require_memory in runtime/memory.h).
   std::uint64_t memory() const { return memory_; }
 
-  // --- results.
+  // --- Results.
   template <class T>
   void output(const std::string& name, T v) {
     set_output(name, Value::of<T>(std::move(v)));
   }
-  // A number for the report and the table at the end of a run.
+  // Adds a number to the report and to the metrics printed at the end of a run.
   virtual void metric(const std::string& name, double v) = 0;
-  // Something that the user should know but that does not make the result wrong.
+  // Reports a problem that the user should know about but that does not invalidate the result.
   virtual void warn(const std::string& message) = 0;
-  // Writes a file below the output folder: `write` gets a temporary path with the same extension, which takes
-  // the final name only once whole and synced. For nodes with writes_files.
+  // Writes a file in the output folder. `write` receives a temporary path with the same extension; the file
+  // gets its final name only once it is complete and synced. Only for node types with writes_files.
   virtual void write_file(const std::string& relative,
                           const std::function<void(const std::filesystem::path& temporary)>& write) = 0;
-  // What made this result, as JSON: graph, overrides, keys of the nodes upstream. For files' metadata.
+  // The provenance of this result as JSON, for the metadata of files: graph, overrides, action keys of the
+  // upstream nodes.
   virtual std::string provenance() const = 0;
 
-  // --- loops, progress, cancellation: pass it on to the algorithm.
+  // --- Loops, progress and cancellation. Pass it to the algorithm.
   const Work& work() const { return work_; }
 
  protected:

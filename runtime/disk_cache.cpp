@@ -35,10 +35,10 @@ bool any_value_of(const fs::path& folder, const ActionRecord& record) {
   return false;
 }
 
-// What nobody misses: what writers that were interrupted left, and what 90 days without use made worthless.
-// True if it was removed.
+// Removes a file that saves no time: a leftover of an interrupted writer, or an entry other than a value that
+// is unused for 90 days and, if it is a record, has lost its values. True if the file was removed.
 bool remove_worthless(const fs::path& folder, const char* table, const CacheFile& f, Collected& out) {
-  if (f.age <= (f.name ? 90 * day : hour)) return false;  // younger leftovers may still be written to
+  if (f.age <= (f.name ? 90 * day : hour)) return false;  // younger temporary files may still be in use
   const std::string name = table;
   if (f.name && name == "values") return false;
   const bool is_record = f.name && name == "actions";
@@ -79,7 +79,7 @@ struct Entries {
   std::uint64_t bytes() const { return value_bytes + record_bytes + other_bytes; }
 };
 
-// What is in one part of the tables, or in all of them. Removes what is worthless on the way.
+// Lists the entries in one part of the tables, or in all parts, and removes worthless files on the way.
 Entries look_through(const fs::path& folder, int part, Collected& out) {
   Entries all;
   for (const std::string table : cache_tables)
@@ -95,8 +95,9 @@ Entries look_through(const fs::path& folder, int part, Collected& out) {
   return all;
 }
 
-// Removes entries down to `limit` bytes: records only as far as they take more than a quarter of it, the
-// longest unused first; values by the seconds of computing that they save per byte and day unused.
+// Removes entries down to `limit` bytes. Removes records, least recently used first, only as long as they
+// take more than a quarter of the limit; then values by the seconds of computing that they save per byte and
+// day unused.
 void reduce(Entries& all, double limit, Collected& out) {
   const auto drop = [&](const CacheFile& f, std::uint64_t& count, std::uint64_t& bytes) {
     if (removed(f.path)) ++count, out.bytes += f.bytes, bytes -= f.bytes;
@@ -150,8 +151,8 @@ Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
   if (known) bytes = usage.add(-static_cast<std::int64_t>(out.bytes));
   out.left = bytes;
   if (bytes <= limit) return out;
-  // The parts of a full cache are alike, so a few of them stand for all: each gives up a share until enough
-  // is free. A small cache, or one whose size nobody knows, is collected as a whole.
+  // Entries are spread evenly over the parts, so each inspected part is reduced to its share of the limit
+  // until enough space is free. A small cache, or one of unknown size, is collected completely.
   constexpr std::size_t many = 100;
   if (!known || found.values.size() + found.records.size() < many) return collect_cache(folder, limit);
   const CacheLock lock(folder);
@@ -175,7 +176,7 @@ void clear_cache(const fs::path& folder) {
       fs::remove(f.path, error);
       if (error && trouble.empty()) trouble = "'" + f.path.string() + "': " + error.message();
     });
-    // Folders that are empty now; one with a file of the user's in it stays.
+    // Removes empty folders. A folder that contains a user's file stays.
     std::error_code ignored;
     for (int part = 0; part < 256; ++part) fs::remove(folder / table / fmt::format("{:02x}", part), ignored);
     fs::remove(folder / table, ignored);
@@ -186,7 +187,7 @@ void clear_cache(const fs::path& folder) {
 
 namespace {
 
-// What is needed to compute a record again; nothing where that cannot be done here and now.
+// The request that recomputes a record. Nothing if its node type, inputs or files are not available.
 std::optional<ComputeRequest> request_again(const ActionRecord& record, const Registry& registry,
                                             Store& store, FileHashes& hashes, const Work& work) {
   ComputeRequest q;

@@ -1,5 +1,5 @@
-// The cache folder as a whole: what is in it, what may leave, what is damaged. Other processes may use the
-// folder meanwhile.
+// Maintenance of the cache folder: statistics, collection, verification. Other processes may use the folder
+// at the same time.
 #pragma once
 
 #include <cstdint>
@@ -18,42 +18,45 @@ inline constexpr std::uint64_t default_cache_limit = 20'000'000'000;
 
 struct CacheStats {
   struct Kind {
-    std::uint64_t count = 0, bytes = 0;  // bytes on the disk, in whole blocks
+    std::uint64_t count = 0, bytes = 0;  // bytes: disk space in whole blocks
   };
-  Kind records, values, other;          // other: file hashes, history, what interrupted writers left
-  std::map<std::string, Kind> by_type;  // values
-  double seconds = 0;                   // that the records' computations took
+  Kind records, values, other;          // other: file hashes, history, leftover temporary files
+  std::map<std::string, Kind> by_type;  // values by value type
+  double seconds = 0;                   // total computing time of the records
   std::uint64_t bytes() const { return records.bytes + values.bytes + other.bytes; }
 };
 CacheStats cache_stats(const std::filesystem::path& folder);
 
 struct Collected {
   std::uint64_t values = 0, records = 0, leftovers = 0, bytes = 0;  // removed
-  std::uint64_t left = 0;  // bytes that stay, records and all else included
-  bool busy = false;       // another process is collecting: nothing was done
+  std::uint64_t left = 0;  // bytes that remain in use, including records and all other files
+  bool busy = false;       // another process is collecting, so the cache was not reduced
 };
-// Looks at every entry: removes what interrupted writers left more than an hour ago and what was not used for
-// 90 days and saves nothing. If the folder takes more than `limit` bytes, brings it down to nine tenths of
-// that: records that take more than a quarter of the limit leave first, the longest unused ones; then values,
-// those that save the fewest seconds of computing per byte and day unused.
+// Inspects every entry. Removes temporary files of interrupted writers after an hour. Removes file hashes,
+// history and records whose values are gone after 90 days without use. If the folder then exceeds `limit`
+// bytes, reduces it to nine tenths of the limit. Records are removed only as long as they take more than a
+// quarter of that, least recently used first; then values, starting with those that save the fewest seconds
+// of computing per byte and day unused.
 Collected collect_cache(const std::filesystem::path& folder, std::uint64_t limit);
 
-// What a command does after it wrote to the cache. It takes about as long in a cache of a million entries as
-// in an empty one: it looks at one of 256 parts, and beyond the limit at as many as it takes to free half a
-// percent of it.
+// The upkeep after a command wrote to the cache. It inspects only one of the 256 parts, so it stays fast even
+// with a million entries. Above the limit, it inspects as many parts as it needs to get 0.5 % below it. Small
+// caches are collected completely.
 Collected tend_cache(const std::filesystem::path& folder, std::uint64_t limit);
 
-// Removes every entry. Keeps the mark, and every file whose name this program does not give.
+// Removes all entries. Keeps the mark and all files whose names this program would not choose. Throws Error
+// "cache-clear".
 void clear_cache(const std::filesystem::path& folder);
 
 struct Verified {
   std::uint64_t values = 0, records = 0;  // read and checked
-  std::vector<std::string> damaged;       // files; removed
-  std::uint64_t recomputed = 0;           // of the sample
-  std::uint64_t passed_over = 0;          // other versions, inputs no longer there, nothing but files
-  std::vector<std::string> differing;     // "Anneal 12ab…: particles", their records forgotten
+  std::vector<std::string> damaged;       // paths of damaged files, which were removed
+  std::uint64_t recomputed = 0;           // number of recomputed records
+  std::uint64_t passed_over = 0;          // skipped: other version, inputs gone, or writes files
+  std::vector<std::string> differing;     // "Anneal 12ab…: particles"; their records were removed
 };
-// Reads every entry, and computes `sample` of them again, chosen by `seed`, to compare their content.
+// Checks every entry, recomputes `sample` records chosen by `seed`, and compares the results. Throws
+// Cancelled, or the Error of a recomputed node.
 Verified verify_cache(const std::filesystem::path& folder, const Registry&, const ValueTypes&,
                       std::uint64_t sample, std::uint64_t seed, const Work&);
 

@@ -63,7 +63,7 @@ std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>
 std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targets) {
   std::vector<bool> needed(graph.nodes.size(), false);
   for (const int t : targets) needed[static_cast<std::size_t>(t)] = true;
-  for (std::size_t i = graph.nodes.size(); i-- > 0;)  // consumers stand after their sources
+  for (std::size_t i = graph.nodes.size(); i-- > 0;)  // consumers come after their sources
     if (needed[i])
       for (const auto& [port, wires] : graph.nodes[i].inputs)
         for (const auto& w : wires) needed[static_cast<std::size_t>(w.node)] = true;
@@ -72,7 +72,7 @@ std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targe
 
 Diagnostic placed(const Error& e, const GraphNode& node) {
   Diagnostic d = e.diagnostic();
-  if (!d.node.empty()) return d;  // placed already, where a source was computed again
+  if (!d.node.empty()) return d;  // already placed, by the source that was recomputed
   d.node = node.path;
   if (d.place.file.empty()) {
     const auto it = node.parameters.find(d.parameter);
@@ -100,7 +100,7 @@ void Evaluator::end(const Hash& key) {
   for (const auto& resume : waiting) resume();
 }
 
-// One run: every node a task that starts when its sources are done.
+// One run. Every node is a task that starts when its sources are done.
 class Run {
  public:
   Run(Evaluator& e, const Graph& graph, const RunOptions& options)
@@ -127,7 +127,7 @@ class Run {
     for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
     const int threads =
         options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
-    // More threads than cores are allowed where somebody asks for them.
+    // TBB's default limit is the number of cores, but the user may ask for more threads.
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(std::max(threads, 1)));
     arena_.initialize(std::max(threads, 1));
@@ -144,7 +144,7 @@ class Run {
     return std::move(result_);
   }
 
-  // For Evaluator::value: a finished run's value.
+  // Implements Evaluator::value().
   static Value fetch(Evaluator& e, const Graph& graph, const RunResult& result, const Wire& wire,
                      const RunOptions& options) {
     Run again(e, graph, options);
@@ -155,11 +155,11 @@ class Run {
  private:
   struct State {
     std::atomic<int> waiting{0};
-    std::atomic<int> users{0};  // consumers that may still ask for a value
+    std::atomic<int> users{0};  // consumers that may still need a value
     std::vector<int> consumers;
-    std::map<std::string, Value> values;  // kept while anybody may ask
-    std::mutex mutex;                     // of values and of computing again
-    double seconds_again = 0;             // of computing a lost value again
+    std::map<std::string, Value> values;  // kept while `users` > 0
+    std::mutex mutex;                     // protects `values` and recomputation
+    double seconds_again = 0;             // time spent recomputing a lost value
     InputFiles files;
   };
 
@@ -170,13 +170,13 @@ class Run {
   void visit(int i) {
     mark_.after();
     try {
-      if (!evaluate(i)) return;  // visited again once another node or run is done with the same key
+      if (!evaluate(i)) return;  // visited again once another node or run has computed the same key
     } catch (const Cancelled&) {
       result(i).status = Status::Cancelled;
     } catch (const Error& error) {
       result(i).status = Status::Failed;
       result(i).error = placed(error, node(i));
-    } catch (const std::exception& error) {  // such as no memory to encode a value: of this node alone
+    } catch (const std::exception& error) {  // such as std::bad_alloc: only this node fails
       result(i).status = Status::Failed;
       result(i).error = placed(Error("failed", error.what()), node(i));
     }
@@ -192,7 +192,7 @@ class Run {
       if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
   }
 
-  // An observer that throws receives no more events, and the results stay.
+  // If the observer throws, it receives no more events, but the run continues.
   template <class Call>
   void tell(Call&& call) {
     if (!options_.observer) return;
@@ -201,7 +201,7 @@ class Run {
     try {
       call(*options_.observer);
     } catch (const std::exception& e) {
-      result_.trouble = std::string("progress is not shown any more: ") + e.what();
+      result_.trouble = std::string("the progress display stopped: ") + e.what();
     }
   }
 
@@ -214,7 +214,7 @@ class Run {
                 options_.cancel_node ? &(*options_.cancel_node)[static_cast<std::size_t>(i)] : nullptr);
   }
 
-  // False where the key is being computed elsewhere.
+  // Returns false if the key is being computed elsewhere.
   bool evaluate(int i) {
     NodeResult& r = result(i);
     if (cancelled(i)) throw Cancelled();
@@ -229,7 +229,7 @@ class Run {
         }
         inputs[port].push_back(source.outputs.at(w.port));
       }
-    // A file that changes while the node reads it gives a value that belongs to no key: once more then.
+    // If a file changes while the node reads it, the value belongs to no key, so try again.
     for (int attempt = 0; attempt < 3; ++attempt) {
       state(i).files = input_files(node(i), e_.hashes_);
       r.read = state(i).files.read;
@@ -245,15 +245,15 @@ class Run {
           break;
       }
     }
-    throw Error("file-changed", "an input file changed each of the three times that it was read",
-                "run again once nothing writes to it")
+    throw Error("file-changed", "an input file changed while it was read, three times in a row",
+                "run again once no other program writes to it")
         .parameter(state(i).files.paths.begin()->first);
   }
 
   enum class Outcome { Done, Elsewhere, FilesChanged };
   using Inputs = std::map<std::string, std::vector<OutputRecord>>;
 
-  // Computes the node unless another task or run is computing the same key.
+  // Computes the node, unless another task or run is computing the same key.
   Outcome compute_alone(int i, const Inputs& inputs) {
     const NodeResult& r = result(i);
     const auto later = [&]() -> std::function<void()> {
@@ -266,7 +266,7 @@ class Run {
       const Hash key;
       ~End() { e.end(key); }
     } end{e_, r.record};
-    // Between the first look and begin() another may have finished.
+    // Another run may have finished between the first lookup and begin().
     if (use_cached(i) || compute(i, inputs)) return Outcome::Done;
     return Outcome::FilesChanged;
   }
@@ -276,13 +276,12 @@ class Run {
     Tier tier;
     const auto record = e_.store_.find_action(r.record, tier);
     if (!record) return false;
-    // Files count as cached only while they stand as they were written, never because something has that
-    // name.
+    // Written files are cache hits only if their content is unchanged. The name alone proves nothing.
     for (const auto& f : record->files) {
       const auto now = e_.hashes_.hash(options_.output_folder / f.path);
       if (!now || *now != f.content) return false;
     }
-    // A value that the store has lost is computed again only when somebody needs it.
+    // A value that the store has lost is recomputed only when a consumer needs it.
     r.status = tier == Tier::Memory ? Status::Memory : Status::Disk;
     r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
     r.files = record->files;
@@ -290,7 +289,7 @@ class Run {
     return true;
   }
 
-  // Whether an input file is another than when its key was made.
+  // Whether an input file changed since its key was computed.
   bool files_changed(int i) {
     const InputFiles& before = state(i).files;
     if (before.paths.empty()) return false;
@@ -298,11 +297,11 @@ class Run {
       const InputFiles now = input_files(node(i), e_.hashes_);
       return now.paths != before.paths || now.hashes != before.hashes;
     } catch (const Error&) {
-      return true;  // gone; the next attempt says so
+      return true;  // the file is gone; the next attempt reports that
     }
   }
 
-  // False if an input file changed meanwhile: nothing is kept then.
+  // Returns false, without storing anything, if an input file changed meanwhile.
   bool compute(int i, const Inputs& inputs) {
     NodeResult& r = result(i);
     tell([&](Observer& o) { o.started(i); });
@@ -334,7 +333,7 @@ class Run {
     }
     for (const auto& f : computed.files) {
       const auto hash = e_.hashes_.hash(options_.output_folder / f);
-      if (!hash) throw Error("write-failed", "the file '" + f + "' is gone right after it was written");
+      if (!hash) throw Error("write-failed", "the file '" + f + "' disappeared right after it was written");
       record->files.push_back({f, *hash});
     }
     record->metrics = std::move(computed.metrics), record->warnings = std::move(computed.warnings);
@@ -346,8 +345,8 @@ class Run {
     return true;
   }
 
-  // A value that cannot be read back from the disk stays here while anybody may ask for it; the others are
-  // the store's, within its budget.
+  // Keeps a value that cannot be read back from the disk as long as consumers may need it. Other values are
+  // left to the store and its memory budget.
   void keep(int i, const std::string& port, Value value) {
     if (e_.store_.keeps_on_disk()) return;
     const std::lock_guard lock(state(i).mutex);
@@ -370,7 +369,7 @@ class Run {
     return q;
   }
 
-  // Of every node of the graph, needed or not.
+  // The input files of every node of the graph, needed or not.
   std::vector<fs::path> all_input_files() const {
     std::vector<fs::path> out{graph_.file};
     for (const auto& n : graph_.nodes)
@@ -382,8 +381,8 @@ class Run {
     return out;
   }
 
-  // What the caller says of the graph, the keys of all nodes upstream and the content of the files that they
-  // read, and a graph that makes this again.
+  // The caller's provenance, plus the action keys of all upstream nodes, the content hashes of their input
+  // files, and a graph that reproduces this result.
   std::string provenance(int i) {
     nlohmann::json all =
         options_.provenance.empty() ? nlohmann::json::object() : nlohmann::json::parse(options_.provenance);
@@ -409,8 +408,8 @@ class Run {
       if (const auto it = s.values.find(w.port); it != s.values.end()) return it->second;
     }
     if (Value v = e_.store_.get_value(wanted, r.cached_seconds)) return v;
-    // The record is known but the value is lost or damaged: compute the source again. Isolated, so that this
-    // thread cannot meanwhile take a task that waits for the same source.
+    // The record is known but the value is lost or damaged, so recompute the source. Isolated, so that this
+    // thread cannot pick up a task that waits for the same source, which would deadlock.
     Value v;
     tbb::this_task_arena::isolate([&] {
       const std::lock_guard lock(s.mutex);
@@ -436,8 +435,8 @@ class Run {
       for (const auto& w : wires) inputs[port].push_back(result(w.node).outputs.at(w.port));
     const auto changed = [&] {
       return placed_error(Error("file-changed",
-                                "an input file changed after the run began, so the value that was computed "
-                                "from it before cannot be computed again",
+                                "an input file changed during the run, so a lost cached value cannot be "
+                                "recomputed",
                                 "run again"),
                           node(i));
     };
@@ -449,8 +448,8 @@ class Run {
       if (e_.store_.put_value(value, s.seconds_again) != r.outputs.at(port)) {
         e_.store_.drop_action(r.record);
         throw placed_error(
-            Error("not-deterministic", "computed again, " + port + " differs from what the cache says it was",
-                  "the cached result is forgotten: run again"),
+            Error("not-deterministic", "the recomputed output '" + port + "' differs from its cached record",
+                  "the record was removed from the cache: run again"),
             node(i));
       }
       s.values[port] = std::move(value);

@@ -34,7 +34,7 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
       reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, old->second, fresh->second,
                                     at(node, p.name)));
     } else if ((old == before.parameters.end()) != (fresh == now.parameters.end())) {
-      reasons.push_back(fmt::format("parameter {} is new or gone", p.name));
+      reasons.push_back(fmt::format("parameter {} was added or removed", p.name));
     }
   }
   std::set<std::string> ports;
@@ -43,7 +43,7 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
   for (const auto& port : ports) {
     const auto old = before.inputs.find(port), fresh = now.inputs.find(port);
     if (old == before.inputs.end())
-      reasons.push_back(fmt::format("input {} is connected now", port));
+      reasons.push_back(fmt::format("input {} is now connected", port));
     else if (fresh == now.inputs.end())
       reasons.push_back(fmt::format("input {} is no longer connected", port));
     else if (old->second != fresh->second)
@@ -57,9 +57,9 @@ std::uint64_t bytes_of(const ActionRecord& r) {
   return sum;
 }
 
-// A cached node runs all the same where a node that runs needs its value and the cache has lost that.
+// A cached node runs anyway if the cache has lost its value and a node that runs needs it.
 void add_lost_values(const Graph& graph, Store& store, const std::vector<NodeResult>& results, Plan& plan) {
-  for (std::size_t i = graph.nodes.size(); i-- > 0;) {  // consumers stand after their sources
+  for (std::size_t i = graph.nodes.size(); i-- > 0;) {  // consumers come after their sources
     const Step step = plan.nodes[i].step;
     if (step != Step::Compute && step != Step::Perhaps) continue;
     for (const auto& [port, wires] : graph.nodes[i].inputs)
@@ -98,7 +98,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
       }
     const auto before = history.find(graph, node);
     if (!running.empty()) {
-      // The content to come is unknown: compare everything but the inputs.
+      // The new content of the inputs is unknown, so compare everything else.
       out.step = Step::Perhaps;
       if (before) {
         HistoryEntry now = history_entry(node, results, hashes, {});

@@ -1,4 +1,4 @@
-// What a run would do, and why: per node cached or not, without computing anything.
+// Predicts which nodes a run would compute, and why, without computing anything.
 #pragma once
 
 #include <string>
@@ -15,12 +15,12 @@ struct Plan {
     Cached,
     Compute,
     Perhaps
-  };  // Perhaps: a source runs, its result may turn out equal
+  };  // Perhaps: a source runs, but its result may be unchanged
   struct Node {
     Step step = Step::Unneeded;
-    std::vector<std::string> reasons;  // a line each
-    double seconds = 0;                // that it took when it was last computed; 0 where unknown
-    std::uint64_t bytes = 0;           // of its outputs then
+    std::vector<std::string> reasons;  // one line each
+    double seconds = 0;                // computing time of the last run; 0 if unknown
+    std::uint64_t bytes = 0;           // size of its outputs in the last run
   };
   std::vector<Node> nodes;  // as in Graph::nodes
 };

@@ -28,8 +28,8 @@ FileStamp stamp_of(const struct stat& s) {
           static_cast<std::uint64_t>(s.st_size), nanoseconds(s.st_mtim), nanoseconds(s.st_ctim)};
 }
 
-// Whether a change from now on would show in the stamp: a file younger than the grain of its times could
-// change without changing them. File systems that keep no fractions of a second have grains of up to 2 s.
+// Whether any change from now on would change the stamp. A file younger than the resolution of its timestamps
+// could change without changing them. File systems that store whole seconds have a resolution of up to 2 s.
 bool settled(const FileStamp& stamp) {
   struct timespec clock;
   ::clock_gettime(CLOCK_REALTIME, &clock);
@@ -38,7 +38,8 @@ bool settled(const FileStamp& stamp) {
   return nanoseconds(clock) - youngest > (whole_seconds ? 2'500'000'000 : 50'000'000);
 }
 
-// The hash of one state of the file, and its stamp. Nothing if the file cannot be read or keeps changing.
+// The hash and stamp of one state of the file. hash_state() returns nothing if the file cannot be read or
+// keeps changing.
 struct HashedState {
   Hash hash;
   FileStamp stamp;
@@ -66,11 +67,11 @@ std::optional<HashedState> hash_state(const fs::path& path) {
   return {};
 }
 
-// A memo is believed without looking at the file, so a damaged one must show: it ends with the hash of what
-// it says.
+// A stored file hash is trusted without reading the file, so damage must be detectable: the line ends with
+// its own hash.
 std::string with_check(const std::string& line) { return line + " " + hash_of(line).text() + "\n"; }
 
-// "" where it does not hold.
+// The line without its hash, or "" if the hash does not match.
 std::string checked_line(const std::string& text) {
   const std::string line = text.substr(0, text.rfind(' '));
   return with_check(line) == text ? line : "";
@@ -119,7 +120,7 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
                           with_check(fmt::format("{} {} {} {} {} {}", s.device, s.inode, s.size, s.modified,
                                                  s.changed, state->hash.text())));
       } catch (const Error&) {
-        // The memo only saves time; a full or read-only cache must not stop the run.
+        // Storing the hash only saves time, so a full or read-only cache must not stop the run.
       }
   }
   return state->hash;

@@ -1,4 +1,4 @@
-// Files as inputs by content.
+// Content hashes of input files.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,23 @@
 
 namespace terrazzo {
 
-// What tells one state of a file from another without reading it. A copy that keeps the modification time,
-// a link that points elsewhere and an archive that restores old times all change at least one of these.
+// Detects changes to a file without reading it. A copy that keeps the modification time, a link that points
+// to a different file, and an archive that restores old times all change at least one of these fields.
 struct FileStamp {
   std::uint64_t device = 0, inode = 0, size = 0;
-  std::int64_t modified = 0, changed = 0;  // ns since 1970: content, and content or attributes
+  std::int64_t modified = 0, changed = 0;  // mtime and ctime in ns since 1970
   bool operator==(const FileStamp&) const = default;
 };
-// Nothing unless the path leads to a regular file.
+// Returns nothing unless the path leads to a regular file.
 std::optional<FileStamp> stamp_of(const std::filesystem::path&);
 
-// Content hashes of files, remembered by path and stamp, and kept on disk between runs if a cache folder is
-// given. A hash is of one state of the file: if the file changes while it is read, it is read again. Safe for
-// several threads.
+// Content hashes of files, remembered by path and stamp, and stored on disk between runs if there is a cache
+// folder. Each hash belongs to one state of the file: if the file changes while it is read, it is read again.
+// Thread-safe.
 class FileHashes {
  public:
   explicit FileHashes(std::filesystem::path cache_folder = {}) : folder_(std::move(cache_folder)) {}
-  // Nothing where the file cannot be read.
+  // Returns nothing if the file cannot be read or keeps changing.
   std::optional<Hash> hash(const std::filesystem::path&);
 
  private:

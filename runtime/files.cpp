@@ -25,7 +25,7 @@ std::vector<fs::path> expand_glob(const fs::path& pattern) {
     const bool glob = name.find_first_of("*?[") != std::string::npos;
     for (const auto& base : found) {
       std::error_code error;
-      // A file whose own name holds such characters is meant literally.
+      // If a file has exactly this name, wildcard characters included, use that file.
       if (fs::exists(base / part, error)) {
         next.push_back(base / part);
       } else if (glob) {
@@ -66,7 +66,7 @@ namespace {
   throw Error("write-failed", fmt::format("cannot write '{}': {}", path.string(), why));
 }
 
-// Process ids are equal on many hosts and in many containers.
+// Part of temporary names, because processes on other hosts or in other containers may have the same ID.
 const std::string& host() {
   static const std::string name = [] {
     char text[65] = {};
@@ -82,14 +82,14 @@ const std::string& host() {
 std::string temporary_name(const std::string& stem, const std::string& extension) {
   std::uint64_t bits = 0;
   if (::getrandom(&bits, sizeof bits, 0) != sizeof bits)
-    throw Error("write-failed", "the system gives no random numbers");
+    throw Error("write-failed", "the system provides no random numbers");
   return fmt::format(".{}.{}.{}.{:016x}.tmp{}", stem, host(), ::getpid(), bits, extension);
 }
 
 void sync_folder(const fs::path& folder) {
   const Descriptor directory(
       ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  // Some network file systems cannot sync a folder; the file in it is whole all the same.
+  // Some network file systems cannot sync a folder. The file itself is complete anyway.
   if (directory.fd >= 0) ::fsync(directory.fd);
 }
 

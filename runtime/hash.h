@@ -1,4 +1,4 @@
-// 128-bit content hashes (XXH3), and a Writer that makes them.
+// 128-bit content hashes (XXH3), and a Writer that computes them.
 #pragma once
 
 #include <compare>
@@ -16,7 +16,7 @@ struct Hash {
   auto operator<=>(const Hash&) const = default;
   explicit operator bool() const { return high || low; }
   std::string text() const;               // 32 hexadecimal digits
-  static Hash parse(const std::string&);  // zero where it is no hash
+  static Hash parse(const std::string&);  // zero if it is not a valid hash
 };
 
 class HashWriter : public Writer {

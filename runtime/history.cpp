@@ -31,7 +31,7 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
     j.at("inputs").get_to(e.inputs);
     return e;
   } catch (const json::exception&) {
-    return {};  // damaged: as if never computed
+    return {};  // damaged: treat the node as never computed
   }
 }
 
@@ -50,7 +50,7 @@ HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>&
     for (const auto& [name, list] : input_files(node, hashes).hashes)
       for (const auto& h : list) e.files[name].push_back(h.text());
   } catch (const Error&) {
-    // A file that is gone shows as changed.
+    // Leave a missing file out, so that it counts as changed.
   }
   for (const auto& [port, wires] : node.inputs)
     for (const auto& w : wires) {
@@ -75,7 +75,7 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
     if (read_file(cache_entry(folder_, "history", name)) != text) try {
         write_cache_entry(folder_, "history", name, text);
       } catch (const Error&) {
-        return;  // explanations are lost, results are not
+        return;  // only explanations are lost, not results
       }
   }
 }

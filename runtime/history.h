@@ -1,4 +1,4 @@
-// History: what each node of each graph was last computed from, so that `explain` can tell what changed.
+// History: what each node of each graph was last computed from, so that `explain` can report what changed.
 #pragma once
 
 #include <filesystem>
@@ -12,20 +12,20 @@
 namespace terrazzo {
 
 struct HistoryEntry {
-  std::string key;  // of its record
+  std::string key;  // record_key()
   std::string type;
   int version = 0;
-  std::map<std::string, std::string> parameters;           // as a person writes them
-  std::map<std::string, std::vector<std::string>> files;   // content
-  std::map<std::string, std::vector<std::string>> inputs;  // content
+  std::map<std::string, std::string> parameters;           // as written in a graph file
+  std::map<std::string, std::vector<std::string>> files;   // content hashes by parameter
+  std::map<std::string, std::vector<std::string>> inputs;  // content hashes by port
 };
 
 class History {
  public:
-  explicit History(std::filesystem::path cache_folder)  // empty: remembers nothing
+  explicit History(std::filesystem::path cache_folder)  // empty: nothing is stored
       : folder_(std::move(cache_folder)) {}
   std::optional<HistoryEntry> find(const Graph&, const GraphNode&) const;
-  // Keeps what a finished run knows; entries that did not change are not written again.
+  // Stores the entries of a finished run. Does not rewrite unchanged entries.
   void record(const Graph&, const RunResult&, FileHashes&) const;
 
  private:

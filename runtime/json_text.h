@@ -1,5 +1,5 @@
-// JSON as text. Bytes that are not UTF-8, as paths may hold, become U+FFFD: nlohmann's own default would
-// throw.
+// JSON as text. Replaces invalid UTF-8, which paths may contain, with U+FFFD, where nlohmann::json would
+// throw by default.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,7 +7,7 @@
 
 namespace terrazzo {
 
-// `indent`: −1 for one line.
+// `indent`: spaces per level, or −1 for one line.
 inline std::string json_text(const nlohmann::json& j, int indent = -1) {
   return j.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -39,8 +39,7 @@ std::uint64_t left_on_machine() {
   return unlimited;
 }
 
-// Pages of the page cache count as used by a control group, but the kernel drops them before it refuses
-// memory.
+// The page cache counts toward a control group's usage, but the kernel frees it before an allocation fails.
 std::uint64_t reclaimable(const fs::path& group) {
   std::ifstream in(group / "memory.stat");
   std::string name;
@@ -50,13 +49,13 @@ std::uint64_t reclaimable(const fs::path& group) {
   return sum;
 }
 
-// The group's limit and those of all groups around it.
+// The memory left in the group and in all its parent groups.
 std::uint64_t left_in_group(const fs::path& mount, const std::string& path, const char* limit_name,
                             const char* usage_name) {
   std::uint64_t left = unlimited;
   fs::path group = mount / fs::path(path).relative_path();
   std::error_code error;
-  // Inside a container the path may name a folder of the host that is not mounted here.
+  // In a container, the path may refer to a folder of the host that is not mounted.
   if (!fs::exists(group / usage_name, error)) group = mount;
   while (true) {
     const auto limit = number_in(group / limit_name), used = number_in(group / usage_name);
@@ -105,9 +104,9 @@ std::uint64_t available_memory() {
 void require_memory(double bytes, std::uint64_t limit, const std::string& what) {
   if (bytes <= static_cast<double>(limit)) return;
   throw Error("too-large",
-              fmt::format("{} needs {} of memory; {} may be used", what, bytes_text(bytes),
+              fmt::format("{} needs {} of memory, but only {} are available", what, bytes_text(bytes),
                           bytes_text(static_cast<double>(limit))),
-              "use a smaller file, or raise --memory if the machine has more");
+              "use a smaller file, or raise --memory if the machine has more memory");
 }
 
 }  // namespace terrazzo

@@ -1,5 +1,4 @@
-// How much memory a computation may take, so that a file whose header asks for too much is refused before
-// anything is allocated.
+// Available memory, so that a file whose header asks for too much is rejected before anything is allocated.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +6,15 @@
 
 namespace terrazzo {
 
-// Bytes that this process can still allocate: the least of the machine's available memory, what the control
-// groups that it runs in leave (versions 1 and 2), and what its address space limit (ulimit -v) leaves.
+// Bytes that this process can still allocate: the minimum of the machine's available memory, the rest of its
+// control groups' limits (versions 1 and 2), and the rest of its address space limit (ulimit -v).
 std::uint64_t available_memory();
 
-// What the address space limit alone leaves; the largest number where there is none.
+// The rest of the address space limit, or UINT64_MAX if there is no limit.
 std::uint64_t available_address_space();
 
-// Throws Error "too-large" if `bytes` exceed `limit`: "WHAT needs 3.2 GB of memory; 2.0 GB may be used".
+// Throws Error "too-large" if `bytes` exceeds `limit`: "WHAT needs 3.2 GB of memory, but only 2.0 GB are
+// available".
 void require_memory(double bytes, std::uint64_t limit, const std::string& what);
 
 }  // namespace terrazzo

@@ -13,22 +13,22 @@ namespace fs = std::filesystem;
 namespace {
 
 void load(const fs::path& file, Registry& registry, ValueTypes& types) {
-  // A plugin is a program that runs as this user: nobody else may have had a hand in it.
+  // A plugin runs with this user's rights, so nobody else may be able to change it.
   if (const std::string why = who_else_may_write(file); !why.empty())
     throw Error("plugin", "the plugin '" + file.string() + "' is not loaded: " + why,
                 "keep plugins in a folder that only you can write to (chmod go-w)");
-  // Never closed: node types point into it.
+  // Never closed, because node types point into it.
   void* library = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (!library) throw Error("plugin", ::dlerror());
   const auto version = reinterpret_cast<int (*)()>(::dlsym(library, "terrazzo_plugin_interface"));
   const auto add = reinterpret_cast<void (*)(Registry&, ValueTypes&)>(::dlsym(library, "terrazzo_plugin"));
   if (!version || !add)
-    throw Error("plugin", "'" + file.string() + "' is no plugin", "it needs a TERRAZZO_PLUGIN function");
+    throw Error("plugin", "'" + file.string() + "' is not a plugin", "it must contain TERRAZZO_PLUGIN");
   if (version() != plugin_interface)
     throw Error("plugin",
-                "'" + file.string() + "' was built against headers of interface " +
-                    std::to_string(version()) + ", this program has " + std::to_string(plugin_interface),
-                "build it again");
+                "'" + file.string() + "' was built for plugin interface " + std::to_string(version()) +
+                    ", but this program has " + std::to_string(plugin_interface),
+                "rebuild the plugin");
   add(registry, types);
 }
 
@@ -62,10 +62,9 @@ Diagnostics load_plugins(const std::string& path_list, Registry& registry, Value
 }
 
 fs::path library_folder() {
-  static const int here =
-      0;  // an object of this library: a function's address may be that of a caller's stub
+  static const int here = 0;  // a variable, because a function's address may be that of a stub in the caller
   Dl_info found;
-  if (!::dladdr(&here, &found)) throw Error("program", "cannot find the folder of Terrazzo's own libraries");
+  if (!::dladdr(&here, &found)) throw Error("program", "cannot find the folder of Terrazzo's libraries");
   return fs::canonical(found.dli_fname).parent_path();
 }
 

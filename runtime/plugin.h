@@ -1,8 +1,9 @@
-// Node types built outside the program. A plugin is a shared library that contains, once,
+// Plugins: node types built outside the program. A plugin is a shared library that contains exactly one
 //
 //   TERRAZZO_PLUGIN(registry, types) { registry.add(my_node()); types.add(value_type<MyValue>()); }
 //
-// The program loads it from TERRAZZO_PLUGIN_PATH: folders (every *.so in them) and files, parted by colons.
+// TERRAZZO_PLUGIN_PATH is a colon-separated list of plugin files and of folders, whose *.so files are all
+// loaded.
 #pragma once
 
 #include <filesystem>
@@ -14,13 +15,13 @@
 
 namespace terrazzo {
 
-// Raised whenever the headers that plugins see change their layout.
+// Raise it whenever the layout of types in the headers that plugins include changes.
 inline constexpr int plugin_interface = 2;
 
-// What could not be loaded is reported, and the rest is loaded.
+// Loads all plugins in the list. Plugins that fail to load are reported and skipped.
 Diagnostics load_plugins(const std::string& path_list, Registry&, ValueTypes&);
 
-// The folder of the library that this function is in. The program's other libraries lie beside it.
+// The folder of the library that contains this function, which also contains the program's other libraries.
 std::filesystem::path library_folder();
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Provenance: what a written file says of how it was made.
+// Provenance: how a file was made, stored in the file.
 #pragma once
 
 #include <filesystem>
@@ -10,8 +10,9 @@ namespace terrazzo {
 
 inline constexpr const char* program_version = "0.1.0";
 
-// A JSON object: program, graph, overrides, versions of the node types and parameters. The evaluator adds,
-// for each file, the keys of the nodes upstream and a graph that makes the file ("document").
+// A JSON object with program, graph, overrides, node type versions and parameters. For each file, the
+// evaluator adds the action keys of the upstream nodes ("keys"), their input files ("files") and a graph that
+// makes the file ("document").
 std::string provenance(const Graph&, const Overrides&);
 
 }  // namespace terrazzo

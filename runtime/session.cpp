@@ -63,7 +63,8 @@ Diagnostics Session::open_text(std::string text, const fs::path& file, Overrides
 
 namespace {
 
-// What a node is computed from, as far as the graph tells: equal texts, equal computations.
+// A text of everything in the graph that determines a node's own computation. Equal texts mean equal
+// computations, if the sources are equal too.
 std::string recipe(const Graph& graph, const GraphNode& node) {
   std::string out = node.type->name;
   for (const auto& p : node.type->parameters) {
@@ -78,7 +79,7 @@ std::string recipe(const Graph& graph, const GraphNode& node) {
   return out;
 }
 
-// Nodes of `before` that `after` no longer holds as they were, or that stand downstream of such.
+// Nodes of `before` that are changed or missing in `after`, and all nodes downstream of them.
 std::vector<int> obsolete_nodes(const Graph& before, const Graph& after) {
   std::map<std::string, std::string> now;
   for (const auto& node : after.nodes) now[node.path] = recipe(after, node);
@@ -164,7 +165,7 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
     try {
       if (!failure) history_.record(*at->graph_, result, hashes_);
     } catch (const std::exception& e) {
-      result.trouble = std::string("this run cannot be explained later: ") + e.what();
+      result.trouble = std::string("cannot save what `terrazzo explain` needs: ") + e.what();
     }
     const std::lock_guard lock(at->mutex_);
     at->result_ = std::move(result);

@@ -1,9 +1,10 @@
-// Session: a graph open for work. What the command line drives, and an editor or any other program may.
+// Session: an open graph that can be edited and evaluated. Used by the command line; meant for editors and
+// other programs too.
 //
 //   Session session(registry, types, {.cache_folder = "cache"});
 //   session.open("terrazzo.yaml");
-//   auto evaluation = session.evaluate({"pack"});   // returns at once
-//   session.set("pack.seed", "2");                  // stops what this makes obsolete, and nothing else
+//   auto evaluation = session.evaluate({"pack"});   // returns immediately
+//   session.set("pack.seed", "2");                  // cancels only the nodes that this makes stale
 //   Value v = session.value("pack.particles");      // waits
 #pragma once
 
@@ -18,21 +19,21 @@
 namespace terrazzo {
 
 struct SessionOptions {
-  std::filesystem::path cache_folder = {};  // empty: results live in memory alone
+  std::filesystem::path cache_folder = {};  // empty: results are kept only in memory
   std::uint64_t memory = Store::default_memory;
-  std::uint64_t file_memory = 0;  // bytes that one loaded file may take; 0: what the machine has left
+  std::uint64_t file_memory = 0;  // bytes that loading one file may take; 0: all available memory
   std::filesystem::path output_folder = "out";
-  int threads = 0;                            // 0: as many as the machine has
-  const std::atomic<bool>* cancel = nullptr;  // stops every evaluation
+  int threads = 0;                            // 0: one per CPU core
+  const std::atomic<bool>* cancel = nullptr;  // cancels all evaluations
 };
 
-// One evaluation, going on or done. The graph it works on stays as it was when it began.
+// A running or finished evaluation. It uses the graph as it was when the evaluation started.
 class Evaluation {
  public:
   ~Evaluation();  // cancels and waits
   const Graph& graph() const { return *graph_; }
   bool done() const;
-  // Throws only where the evaluation itself broke down; what failed in nodes is in the result.
+  // Waits for the result. Throws only if the evaluation itself failed; errors of nodes are in the result.
   const RunResult& wait();
   void cancel();
 
@@ -46,7 +47,7 @@ class Evaluation {
   mutable std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;
-  std::exception_ptr failure_;  // of the evaluation itself, not of a node
+  std::exception_ptr failure_;  // failure of the evaluation itself, not of a node
   RunResult result_;
   std::thread thread_;
 };
@@ -56,27 +57,28 @@ class Session {
   Session(const Registry&, const ValueTypes&, SessionOptions = {});
   ~Session();
 
-  // Reads a graph; what it finds wrong is returned. With errors the graph that was open stays.
+  // Loads a graph and returns all messages. If there are errors, the previous graph stays open.
   Diagnostics open(const std::filesystem::path& file, Overrides = {});
   Diagnostics open_text(std::string text, const std::filesystem::path& file, Overrides = {});
 
-  // Edits: "pack.seed" = "2", a parameter of the graph, an input. With errors nothing changes; else
-  // evaluations stop at the nodes that the edit makes obsolete, and go on with all others.
+  // Edits: a node's parameter ("pack.seed" = "2"), a graph parameter, an input. If there are errors, nothing
+  // changes. Otherwise running evaluations cancel the nodes that the edit makes stale and continue with all
+  // others.
   Diagnostics set(const std::string& node_parameter, const std::string& value);
   Diagnostics set_parameter(const std::string& name, const std::string& value);
   Diagnostics connect(const std::string& node_input, const std::vector<std::string>& outputs);
 
-  // The graph as it is now; the pointer keeps it.
+  // The current graph. Edits replace the graph, so the pointer stays valid and its graph unchanged.
   std::shared_ptr<const Graph> graph() const { return graph_; }
   const Overrides& overrides() const { return overrides_; }
 
-  // Starts evaluating "NODE", "NODE.PORT" or names of outputs; none: every sink. The observer must outlive
-  // the evaluation. Throws Error "unknown-node" / "unknown-port".
+  // Starts evaluating targets given as "NODE", "NODE.PORT" or graph outputs; without targets, all sinks. The
+  // observer must outlive the evaluation. Throws Error "unknown-node" or "unknown-port".
   std::shared_ptr<Evaluation> evaluate(const std::vector<std::string>& targets = {}, Observer* = nullptr);
   // Evaluates one output and waits. Throws the node's Error, or Cancelled.
   Value value(const std::string& output);
 
-  // What a node took when it was last computed in this cache, in seconds; 0 where that is not known.
+  // The time in seconds of the node's last computation in this cache; 0 if unknown.
   double known_seconds(const GraphNode&);
 
   Evaluator& evaluator() { return evaluator_; }

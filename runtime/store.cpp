@@ -20,7 +20,7 @@ using nlohmann::json;
 
 namespace {
 
-// Values are streamed straight into the file while they are hashed: no second copy in memory.
+// Streams values into a file and hashes them on the way, without a second copy in memory.
 class FileWriter : public Writer {
  public:
   explicit FileWriter(const fs::path& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
@@ -52,8 +52,8 @@ class FileWriter : public Writer {
   HashWriter hash_;
 };
 
-// Renews a file's time of last use, at most once an hour: what is long unused is collected first. A time in
-// the future, as after a clock was wrong, is renewed too.
+// Updates a file's time of last use, which decides when it is collected. Writes at most once an hour. Also
+// corrects times in the future, left by a wrong clock.
 void touch(const fs::path& path) {
   struct stat s;
   struct timespec now;
@@ -83,7 +83,7 @@ Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t memory)
     open_cache_folder(folder_);
   } catch (const Error& e) {
     note_trouble(e.diagnostic().message);
-    folder_.clear();  // nothing in it is believed
+    folder_.clear();  // do not trust its content
   }
 }
 
@@ -114,7 +114,7 @@ std::shared_ptr<const ActionRecord> Store::find_action(const Hash& key, Tier& fr
     from = Tier::Disk;
     return record;
   }
-  // Whatever does not hold is a miss, and is removed so that it is written anew.
+  // A damaged record is a cache miss. Remove it so that it is written again.
   std::error_code ignored;
   fs::remove(path, ignored);
   return {};
@@ -151,7 +151,7 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
     v.type().encode(v.data(), w);
   };
   if (!folder_.empty() && trouble().empty()) try {
-      // The name is the content's hash, known only once the value is written.
+      // The final name is the content hash, which is known only after the value is written.
       TemporaryFile file(folder_ / "values", "incoming");
       FileWriter w(file.path());
       w.head(value_head(seconds));
@@ -235,7 +235,7 @@ Value Store::get_value(const OutputRecord& r, double seconds) {
         keep_in_memory(r.content, v, r.bytes, seconds);
         return v;
       }
-    } catch (const Error&) {  // written by another version of the codec: recomputed
+    } catch (const Error&) {  // written by another version of the codec: a cache miss
     }
   std::error_code ignored;
   fs::remove(path, ignored);

@@ -1,5 +1,5 @@
-// Store: what was computed before. Two tables, action key → record and content hash → value, in memory and on
-// disk.
+// Store: cached results. It has two tables, action key → record and content hash → value, both in memory and
+// on disk.
 #pragma once
 
 #include <atomic>
@@ -21,29 +21,30 @@ class Store {
  public:
   static constexpr std::uint64_t default_memory = 2ull << 30;
 
-  // Without a folder everything stays in memory. So it does, with trouble() saying why, if the folder is no
-  // cache and cannot become one. `memory`: bytes of values kept in memory beyond those in use.
+  // Without a folder, results are kept only in memory. The same happens if the folder is not usable as a
+  // cache; trouble() then gives the reason. `memory`: bytes of values to keep in memory in addition to those
+  // in use.
   Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = default_memory);
 
-  // Null where there is none.
+  // Null if there is no record.
   std::shared_ptr<const ActionRecord> find_action(const Hash& key, Tier& from);
   void put_action(const Hash& key, std::shared_ptr<const ActionRecord>);
-  // Forgets a record that turned out wrong.
+  // Removes a record that proved to be wrong.
   void drop_action(const Hash& key);
 
-  // Hashes the value and keeps it. `seconds`: what computing it took; the least seconds per byte leave memory
-  // first.
+  // Hashes and stores the value. `seconds`: its computing time. Values with the fewest seconds per byte are
+  // evicted from memory first.
   OutputRecord put_value(const Value&, double seconds = 0);
-  // An empty Value where it is gone or damaged (damaged files are removed).
+  // Returns an empty Value if it is gone or damaged. Removes damaged files.
   Value get_value(const OutputRecord&, double seconds = 0);
   bool has_value(const OutputRecord&);
 
   const std::filesystem::path& folder() const { return folder_; }
-  // Values written can be read back later: there is a folder and nothing went wrong with it.
+  // Whether values can be read back from the disk later: there is a folder, and no write failed.
   bool keeps_on_disk() const { return !folder_.empty() && trouble().empty(); }
-  // The first thing that went wrong with the disk, or "": results were not kept, the run goes on.
+  // The first problem with the disk, or "". Results were not stored on disk then, but the run continues.
   std::string trouble() const;
-  // Bytes written to the disk by this store.
+  // Bytes of values that this store wrote to the disk.
   std::uint64_t written() const { return written_; }
 
  private:
@@ -55,8 +56,8 @@ class Store {
   std::uint64_t memory_, used_ = 0;
   std::atomic<std::uint64_t> written_{0};
   mutable std::mutex mutex_;
-  // Greedy dual: a value's worth is seconds per byte above the worth of what left last, renewed at each use.
-  // So both what is cheap and what is long unused leave first.
+  // Greedy-dual eviction: at each use, a value's worth is set to its seconds per byte plus the worth of the
+  // value evicted last. So cheap values and values that were not used for long are evicted first.
   struct Kept {
     Value value;
     std::uint64_t bytes;
@@ -69,7 +70,7 @@ class Store {
   std::string trouble_;
 };
 
-// A record file's content: null where it is damaged or foreign.
+// Parses the content of a record file. Null if it is damaged or not a record.
 std::shared_ptr<const ActionRecord> parse_action(const std::string& text);
 
 }  // namespace terrazzo

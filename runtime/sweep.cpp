@@ -17,7 +17,7 @@ namespace {
               "write NODE.PARAM=A,B,C or NODE.PARAM=LO:HI:STEP");
 }
 
-// Commas within brackets or quotes do not part.
+// Splits at a separator, except inside brackets or quotes.
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> out(1);
   int depth = 0;
@@ -60,10 +60,10 @@ Vary parse_vary(const std::string& text) {
   const auto range = split(values, ':');
   double lo, hi, step;
   if (range.size() == 3 && number(range[0], lo) && number(range[1], hi) && number(range[2], step)) {
-    if (step == 0 || (hi - lo) / step < 0) bad(text, "the step does not lead from one end to the other");
+    if (step == 0 || (hi - lo) / step < 0) bad(text, "the step must be nonzero and lead from LO to HI");
     const double steps = std::floor((hi - lo) / step + 1e-9);
     if (steps >= 100000) bad(text, "has more than 100,000 values");
-    // As the ends are written: .1 + 2 × .1 is .3 and not .30000000000000004.
+    // Rounds to 12 digits, so that 0.1 + 2 × 0.1 is 0.3 and not 0.30000000000000004.
     for (double k = 0; k <= steps; ++k) out.values.push_back(fmt::format("{:.12g}", lo + k * step));
     return out;
   }
@@ -80,7 +80,7 @@ std::vector<SweepPoint> sweep_points(const std::vector<Vary>& vary, const Overri
   for (const auto& v : vary) {
     if (!targets.insert(v.target).second) throw Error("usage", "'" + v.target + "' is varied twice");
     n *= v.values.size();
-    if (n > 100000) throw Error("usage", "more than 100,000 combinations");
+    if (n > 100000) throw Error("usage", "the sweep has more than 100,000 points");
   }
   const std::size_t width = std::max<std::size_t>(3, std::to_string(n).size());
   std::vector<SweepPoint> out(n);

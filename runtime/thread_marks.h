@@ -1,6 +1,6 @@
-// TBB's own library carries no ThreadSanitizer instrumentation: the sanitizer does not see that a task comes
-// after what spawned it, nor the end of a loop after its tasks. These marks tell it; elsewhere they are
-// nothing.
+// The TBB library is built without ThreadSanitizer instrumentation, so the sanitizer does not see that a task
+// runs after the code that spawned it, or that a loop ends after its tasks. These marks declare that order.
+// Without the sanitizer, they do nothing.
 #pragma once
 
 #ifdef __SANITIZE_THREAD__
@@ -12,7 +12,8 @@ namespace terrazzo {
 
 class ThreadMark {
  public:
-  // What this thread did so far is done before whatever follows an after() on the same mark.
+  // Everything that this thread did before before() happens before the code that follows an after() on the
+  // same mark.
   void before() {
 #ifdef __SANITIZE_THREAD__
     __tsan_release(this);

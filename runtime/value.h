@@ -1,5 +1,4 @@
-// Values on wires, with their type forgotten: what the runtime stores, hashes and hands on without knowing
-// it.
+// Type-erased values on wires, which the runtime stores, hashes and passes on.
 #pragma once
 
 #include <functional>
@@ -12,20 +11,20 @@
 
 namespace terrazzo {
 
-// What the runtime must know of a type of value.
+// Everything that the runtime needs to know about a value type.
 struct ValueType {
-  std::string name;  // as in ports: "Image"
+  std::string name;  // as used by ports: "Image"
   std::string doc;
-  std::function<void(const void*, Writer&)> encode;            // deterministic: equal values, equal bytes
+  std::function<void(const void*, Writer&)> encode;            // deterministic: equal values have equal bytes
   std::function<std::shared_ptr<const void>(Reader&)> decode;  // throws Error "damaged"
-  std::function<nlohmann::json(const void*)> describe;         // `terrazzo show --json`
+  std::function<nlohmann::json(const void*)> describe;         // for `terrazzo show --json`
 };
 
-// Specialised beside each type, in nodes/data/.
+// Specialized for each type in nodes/data/.
 template <class T>
 const ValueType& value_type();
 
-// Declares the ValueType of T from three functions; used in nodes/data/*.cpp.
+// Builds the ValueType of T from three functions. Used in nodes/data/*.cpp.
 template <class T>
 ValueType make_value_type(std::string name, std::string doc, void (*encode)(const T&, Writer&),
                           T (*decode)(Reader&), nlohmann::json (*describe)(const T&));
@@ -63,7 +62,7 @@ class Value {
   std::shared_ptr<const void> data_;
 };
 
-// The types that a program knows, by name: how a cached value finds its decoder.
+// The value types of a program by name. Cached values find their decoder here.
 class ValueTypes {
  public:
   void add(const ValueType&);

@@ -1,4 +1,4 @@
-// A value's file in the cache: a head of 24 bytes, then the type's name and the encoded value.
+// The file format of cached values: a header of 24 bytes, then the type name and the encoded value.
 #pragma once
 
 #include <filesystem>
@@ -12,15 +12,16 @@ namespace terrazzo {
 
 inline constexpr std::size_t value_head_size = 24;
 
-// Magic bytes, the seconds that computing the value took, and a checksum of the two. What a value saves
-// stands in its own file, so that collecting need not look for the record that made it.
+// The header: magic bytes, the computing time in seconds, and a checksum of both. The time is stored here so
+// that collecting does not have to find the value's record.
 std::string value_head(double seconds);
 
-// The encoded value in a value file's content (type name first). Empty if it is damaged, foreign or not
-// `content`.
+// The type name and encoded value in the content of a value file. Empty if the file is damaged, is not a
+// value file, or its hash is not `content`.
 std::string_view value_payload(const std::string& text, const Hash& content);
 
-// What a value file says without reading it whole. Nothing if it is damaged or foreign.
+// Computing time and type of a value file, without reading all of it. Nothing if it is damaged or not a value
+// file.
 struct ValueSummary {
   double seconds = 0;
   std::string type;

@@ -31,7 +31,7 @@ void Work::parallel(std::size_t n, std::size_t grain,
   const std::size_t ranges = (n + grain - 1) / grain;
   std::atomic<std::size_t> done{0};
   ThreadMark start, end;
-  // Also where a range throws.
+  // A destructor, so that it also runs if a range throws.
   const struct Joined {
     ThreadMark& mark;
     ~Joined() { mark.after(); }
@@ -48,8 +48,8 @@ void Work::parallel(std::size_t n, std::size_t grain,
     const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
     if (report_ && ranges > 1) progress(static_cast<double>(k) / static_cast<double>(ranges));
   });
-  // Within a loop of which another range failed, TBB ends this one early and says nothing: going on with half
-  // of the results would be worse than the failure, which the outer loop reports.
+  // If this loop runs inside another loop in which a range failed, TBB ends this one early without an error.
+  // Continuing with partial results would be wrong, so throw. The outer loop reports the failure.
   if (done.load() != ranges) throw Cancelled();
 }
 

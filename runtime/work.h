@@ -1,5 +1,5 @@
-// Work: the loops that nodes use. Parallelism, cancellation and progress live here so that no algorithm can
-// forget them.
+// Work: parallel loops for nodes, with built-in cancellation and progress, so that no algorithm can forget
+// them.
 #pragma once
 
 #include <atomic>
@@ -11,29 +11,28 @@
 
 namespace terrazzo {
 
-// A handle passed down into algorithms. Cheap to copy. Work() runs, is never cancelled and reports to nobody:
-// what a unit test or a program without a graph passes.
+// A handle passed down into algorithms. Cheap to copy. A default Work() is never cancelled and reports no
+// progress; use it in unit tests and in programs without a graph.
 class Work {
  public:
   using Report = std::function<void(double fraction, const std::string& note)>;
 
   Work() = default;
-  // `also`: a second flag, for what stops this node alone.
+  // `also`: a second cancel flag, which stops only this node.
   Work(const std::atomic<bool>* cancel, const Report* report, const std::atomic<bool>* also = nullptr)
       : cancel_(cancel), also_(also), report_(report) {}
 
-  // Throws Cancelled once the user asked to stop. Call it at least every 50 ms in loops of your own.
+  // Throws Cancelled after the user asked to stop. Call it at least every 50 ms in your own loops.
   void check() const;
   bool cancelled() const { return set(cancel_) || set(also_); }
 
-  // Tells how far this work is, 0 to 1, and what it is at ("overlap 0.03").
+  // Reports the progress of this work, from 0 to 1, and a note on its state, such as "overlap 0.03".
   void progress(double fraction, const std::string& note = {}) const;
 
-  // The share [from, to] of this work's progress, for a stage of it.
+  // A handle for one stage of this work, whose progress maps to [from, to] of this work's progress.
   Work part(double from, double to) const;
 
-  // The same loops and cancellation without reports: for the many short loops within one step of an
-  // iteration.
+  // The same handle without progress reports, for many short loops inside one step of an iteration.
   Work quiet() const {
     Work w = *this;
     w.report_ = nullptr;
@@ -41,12 +40,13 @@ class Work {
   }
 
   // Calls body(begin, end) for consecutive ranges of at most `grain` items of [0, n), on all threads of the
-  // run. The ranges depend on n and grain alone, never on the number of threads. Checks for cancellation
-  // before every range and reports progress.
+  // run. The ranges depend only on n and grain, not on the number of threads. Checks for cancellation before
+  // every range and reports progress. Throws Cancelled, or what body throws.
   void parallel(std::size_t n, std::size_t grain,
                 const std::function<void(std::size_t begin, std::size_t end)>& body) const;
 
-  // map(begin, end) → T per range, then combined from left to right: the same bits for any number of threads.
+  // Computes map(begin, end) → T for each range and combines the results from left to right, so the result is
+  // bit-identical for any number of threads.
   template <class T, class Map, class Combine>
   T reduce(std::size_t n, std::size_t grain, T start, Map&& map, Combine&& combine) const {
     std::vector<T> parts((n + grain - 1) / grain, start);

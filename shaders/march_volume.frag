@@ -1,13 +1,13 @@
 #version 450 core
-// nodes/render_volume/march.cpp, a pixel an invocation: step for step the same, so that the pictures are.
+// Mirrors nodes/render_volume/march.cpp step for step, so that both make the same picture. One invocation per pixel.
 
 const int kTissues = 16;
 const int kScales = 3;
 const int kTextures = 12;
 const float kOpaque = 1.0 / 255.0, kFaint = 1.0 / 512.0;
 
-uniform sampler3D scan;      // stored numbers / 65535, voxel centres
-uniform usampler3D bricks;   // how many bricks away something can be seen
+uniform sampler3D scan;      // stored values / 65535, at voxel centers
+uniform usampler3D bricks;   // distance in bricks to the nearest visible brick
 uniform sampler3D textures[kTextures];
 
 uniform ivec2 picture;
@@ -26,7 +26,7 @@ uniform int tissue_of[2 * kTissues + 1];
 uniform vec3 tissue_color[kTissues];
 uniform int tissue_texture[kTissues];
 uniform int tissue_noise[kTissues];
-uniform float tissue_fixed[kTissues];  // negative: by density
+uniform float tissue_fixed[kTissues];  // negative: depends on density
 uniform float tissue_threshold[kTissues];
 uniform mat3 place_linear[kTissues * kScales];  // to coordinates 0 … 1
 uniform vec3 place_offset[kTissues * kScales];

@@ -1,5 +1,5 @@
-// New voxel values from the matched patches that overlap there: blend_patches() of nodes/solid_optimize. An
-// invocation has one voxel.
+// New voxel values from the overlapping matched patches: blend_patches() of nodes/solid_optimize. One invocation per
+// voxel.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -14,10 +14,10 @@ layout(std430, binding = 4) readonly buffer Lines { int lines[]; };
 layout(std430, binding = 5) readonly buffer Texels { vec4 texels[]; };  // exemplar by exemplar
 
 uniform int channels, families, voxels;
-uniform ivec3 size, first, last;  // voxels stored; to do
+uniform ivec3 size, first, last;  // stored voxels; range to process
 uniform int axis_u[3], axis_v[3], axis_s[3];
 uniform int first_match[3], columns[3], rows[3], first_texel[3], exemplar_width[3];
-uniform int starts_at[3], covers_at[3];  // in lines, per axis; covers are first patch and count
+uniform int starts_at[3], covers_at[3];  // in lines, per axis; a cover is a first patch and a count
 uniform int from[3];                     // first stored voxel, per axis
 uniform float window;
 
@@ -60,7 +60,7 @@ void main() {
       weight[k] = w;
     }
   }
-  // The weighted mean and the spread about it; then the mean shift.
+  // The weighted mean and the spread around it; then the mean shift.
   precise vec4 w_sum = vec4(0), squares = vec4(0);
   precise vec4 sum[3];
   for (int c = 0; c < 3; ++c) sum[c] = vec4(0);

@@ -1,5 +1,5 @@
-// What is stored beyond the ends of a closed axis, from where it was made: copy_beyond() of
-// nodes/solid_optimize, for numbers of 32 bits of any kind.
+// Updates the copies beyond the ends of closed axes from their originals: copy_beyond() of nodes/solid_optimize, for
+// any 32-bit numbers.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 

@@ -1,14 +1,14 @@
-// The map of one channel's values after a blend: Remap::apply() of nodes/common. An invocation has one voxel.
+// Maps one channel's values after a blend: Remap::apply() of nodes/common. One invocation per voxel.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
 const int kBins = 4096;
 
 layout(std430, binding = 0) buffer Field { float field[]; };        // channel by channel
-layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };  // value and rise, channel by channel
+layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };  // value and slope, channel by channel
 
 uniform int channel, voxels;
-uniform ivec3 size, first, last;  // voxels stored; to do
+uniform ivec3 size, first, last;  // stored voxels; range to process
 uniform float map_low, map_scale;
 
 void main() {

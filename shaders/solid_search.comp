@@ -1,5 +1,5 @@
 // One pass of the search over the patches of one family: search_locally() of nodes/solid_optimize, operation by
-// operation. An invocation has one patch.
+// operation. One invocation per patch.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -17,18 +17,18 @@ layout(std430, binding = 7) readonly buffer Model { float model[]; };  // basis,
 uniform int channels, dims, exemplar_width, exemplar_height;
 uniform int bias_at, penalty_at;                  // in model
 uniform int first_match, columns, rows;           // of this family
-uniform ivec3 first, last;                        // column, row, slice to do, among those stored
+uniform ivec3 first, last;                        // columns, rows and slices to process, among those stored
 uniform ivec3 stride;                             // of the field, along columns, rows and slices
 uniform int voxels;                               // of a channel
 uniform ivec2 starts_at, from;                    // in lines; first stored voxel along columns and rows
-uniform ivec3 number;                             // of stored column, row and slice 0 on the torus, not below 0 …
-uniform ivec3 around;                             // … and how many there are
+uniform ivec3 number;                             // of stored column, row and slice 0 on the torus, at least 0 …
+uniform ivec3 around;                             // … and the period
 uniform uint key;
 uniform float copying;
 
 float query[kMostDims];
 uint best;
-uvec4 continued;  // the patches that go on from the four neighbours'
+uvec4 continued;  // the patches that would copy the four neighbors' exemplar layout
 float best_distance, best_score;
 
 uint mix32(uint x) {
@@ -42,7 +42,8 @@ float sum_of(vec4 low, vec4 high) {
   return s;
 }
 
-// Squared distance times `penalty`; anything above `limit` where it exceeds that. Leaves the squared distance.
+// Squared distance times `penalty`, or any value above `limit` if it exceeds that. Sets `whole` to the squared distance
+// if it was computed in full.
 float score_of(uint start, float penalty, float limit, out float whole) {
   int at = int(start) * dims;
   precise vec4 low = vec4(0), high = vec4(0);
@@ -62,7 +63,7 @@ float score_of(uint start, float penalty, float limit, out float whole) {
   return score;
 }
 
-// A penalty of 0 marks texels at which no patch may start.
+// A penalty of 0 marks texels where no patch may start.
 float penalty(uint c) {
   ivec4 goes_on = ivec4(equal(continued, uvec4(c)));
   precise float p = model[penalty_at + int(c)] *
@@ -92,7 +93,7 @@ void shifted(uint c, int dx, int dy) {
   consider_usable(x, y);
 }
 
-// All are drawn about the best there is before any is tried.
+// All patches are drawn around the current best before any is tried.
 void around_best(uint draw) {
   int x0 = int(best) % exemplar_width, y0 = int(best) / exemplar_width;
   int last_x = exemplar_width - kPatch, last_y = exemplar_height - kPatch;

@@ -1,4 +1,4 @@
-// Squared distances become weights: WeightTable of nodes/solid_optimize. An invocation has one patch.
+// Turns squared distances into weights: WeightTable of nodes/solid_optimize. One invocation per patch.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -6,10 +6,10 @@ layout(std430, binding = 3) buffer Weights { float weights[]; };  // family by f
 layout(std430, binding = 7) readonly buffer Table { float table[]; };
 
 uniform int first_match, columns, rows;  // of this family
-uniform ivec3 first, last;               // column, row, slice to do, among those stored
+uniform ivec3 first, last;               // columns, rows and slices to process, among those stored
 uniform float inverse_floor;
 
-// The table's entry for 1 + x, linear between.
+// The table's entry for 1 + x, interpolated linearly.
 float weight_of(float x) {
   precise float y = 1.0 + x;
   uint bits = min(floatBitsToUint(y) - 0x3f800000u, 24u * 128u * 65536u - 1u);

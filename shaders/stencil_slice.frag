@@ -1,3 +1,3 @@
 #version 450 core
-// Nothing to shade: only the stencil counts.
+// No color output: only the stencil matters.
 void main() {}

@@ -1,4 +1,5 @@
-// A binary tree of axis-aligned boxes over triangles, for closest points, rays and intersections.
+// A bounding volume hierarchy (BVH) of axis-aligned boxes over triangles, for closest
+// points, rays and intersections.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@ struct Aabb {
   void add(const Vec3& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
   void add(const Aabb& b) { low = low.cwiseMin(b.low), high = high.cwiseMax(b.high); }
   Vec3 center() const { return 0.5 * (low + high); }
-  // 0 inside.
+  // 0 inside the box.
   double squared_distance(const Vec3& p) const {
     return (low - p).cwiseMax(p - high).cwiseMax(Vec3::Zero()).squaredNorm();
   }
@@ -28,7 +29,7 @@ class AabbTree {
     std::int32_t first = 0, count = 0;  // range of `triangles` in a leaf
   };
   explicit AabbTree(const Mesh& mesh, int leaf_size = 4);
-  std::vector<Node> nodes;              // at least one when the mesh has triangles
+  std::vector<Node> nodes;              // at least one if the mesh has triangles
   std::vector<std::int32_t> triangles;  // triangle indices, leaves as consecutive ranges
 
  private:

@@ -23,7 +23,7 @@ struct Auditor::Solid {
       points.row(static_cast<Eigen::Index>(v)) = m.vertices[v].transpose();
     }
   }
-  // How far the mesh reaches along n.
+  // Largest extent of the mesh along n.
   double reach(const Vec3& n) const {
     return (points.col(0) * n[0] + points.col(1) * n[1] + points.col(2) * n[2]).maxCoeff();
   }
@@ -33,7 +33,7 @@ namespace {
 
 using Solid = Auditor::Solid;
 
-// b's frame seen from a's, both unscaled: p ↦ linear p + offset.
+// b's frame relative to a's, both unscaled: p ↦ linear p + offset.
 struct Map {
   Mat3 linear;
   Vec3 offset;
@@ -52,7 +52,7 @@ Corners corners(const Mesh& mesh, int t) {
   return {mesh.vertices[tri[0]], mesh.vertices[tri[1]], mesh.vertices[tri[2]]};
 }
 
-// Goes on with the halves of the larger of two boxes; `scale`: b's unit in a's.
+// Continues with the halves of the larger of two boxes. `scale` is b's unit in a's.
 void descend(const Solid& a, const Solid& b, int i, int j, double scale,
              std::vector<std::pair<int, int>>& stack) {
   const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
@@ -65,7 +65,7 @@ void descend(const Solid& a, const Solid& b, int i, int j, double scale,
     stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
 }
 
-// Deepest crossing of triangles in a's unit; 0 where some only touch, −1 where none meet.
+// Depth of the deepest intersection of triangles in a's unit; 0 if some only touch, −1 if none meet.
 double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   const Mat3 magnitude = b_to_a.linear.cwiseAbs();
   double deepest = -1;
@@ -91,7 +91,7 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
   return deepest;
 }
 
-// Smallest distance of two surfaces that do not cross, in a's unit, where it is below `bound`; else `bound`.
+// Smallest distance of two surfaces that do not intersect, in a's unit, or `bound` if that is smaller.
 double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound) {
   const Mat3 magnitude = b_to_a.linear.cwiseAbs();
   const double scale = b_to_a.linear.col(0).norm();
@@ -119,9 +119,8 @@ double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound
   return bound;
 }
 
-// How deep the deepest of `own`'s vertices and triangles' centres lies inside `other`, in other's unit;
-// `least` where none lies deeper. Boxes of triangles whose every point lies less deep than one found before
-// are passed over.
+// Largest depth of `own`'s vertices and triangle centers inside `other`, in other's unit, at least `least`.
+// Skips boxes of triangles that cannot contain a deeper point than those found before.
 double deepest_point(const Solid& own, const Solid& other, const Map& own_to_other, double least = 0) {
   double deepest = least;
   const Aabb& box = other.tree.nodes[0].box;
@@ -154,7 +153,7 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
 
 double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
                      const Mat3& rotation_b, const Vec3& offset, double gap) {
-  // Most neighbours are parted by a plane across the line of their centres.
+  // Most neighbors are separated by a plane perpendicular to the line between their centers.
   if (const double distance = offset.norm(); distance > 0) {
     const Vec3 n = offset / distance;
     if (distance - a.reach(rotation_a.transpose() * n) * scale_a -
@@ -167,12 +166,12 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   const Map a_to_b{rotation_b.transpose() * rotation_a * (scale_a / scale_b),
                    rotation_b.transpose() * -offset / scale_b};
   const double crossed = crossing(a, b, b_to_a) * scale_a;
-  if (crossed >= 0)  // faces that only touch may still bound bodies that overlap, where they lie in one plane
+  if (crossed >= 0)  // faces that only touch may still belong to overlapping bodies if they are coplanar
   {
     const double depth = deepest_point(a, b, a_to_b, crossed / scale_b) * scale_b;
     return gap + deepest_point(b, a, b_to_a, depth / scale_a) * scale_a;
   }
-  // No surfaces cross: one may still lie wholly inside the other.
+  // The surfaces do not intersect, but one body may be entirely inside the other.
   const auto inside = [](const Solid& outer, const Vec3& p) {
     return outer.tree.nodes[0].box.squared_distance(p) == 0 && outer.distance.signed_distance(p) < 0;
   };
@@ -185,7 +184,7 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   return distance < bound ? gap - distance * scale_a : 0;
 }
 
-// A plain periodic grid: a particle is listed in every cell that its bounding cube touches.
+// A simple periodic grid. A particle is listed in every cell that its bounding cube touches.
 class Cells {
  public:
   Cells(const Vec3& box, const std::vector<Vec3>& position, const std::vector<double>& radius) : box_(box) {
@@ -258,7 +257,8 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (std::int32_t j : near) {
         double depth = 0;
-        // Centres lie in the box and balls fit into it, so only the 27 nearest images can meet.
+        // Centers are inside the box and bounding spheres fit into it, so only the 27
+        // nearest images can meet.
         for (int z = -1; z <= 1; ++z)
           for (int y = -1; y <= 1; ++y)
             for (int x = -1; x <= 1; ++x) {

@@ -1,4 +1,4 @@
-// The independent check of a packing: exact on triangles, sharing nothing with the contact code that made it.
+// The independent check of a packing: exact on triangles, sharing no code with the contact search.
 #pragma once
 
 #include <cstdint>
@@ -14,33 +14,33 @@ namespace terrazzo::anneal {
 struct Penetration {
   std::int32_t a, b;  // particles
   double depth;       // mm
-  double relative;    // of the smaller one's size
+  double relative;    // depth relative to the size of the smaller particle
 };
 
 struct AuditResult {
-  std::vector<Penetration> found;  // in the order of a, then b
+  std::vector<Penetration> found;  // ordered by a, then b
   double worst = 0;                // largest `relative`
-  std::size_t pairs = 0;           // neighbours that were tested
+  std::size_t pairs = 0;           // number of neighbors tested
 };
 
-// Every pair of particles whose bounding balls meet, in all periodic images: triangles against triangles
-// through a box tree a shape, then containment of one in the other. The depth of a pair is the largest of two
-// exact measures: how deep a vertex or a triangle's centre of one lies inside the other, and the least
-// translation that parts two crossing triangles. Bodies nearer to each other than `gap` (mm) count as
-// penetrating by what is missing.
+// Tests every pair of particles whose bounding spheres meet, in all periodic images: triangles against
+// triangles through one BVH per shape, then containment of one in the other. The depth of a pair is the
+// larger of two exact measures: the depth of a vertex or triangle center of one inside the other, and the
+// shortest translation that separates two intersecting triangles. Bodies closer than `gap` (mm) count as
+// penetrating by the difference.
 class Auditor {
  public:
-  struct Solid;                            // a shape's box tree
+  struct Solid;                            // a shape's BVH
   explicit Auditor(const Shapes& shapes);  // keeps a reference
   ~Auditor();
   AuditResult operator()(const Particles& particles, double gap = 0, const Work& work = {});
 
  private:
   const Shapes& shapes_;
-  std::vector<std::unique_ptr<Solid>> solids_;  // of the shapes met so far
+  std::vector<std::unique_ptr<Solid>> solids_;  // of the shapes used so far
 };
 
-// Once.
+// A single audit.
 AuditResult audit(const Shapes& shapes, const Particles& particles, double gap = 0, const Work& work = {});
 
 }  // namespace terrazzo::anneal

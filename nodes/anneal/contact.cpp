@@ -8,9 +8,9 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr float kAlongCentres = 0.15f;  // share of the push
+constexpr float kAlongCentres = 0.15f;  // share of the push along the line between the centers
 
-// What the elements of one body find in the field of the other: points in the field's frame and unit.
+// Contacts of one body's elements in the field of the other: points in the field's frame and unit.
 struct Probe {
   struct Point {
     Vec3f p, n;
@@ -20,7 +20,7 @@ struct Probe {
   float weight = 0, gap = 1e30f;
 };
 
-struct Frame {  // own frame of the elements to that of the field
+struct Frame {  // maps the elements' frame to that of the field
   float m[9];
   Vec3f t;
   float scale;
@@ -32,14 +32,15 @@ struct Frame {  // own frame of the elements to that of the field
   }
 };
 
-// `depth`: how far p is inside the margin; `push`: how far it must move along n to leave it.
+// `depth`: how far p is inside the margin. `push`: how far it must move along n to leave it.
 void add(Probe& probe, const Vec3f& p, const Vec3f& n, float depth, float push) {
   probe.weight += depth;
   probe.points.push_back({p, n, depth, push});
 }
 
-// The lowest point of the field along a segment, by the crossing of the two ends' tangents (Kelley's cuts in
-// one dimension): finite for the planes of a polyhedron, and close for a grid. Returns a lower bound of it.
+// The lowest point of the field along a segment, found by intersecting the tangents at the two ends (Kelley's
+// cutting planes in one dimension): finite for the planes of a polyhedron, and close for a grid. Returns a
+// lower bound of the field.
 float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field, const Element& e,
                     float threshold) {
   float c[3], h[3], g[3];
@@ -67,9 +68,9 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   End lo = sample(-1), hi = sample(1);
   End best = lo.value <= hi.value ? lo : hi;
   float bound = best.value;
-  const bool convex = field.kind() != DistanceField::Kind::Grid;  // else the tangents bound nothing
+  const bool convex = field.kind() != DistanceField::Kind::Grid;  // otherwise the tangents are no bound
   for (int step = 0; step < 6 && lo.slope < 0 && hi.slope > 0; ++step) {
-    // Crossing of the two tangents: the least that a convex function can be there.
+    // Intersection of the two tangents: the smallest possible value of a convex function there.
     const float at = (hi.value - lo.value + lo.slope * lo.at - hi.slope * hi.at) / (lo.slope - hi.slope);
     if (!(at > lo.at && at < hi.at)) break;
     bound = lo.value + lo.slope * (at - lo.at);
@@ -78,7 +79,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
     if (mid.value < best.value) best = mid;
     if (mid.value - bound < 1e-3f * length || step == 5) {
       if (mid.value < threshold) {
-        // At a ridge the push that leaves the segment is across it: the mixture of both faces' normals.
+        // At a ridge the segment leaves across it: mix the normals of both faces.
         best = mid;
         const float s = hi.slope / (hi.slope - lo.slope);
         best.n = s * lo.n + (1 - s) * hi.n;
@@ -94,7 +95,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   }
   const float depth = threshold - best.value;
   float norm = best.n.norm();
-  if (norm < 0.3f) {  // the segment runs through and through: no face is the one to leave by
+  if (norm < 0.3f) {  // the segment passes through the whole body: no face is the right one to leave by
     best.n = frame.t;
     norm = best.n.norm();
     if (!(norm > 1e-6f)) best.n = Vec3f(1, 0, 0), norm = 1;
@@ -125,7 +126,7 @@ float probe_element(Probe& probe, const Frame& frame, const DistanceField& field
   return v;
 }
 
-// Only a ball whose centre is inside counts: outside, the field may be less than the distance.
+// Only a ball whose center is inside counts, because outside the field may be less than the distance.
 void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, const Ball& ball) {
   const DistanceField& field = other.field;
   float c[3], g[3];
@@ -141,7 +142,7 @@ void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, con
   add(probe, Vec3f(c[0], c[1], c[2]), n, depth, depth);
 }
 
-// All elements below threshold, by the tree; those below `keep` are noted.
+// Tests all elements below `threshold` through the tree; lists those below `keep` in `noted`.
 Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceField& field, float threshold,
                  float keep, std::vector<std::int32_t>& noted, std::vector<Probe::Point>& points) {
   Probe probe{points};
@@ -165,7 +166,7 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
   return probe;
 }
 
-// Elements of `own` in the field of `other`; `offset` is other's centre less own's.
+// Tests the elements of `own` in the field of `other`. `offset` is other's center minus own's.
 Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, Detail detail,
                  float slack, bool known, std::vector<std::int32_t>& candidates,
                  std::vector<Probe::Point>& points) {
@@ -193,7 +194,7 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   return probe;
 }
 
-// Adds a probe to the contact. `mix`: share of the push that goes along the centres.
+// Adds a probe to the contact.
 void accumulate(Contact& contact, const Probe& probe, const Body& field, const Vec3f& offset,
                 bool elements_are_a) {
   const float s = field.scale;
@@ -286,8 +287,9 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
   }
   accumulate(contact, of_a, b, offset, true);
   accumulate(contact, of_b, a, offset, false);
-  // Surfaces of bodies deep in each other push all ways, and crossed edges may push to and fro: some of the
-  // push, and nearly all of it where they are deep, parts them along their centres.
+  // Surfaces of bodies deep inside each other push in all directions, and crossed edges may push back
+  // and forth. Therefore a share of the push, and nearly all of it for deep overlaps, is along the
+  // line between the centers.
   const float deep = 0.35f * std::min(a.scale * static_cast<float>(a.shape->gyration),
                                       b.scale * static_cast<float>(b.shape->gyration));
   const float distance = offset.norm();

@@ -11,15 +11,15 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr int kCells = 40;  // of the grid across the shape
+constexpr int kCells = 40;  // grid cells across the shape
 constexpr int kCoarse = 96, kFine = 1000;
-// Most contacts miss far less than the worst: the few others are left to the audit, which widens their
-// margin.
+// Most contacts miss far less than the worst case. The audit finds the few others and widens their margin.
 constexpr double kAllowance = 0.15;
 constexpr int kLeaf = 4;
-// Of the way from the sphere of a mesh's volume to its corners: less takes many tries to turn them away.
+// Radius of a packed sphere, as a fraction of the way from the sphere of the mesh's volume to its corners:
+// less would need many tries to rotate the corners away.
 constexpr double kCorners = 0.15;
-constexpr std::size_t kFaces = 40;  // of a polyhedron that is tested by separating axes
+constexpr std::size_t kFaces = 40;  // largest number of faces of a polyhedron tested by separating axes
 
 Element point_element(const Vec3& p) {
   Element e;
@@ -58,7 +58,7 @@ std::map<std::pair<int, int>, Edge> edges_of(const Mesh& mesh) {
   return edges;
 }
 
-// Convex edges whose faces turn by more than `angle` (radians).
+// Convex edges with an angle between their faces' normals of more than `angle` (radians).
 std::vector<std::pair<int, int>> convex_edges(const Mesh& mesh, double angle) {
   std::vector<std::pair<int, int>> result;
   for (const auto& [key, e] : edges_of(mesh)) {
@@ -83,12 +83,12 @@ std::vector<Vec3> vertex_normals(const Mesh& mesh) {
 }
 
 struct Choice {
-  std::vector<int> order;  // vertices, most needed first
-  double missed = 0;       // how far a flat surface may enter between the chosen ones
+  std::vector<int> order;  // vertices, most important first
+  double missed = 0;       // how deep a flat surface can penetrate between the chosen vertices
 };
 
-// First vertices far from each other, then those that protrude most beyond the tangent planes through their
-// chosen neighbours.
+// First chooses vertices far from each other, then those that protrude most beyond the tangent planes
+// through their chosen neighbors.
 Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covered, const Work& work) {
   const auto normal = vertex_normals(mesh);
   std::vector<int> candidates;
@@ -162,7 +162,7 @@ ElementTree make_tree(std::vector<Element> elements) {
   return tree;
 }
 
-// The largest ball inside, and further ones at least 0.8 radii away from those before.
+// The largest inscribed ball, and others at least 0.8 radii away from the previous ones.
 std::vector<Ball> inner_balls(const Mesh& mesh, const DistanceField& field) {
   constexpr int kSteps = 20, kBalls = 6;
   Aabb box;
@@ -188,11 +188,11 @@ std::vector<Ball> inner_balls(const Mesh& mesh, const DistanceField& field) {
     if (far) balls.push_back(e);
     if (balls.size() == kBalls) break;
   }
-  for (auto& b : balls) b.radius *= 0.95f;  // clear of the surface, where the elements count
+  for (auto& b : balls) b.radius *= 0.95f;  // clear of the surface, where the elements are tested
   return balls;
 }
 
-// 95 % of surface samples lie within this of the field's zero.
+// The 95th percentile of the field's error over surface samples.
 double field_error(const Mesh& mesh, const DistanceField& field) {
   std::vector<double> errors;
   const std::size_t stride = 1 + mesh.triangles.size() / 4000;
@@ -226,7 +226,7 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   s.core = inner_balls(mesh, s.field);
   std::vector<Element> segments;
   if (s.field.kind() ==
-      DistanceField::Kind::Planes) {  // vertices are ends of edges, flat faces touch only those
+      DistanceField::Kind::Planes) {  // vertices are ends of edges, and flat faces touch only those
     for (const auto& [a, b] : convex_edges(mesh, 1e-3))
       segments.push_back(segment_element(mesh.vertices[a], mesh.vertices[b]));
     s.trees[0] = s.trees[1] = s.trees[2] = make_tree(segments);
@@ -258,7 +258,7 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
     if (!covered[v]) segments.push_back(point_element(mesh.vertices[v]));
   s.trees[2] = make_tree(std::move(segments));
   s.error = 1e-6 * r;
-  // The sphere around its mesh needs no allowance.
+  // A sphere that encloses its mesh needs no allowance.
   if (s.field.kind() == DistanceField::Kind::Grid)
     s.error += kAllowance * (field_error(mesh, s.field) + 0.5 * choice.missed);
   return s;

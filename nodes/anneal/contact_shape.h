@@ -1,5 +1,5 @@
-// What the packer knows of a shape: a distance field to be probed by others, and the surface elements that it
-// probes others with. One per shape, shared by all instances; own frame, mm at scale 1.
+// A shape as the packer needs it: a distance field that other bodies test, and the surface elements with
+// which it tests others. One per shape, shared by all instances; own frame, mm at scale 1.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Ball {
   float radius;
 };
 
-// Spheres around elements, depth first: a pruned node continues at `next`.
+// Bounding spheres of elements, depth first. After pruning a node, traversal continues at `next`.
 struct ElementTree {
   struct Node {
     float center[3];
@@ -34,8 +34,8 @@ struct ElementTree {
   std::vector<Element> elements;
 };
 
-// Which elements are probed: few for states far from done, those that flat partners touch, or all that there
-// are, for partners that touch in dents and where rounded ridges cross.
+// The elements to test: a few for early stages, those that flat surfaces touch, or all of them, for contacts
+// in dents and where rounded ridges cross.
 enum class Detail { Coarse, Fine, All };
 
 struct ContactShape {
@@ -43,19 +43,19 @@ struct ContactShape {
   DistanceField field;
   ElementTree trees[3];  // by Detail; `All` has every vertex
   const ElementTree& tree(Detail d) const { return trees[static_cast<int>(d)]; }
-  // Balls within the body. Bodies deep in each other may cross with their edges near each other's surface:
-  // only what lies inside tells how deep they are.
+  // Balls inside the body. If bodies are deep in each other, their edges may still be close to the other's
+  // surface; only the interior shows how deep they are.
   std::vector<Ball> core;
-  // Of a sphere, the radius where another sphere touches it, the corners of its facets being turned away
-  // (turn.h): little more than that of the sphere of the same volume. 0 of all else.
+  // For a sphere, the radius at which another sphere touches it once the corners of its facets are rotated
+  // away (turn.h): slightly more than that of the sphere of equal volume. Otherwise 0.
   double ball = 0;
   double bounding_radius = 0;  // about the origin
-  double gyration = 0;         // lever arm that weighs rotations against translations
-  double error = 0;            // typical distance by which field and elements may miss a contact
+  double gyration = 0;         // lever arm that weights rotations against translations
+  double error = 0;            // typical distance by which field and elements can miss a contact
 };
 
-// Elements are chosen where the surface protrudes beyond those chosen before, so flat parts need none; edges
-// sharper than 30° enter as segments. The mesh must be watertight with its centroid at the origin.
+// Elements are placed where the surface protrudes beyond the elements chosen before, so flat parts need none;
+// edges sharper than 0.5 rad (29°) are segments. The mesh must be watertight with its centroid at the origin.
 ContactShape make_contact_shape(const Mesh& mesh, const Work& work = {});
 
 }  // namespace terrazzo::anneal

@@ -12,7 +12,7 @@ DistanceField DistanceField::of(const Mesh& mesh, int cells, const Work& work) {
 
 namespace {
 
-// Distinct face planes as (normal, offset); empty where a triangle has no area.
+// Face planes as (normal, offset), without those of triangles of zero area.
 std::vector<std::pair<Vec3, double>> face_planes(const Mesh& mesh) {
   std::vector<std::pair<Vec3, double>> planes;
   planes.reserve(mesh.triangles.size());
@@ -90,7 +90,7 @@ void DistanceField::make_grid(const Mesh& mesh, int cells, const Work& work) {
   work.parallel(static_cast<std::size_t>(n_[2]) * n_[1], 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
       const int j = static_cast<int>(row % n_[1]), k = static_cast<int>(row / n_[1]);
-      double bound = 1e300;  // the distance changes by at most a cell from one sample to the next
+      double bound = 1e300;  // the distance changes by at most one cell between adjacent samples
       for (int i = 0; i < n_[0]; ++i) {
         const Vec3 p(origin_[0] + i * cell, origin_[1] + j * cell, origin_[2] + k * cell);
         const double d = distance.signed_distance(p, bound);

@@ -1,6 +1,6 @@
-// Signed distance to one shape's surface, fast enough for millions of samples a second; negative inside, in
+// Signed distance to one shape's surface, fast enough for millions of samples per second; negative inside, in
 // the shape's own frame and mm. Three forms: a sphere, the face planes of a convex polyhedron (exact inside,
-// a lower bound outside), and a regular grid of exact distances, interpolated.
+// a lower bound outside), and an interpolated regular grid of exact distances.
 #pragma once
 
 #include <algorithm>
@@ -12,18 +12,18 @@
 
 namespace terrazzo::anneal {
 
-// Whether a mesh is a sphere about the origin, to 1.5 % of its radius.
+// Whether a mesh is a sphere about the origin, within 1.5 % of its radius.
 bool is_sphere(const Mesh& mesh);
 
 class DistanceField {
  public:
   enum class Kind { Sphere, Planes, Grid };
 
-  // Sphere where the mesh is one to 1.5 % of its radius (then the circumscribed one), planes where it is
-  // convex with at most 40 distinct faces, else a grid of about cells³ over the mesh's volume.
+  // A sphere if the mesh is one within 1.5 % of its radius (the circumscribed one), planes if it is convex
+  // with at most 40 distinct faces, otherwise a grid of about cells³ over the mesh's volume.
   static DistanceField of(const Mesh& mesh, int cells, const Work& work = {});
-  // Interpolation rounds sharp edges off. Lowers the grid around these points of the surface until none lies
-  // outside.
+  // Interpolation rounds sharp edges. Lowers the grid around these surface points until none
+  // of them is outside.
   void include(const std::vector<Vec3>& points);
 
   Kind kind() const { return kind_; }
@@ -33,7 +33,7 @@ class DistanceField {
     float unused[3];
     return sample<false>(p, unused);
   }
-  // Also the gradient, of about unit length.
+  // Also returns the gradient, of about unit length.
   float value(const float* p, float* gradient) const { return sample<true>(p, gradient); }
 
  private:

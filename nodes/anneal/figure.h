@@ -1,4 +1,4 @@
-// What a packing is like, drawn.
+// Figure of a packing's statistics.
 #pragma once
 
 #include "nodes/common/linear.h"
@@ -7,7 +7,7 @@
 
 namespace terrazzo::anneal {
 
-// Of size_table, pair_correlation and sections_per_area (statistics.h), side by side.
+// Plots size_table, pair_correlation and sections_per_area (statistics.h) side by side.
 Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area);
 
 }  // namespace terrazzo::anneal

@@ -13,7 +13,7 @@
 namespace terrazzo::anneal {
 namespace {
 
-// Of the ball about the centroid.
+// Radius of the ball about the centroid inside each used shape; −1 for others.
 std::vector<double> inner_radii(const Shapes& shapes, const std::vector<std::int32_t>& used) {
   std::vector<double> radius(shapes.shapes.size(), -1);
   for (std::int32_t s : used)
@@ -41,23 +41,24 @@ void refuse_what_cannot_be(const Population& population, const Shapes& shapes, d
   std::sort(radius.rbegin(), radius.rend());
   const double densest = std::numbers::pi / std::sqrt(18.0);
   double worst = 0;
-  for (std::size_t k = 0; k < radius.size(); ++k)  // the k + 1 largest, as balls of the smallest of them
+  // The k + 1 largest, as balls of the size of the smallest of them.
+  for (std::size_t k = 0; k < radius.size(); ++k)
     worst = std::max(worst, static_cast<double>(k + 1) * std::pow(radius[k], 3));
   worst *= 4.0 / 3 * std::numbers::pi / p.box.prod();
   if (worst > densest)
-    throw Error(
-        "impossible-density",
-        fmt::format("{} particles were to fill {:.3f} of the box{}: the balls inside them would fill {:.3f} "
-                    "of it, and balls of one size fill at most {:.4f}",
-                    p.count(), population.fraction,
-                    binder_gap > 0 ? fmt::format(" at distances of {} mm", binder_gap) : "", worst, densest),
-        "lower the volume fraction or binder_gap");
+    throw Error("impossible-density",
+                fmt::format("the {} particles cannot fill {:.3f} of the box{}: their inscribed balls would "
+                            "fill {:.3f} of it, but balls of one size fill at most {:.4f}",
+                            p.count(), population.fraction,
+                            binder_gap > 0 ? fmt::format(" with a binder gap of {} mm", binder_gap) : "",
+                            worst, densest),
+                "lower the volume fraction or binder_gap");
   const double needed = memory_needed(population, shapes);
   if (needed > 0.9 * static_cast<double>(available))
     throw Error("not-enough-memory",
-                fmt::format("{} particles take about {:.1f} GB to pack, and {:.1f} GB are free", p.count(),
-                            needed / 1e9, static_cast<double>(available) / 1e9),
-                "make the box smaller, or leave out the finest classes")
+                fmt::format("packing {} particles needs about {:.1f} GB of memory; {:.1f} GB are free",
+                            p.count(), needed / 1e9, static_cast<double>(available) / 1e9),
+                "make the box smaller, or leave out the smallest classes")
         .parameter("size");
 }
 

@@ -1,4 +1,4 @@
-// What can be told before any work: packings that cannot exist, and those that do not fit into memory.
+// Checks before any work: packings that cannot exist, and those that do not fit into memory.
 #pragma once
 
 #include "nodes/anneal/population.h"
@@ -6,12 +6,12 @@
 
 namespace terrazzo::anneal {
 
-// Bytes that packing takes at most, by experience: few for spheres, which need no contacts.
+// Upper bound of the bytes that packing needs, from experience: few for spheres, which store no contacts.
 double memory_needed(const Population& population, const Shapes& shapes);
 
-// Throws Error "impossible-density" where the balls inside the particles, taken down to one size, would be
-// denser than balls of one size can be (π/√18, Hales 2005), and "not-enough-memory" where more is needed than
-// `available`.
+// Throws Error "impossible-density" if the inscribed balls of the particles, reduced to one size, would be
+// denser than balls of one size can be (π/√18, Hales 2005), and "not-enough-memory" if more than 90 % of
+// `available` bytes are needed.
 void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
                            std::uint64_t available = available_memory());
 

@@ -70,7 +70,7 @@ double MeshDistance::signed_distance(const Vec3& p, double bound) const {
 }
 
 Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, int& feature) {
-  // Voronoi regions of the triangle's features (Ericson 2005, 5.1.5).
+  // Voronoi regions of the triangle's features (Ericson 2005, section 5.1.5).
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0 && d2 <= 0) return feature = 0, a;

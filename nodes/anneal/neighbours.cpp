@@ -11,7 +11,7 @@ struct Level {
   std::array<int, 3> cells{1, 1, 1};
   std::vector<std::int32_t> begin;  // per cell, + 1
   std::vector<std::int32_t> item;
-  std::vector<Vec3> place;  // of the items: read one after the other
+  std::vector<Vec3> place;  // positions of the items, for sequential access
 };
 
 std::array<int, 3> cell_of(const Level& level, const Vec3& box, const Vec3& p) {
@@ -38,7 +38,7 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
   for (int l = 0; l < count; ++l) {
     Level& level = levels[l];
     if (members[l] == 0) continue;
-    // No more cells than a few per member: a level with one tiny ball needs no fine grid.
+    // At most a few cells per member: a level with one tiny ball needs no fine grid.
     const double width = std::max(2 * level.largest + reach, std::cbrt(box.prod() / (4.0 * members[l] + 8)));
     for (int a = 0; a < 3; ++a) level.cells[a] = std::max(1, static_cast<int>(box[a] / width));
     const std::size_t n = static_cast<std::size_t>(level.cells[0]) * level.cells[1] * level.cells[2];
@@ -98,7 +98,7 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
         }
         struct Cell {
           int at = 0, image = 0;
-          Cell(int c, int n) {  // most cells lie within the box: no division
+          Cell(int c, int n) {  // most cells are inside the box and need no division
             image = c >= 0 && c < n ? 0 : c >= 0 ? c / n : -((n - 1 - c) / n);
             at = c - image * n;
           }

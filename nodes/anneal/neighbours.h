@@ -1,4 +1,4 @@
-// Pairs of balls that are near each other in a periodic box, of any mixture of sizes.
+// Pairs of nearby balls in a periodic box, for any mixture of sizes.
 #pragma once
 
 #include <array>
@@ -12,17 +12,18 @@ namespace terrazzo::anneal {
 
 struct Pair {
   std::int32_t a, b;                 // a < b
-  std::array<std::int8_t, 3> image;  // b's centre is position[b] + image · box
+  std::array<std::int8_t, 3> image;  // b's center is position[b] + image · box
 };
 
-// All pairs whose balls come within `reach` of each other, images told apart (one pair of particles may be
-// near through two faces of a small box). Positions in [0, box). A hierarchical grid: each size octave has
-// cells as large as its largest ball, and a ball looks into its own and all coarser levels (Ericson
-// 2005, 7.2). The same order for any number of threads. Every ball must be smaller than the box.
+// All pairs of balls at a distance of less than `reach`. Images are separate entries, because two particles
+// may be close through two faces of a small box. Positions in [0, box). Uses a hierarchical grid: each
+// octave of size has cells as large as its largest ball, and a ball searches its own and all coarser levels
+// (Ericson 2005, section 7.2). The order does not depend on the number of threads. Every ball must be
+// smaller than the box.
 std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
                              const std::vector<double>& radius, double reach, const Work& work = {});
 
-// The pairs of each particle: entries 2 · pair + side (0 where the particle is `a`), in the order of pairs.
+// The pairs of each particle: entries 2 · pair + side (0 if the particle is `a`), in the order of the pairs.
 struct Incidence {
   std::vector<std::int32_t> begin;  // n + 1
   std::vector<std::int32_t> entry;

@@ -57,55 +57,52 @@ void compute(Context& c) {
 NodeType anneal_node() {
   return NodeType("Anneal", 6)
       .doc_(
-          "Packs particles of given sizes and shapes into a periodic box without overlap: they grow from "
-          "random places "
-          "while overlaps of their true surfaces are relaxed, jams are shaken loose, and an independent "
-          "exact audit of "
-          "the triangles has the last word.")
+          "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
+          "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "
+          "independent, exact audit of the triangles verifies the result.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.1")
-      .input("distribution", "SizeDistribution", "particles per mm³ by size class")
-      .input("shapes", "Shapes", "closed meshes; those of the distribution's entries")
+      .input("distribution", "SizeDistribution", "Number density of particles by size class")
+      .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
       .optional_input("start", {"Particles"},
-                      "a packing to begin from: its particles stay where their class has room")
-      .output("particles", "Particles", "the packing, box [0, size)")
-      .output("sizes", "Table", "particles of each size class, requested and achieved")
-      .output("correlation", "Table", "pair correlation of the centres")
-      .output("figure", "Image", "sizes, pair correlation, and sections per area along x, y and z")
+                      "Initial packing; its particles are kept if their class has room")
+      .output("particles", "Particles", "The packing in the box [0, size)")
+      .output("sizes", "Table", "Requested and achieved number of particles per size class")
+      .output("correlation", "Table", "Pair correlation of the particle centers")
+      .output("figure", "Image", "Plots of sizes, pair correlation, and sections per area along x, y and z")
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto")
                      .unit_("mm")
                      .above(0)
                      .count(1, 3)
-                     .doc_("Edge of the box, or its three edges; of two the first holds for x and y, the "
-                           "other for z. auto: a cube for about `count` particles, "
-                           "at least three "
-                           "times the largest one where that does not take ten times as many"))
+                     .doc_("Edge length of the box: one value for a cube, two for x = y and z, or three for "
+                           "x, y and z. auto: a cube for about `count` particles, at least three times the "
+                           "largest particle unless that would need ten times as many."))
       .parameter(Parameter::integer("count", 2000)
                      .range(1, 1000000)
-                     .doc_("Particles that an automatic box is made for"))
+                     .doc_("Number of particles for which an automatic box is sized"))
       .parameter(Parameter::integer("seed", 1)
                      .range(0, 9007199254740991)
-                     .doc_("Seed of places, orientations and sizes"))
-      .parameter(Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
-                     .doc_("Where the particles cannot be packed: fail, shrink all alike until they fit, or "
-                           "drop as few as "
-                           "it takes"))
+                     .doc_("Random seed of positions, orientations and sizes"))
+      .parameter(
+          Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
+              .doc_("What to do if the particles cannot be packed. fail: report an error. shrink: shrink all "
+                    "particles by one factor until they fit. drop: remove as few particles as necessary."))
       .parameter(Parameter::number("binder_gap", 0)
                      .unit_("mm")
                      .range(0, 1e6)
                      .doc_("Smallest distance between particles"))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Ints, "voids", "none")
-              .keyword("all")
-              .range(0, 1e6)
-              .doc_("Classes of the distribution whose particles are holes: packed like the others, but "
-                    "without matter, as in foams, sponges and aerated concrete"))
-      .parameter(
-          Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
-              .doc_("What holds where the shapes' volumes do not fit the distribution's volume fraction: the "
-                    "fraction (all densities are scaled) or the densities"))
+      .parameter(Parameter::with_keyword(ParameterKind::Ints, "voids", "none")
+                     .keyword("all")
+                     .range(0, 1e6)
+                     .doc_("Classes of the distribution whose particles are holes, as in foams, sponges and "
+                           "aerated concrete. Voids are packed like other particles."))
+      .parameter(Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
+                     .doc_("Quantity to keep if the shapes' volumes contradict the distribution's volume "
+                           "fraction. volume_fraction: scale all number densities to keep the volume "
+                           "fraction. number_density: keep the number densities."))
       .parameter(Parameter::integer("iterations", 6000)
                      .range(1, 1000000)
-                     .doc_("Steps of all particles before they count as jammed; more reach denser packings"))
+                     .doc_("Number of steps after which the particles are considered jammed. More steps "
+                           "reach denser packings."))
       .compute_(compute);
 }
 

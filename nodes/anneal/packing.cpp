@@ -31,7 +31,7 @@ Packing packing_of(const Particles& p) {
   return packing;
 }
 
-// `requested` with the places and the shrink of `packing`.
+// `requested` with the positions, orientations and shrink factor of `packing`.
 Particles placed(const Particles& requested, const Packing& packing) {
   Particles p = requested;
   p.position = packing.position;
@@ -81,7 +81,7 @@ class Packer {
   AnnealResult state_;
   AuditResult audit_;
   PackResult result_;
-  std::vector<std::int32_t> index_;  // of each particle in the population's order; empty: they are in it
+  std::vector<std::int32_t> index_;  // original index of each particle; empty if the order is unchanged
 
   void prepare();
   void place();
@@ -117,7 +117,7 @@ void Packer::place() {
   sort(spatial_order(packing_.box, packing_.position));
 }
 
-// Particles in another order, for as long as they are packed.
+// Reorders the particles while they are packed; run() restores the original order.
 void Packer::sort(const std::vector<std::int32_t>& order) {
   reorder_all(population_.particles, order), reorder(population_.size_class, order);
   reorder(index_, order);
@@ -131,7 +131,7 @@ bool Packer::has_more_detail() const {
   });
 }
 
-// Anneals until the audit finds nothing: what it finds widens the margin of the particles concerned.
+// Anneals until the audit finds no overlap. Every overlap found widens the margins of its particles.
 void Packer::anneal_and_audit(double start_shrink, const Work& work) {
   anneal_.start_shrink = start_shrink;
   anneal_.settle = false;
@@ -152,10 +152,10 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
     const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
     anneal_.settle = true;
     if (many && anneal_.detail == Detail::Fine && has_more_detail()) {
-      anneal_.detail = Detail::All;  // first look closer
+      anneal_.detail = Detail::All;  // use full detail before widening margins
       continue;
     }
-    for (const auto& p : audit_.found) {  // doubled where it was not enough
+    for (const auto& p : audit_.found) {  // a margin that was insufficient is doubled
       double& margin = anneal_.extra.of_pair[{p.a, p.b}];
       margin += std::max(margin, 1.5 * p.depth + 5e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
     }
@@ -163,8 +163,8 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
       fewest = audit_.found.size(), since = 0;
     else
       ++since;
-    // Where many pairs are found, or mending here opens overlaps there, the contacts miss something
-    // everywhere. By the typical depth: a wide margin for all stirs up the whole packing.
+    // If there are many pairs, or removing overlaps causes others, contacts are missed everywhere. Unless
+    // there are many, use the mean depth, because a wide margin for all pairs disturbs the whole packing.
     if (many || since >= 3) {
       double mean = 0;
       for (const auto& p : audit_.found) mean += p.relative / static_cast<double>(audit_.found.size());
@@ -173,7 +173,7 @@ void Packer::anneal_and_audit(double start_shrink, const Work& work) {
   }
 }
 
-// Takes away the most strained particles, few at a time, until the rest is free.
+// Removes the most strained particles, a few at a time, until the others are free.
 void Packer::drop(const Work& work) {
   while (packing_.count() > 0 && (packing_.shrink < 1 || audit_.worst > kTolerance)) {
     packing_.shrink = 1;
@@ -211,7 +211,7 @@ PackResult Packer::run() {
   place();
   anneal_.binder_gap = options_.population.binder_gap;
   anneal_.seed = options_.population.seed;
-  // The last bit of size is not worth most of the time where shrinking is allowed anyway.
+  // If shrinking is allowed, the last 0.2 % of size are not worth most of the time.
   anneal_.enough = options_.on_jam == OnJam::Shrink ? 0.998 : 1;
   for (const auto& s : contact_shapes_)
     if (s.field.kind() == DistanceField::Kind::Grid) anneal_.aim = 1.002;
@@ -255,13 +255,13 @@ PackResult Packer::run() {
   result_.notes = population_.notes;
   if (result_.shrink < 1)
     result_.notes.push_back(
-        fmt::format("jammed: all particles were shrunk to {:.4f} of their size, the volume fraction is "
-                    "{:.3f} where {:.3f} was requested",
+        fmt::format("the particles jammed: all were shrunk to {:.4f} of their size, which reduces the volume "
+                    "fraction to {:.3f}; {:.3f} was requested",
                     result_.shrink, fraction(), result_.requested_fraction));
   if (result_.dropped > 0)
     result_.notes.push_back(
-        fmt::format("jammed: {} particles were left out, the volume fraction is {:.3f} where {:.3f} was "
-                    "requested",
+        fmt::format("the particles jammed: {} were removed, which reduces the volume fraction to {:.3f}; "
+                    "{:.3f} was requested",
                     result_.dropped, fraction(), result_.requested_fraction));
   return std::move(result_);
 }

@@ -17,23 +17,24 @@ struct PackOptions {
 struct PackResult {
   Particles particles;
   std::vector<int> size_class;   // of each particle
-  std::vector<double> expected;  // particles asked for in each class
+  std::vector<double> expected;  // number of particles requested in each class
   double requested_fraction = 0;
-  double max_penetration = 0;  // by the audit, of the smaller particle's size
-  double coordination = 0;     // mean number of neighbours within 1 % of the smaller one's size
-  double shrink = 1;           // all particles were scaled by this
-  std::size_t kept = 0;        // taken over from `start`
+  double max_penetration = 0;  // from the audit, relative to the smaller particle's size
+  double coordination = 0;     // mean number of neighbors within 1 % of the smaller particle's size
+  double shrink = 1;           // all particles were scaled by this factor
+  std::size_t kept = 0;        // number of particles kept from `start`
   std::size_t dropped = 0;
   double dropped_volume = 0;  // mm³
   int iterations = 0;
-  std::vector<std::string> notes;  // for the user
+  std::vector<std::string> notes;  // warnings for the user
 };
 
-// Deepest penetration that passes, relative to the smaller particle's size.
+// Deepest penetration that the audit accepts, relative to the smaller particle's size.
 inline constexpr double kTolerance = 1e-4;
 
-// Throws what populate() and refuse_what_cannot_be() throw, and Error "jammed" with the volume fraction
-// reached when the particles cannot be packed and on_jam is Fail.
+// Throws the errors of populate() and refuse_what_cannot_be(). Throws Error "jammed" with the volume
+// fraction reached if the particles cannot be packed and on_jam is Fail, "overlap" if the audit finds
+// overlaps that cannot be removed.
 PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                           const PackOptions& options, const Work& work = {});
 

@@ -10,13 +10,13 @@ namespace terrazzo::anneal {
 namespace {
 
 constexpr std::uint64_t kPlace = 0x706c616365, kBlock = 0x626c6f636b;
-constexpr int kBlocks = 16;  // along an edge, where balls are placed block by block
+constexpr int kBlocks = 16;  // blocks along an edge, if balls are placed block by block
 
 int octave_of(double radius, double largest) {
   return static_cast<int>(std::clamp(std::log2(largest / radius), 0.0, 12.0));
 }
 
-// Balls so far, in one grid per octave of radius.
+// The balls placed so far, in one grid per octave of radius.
 class Occupied {
  public:
   Occupied(const Vec3& box, double largest) : box_(box), largest_(largest) {}
@@ -26,7 +26,7 @@ class Occupied {
     level.balls[level.flat(level.cell(box_, p))].push_back({p, radius});
   }
 
-  // Deepest overlap of a ball here, in units of the smaller radius; gives up above `enough`.
+  // Deepest overlap of a ball at p, relative to the smaller radius. Stops once it reaches `enough`.
   double overlap(const Vec3& p, double radius, double enough) const {
     double worst = 0;
     for (const Level& level : levels_) {
@@ -92,8 +92,8 @@ class Occupied {
   }
 };
 
-// Particles in the order in which they are placed, and the block of the box that each is drawn into: by
-// octave of size, then by block, so that what a ball is tested against is at hand.
+// The order in which particles are placed, and the block of the box in which each is placed: by octave of
+// size, then by block, so that the balls tested are in the cache.
 struct Draw {
   std::uint32_t block;
   std::int32_t particle;
@@ -120,7 +120,7 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
   if (n == 0) return;
   Occupied occupied(packing.box, *std::max_element(radius.begin(), radius.end()));
   for (std::size_t i = 0; i < first; ++i) occupied.add(packing.position[i], radius[i]);
-  int tries = 24;  // fewer as the box fills and free places become rare
+  int tries = 24;  // fewer as the box fills and free positions become rare
   double crowded = 0;
   const bool by_block = n - first >= kCached;
   const auto order = by_block ? draws(first, radius, *std::max_element(radius.begin(), radius.end()), seed)

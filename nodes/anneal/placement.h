@@ -1,13 +1,14 @@
-// First positions of particles: at random, largest first, each where it overlaps least among some tries.
+// Initial positions of particles: random, largest first, each at the position with the least
+// overlap among several tries.
 #pragma once
 
 #include "nodes/anneal/relaxation.h"
 
 namespace terrazzo::anneal {
 
-// Gives particles `first` and later a random position and a uniformly random orientation; those before keep
-// theirs. `radius`: a ball that stands for each particle here, mm. The later particles must be in order of
-// falling radius.
+// Assigns random positions and uniformly random orientations to the particles from `first` on; the others are
+// unchanged. `radius`: a ball that represents each particle, mm. The particles from `first` on must be in
+// order of decreasing radius.
 void place_at_random(Packing& packing, std::size_t first, const std::vector<double>& radius,
                      std::uint64_t seed, const Work& work);
 

@@ -12,7 +12,7 @@ struct Plane {
   double offset = 0;
 };
 
-// The plane of each triangle, −1 where it has no area; empty where there are more than `most`.
+// The plane of each triangle, −1 if it has no area; empty if there are more than `most` planes.
 std::vector<int> planes_of(const Mesh& mesh, double radius, std::size_t most, std::vector<Plane>& planes) {
   std::vector<int> of(mesh.triangles.size(), -1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -41,13 +41,13 @@ Polytope make_polytope(const Mesh& mesh, std::size_t most) {
   std::vector<Plane> planes;
   const auto plane_of = planes_of(mesh, radius, most, planes);
   if (plane_of.empty() || planes.size() < 4) return {};
-  for (auto& p : planes)  // no vertex beyond, to rounding
+  for (auto& p : planes)  // reject vertices beyond a plane, except for rounding
     for (const auto& v : mesh.vertices) {
       if (p.normal.dot(v) > p.offset + 1e-5 * radius) return {};
       p.offset = std::max(p.offset, p.normal.dot(v));
     }
 
-  // Directed edges between faces; each face's border is then a chain of them.
+  // Directed edges between faces form the boundary loop of each face.
   std::map<std::pair<int, int>, int> directed;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (plane_of[t] >= 0)
@@ -63,7 +63,7 @@ Polytope make_polytope(const Mesh& mesh, std::size_t most) {
   };
   for (const auto& [key, face] : directed) {
     const auto twin = directed.find({key.second, key.first});
-    if (twin == directed.end()) return {};  // a triangle without area lies between
+    if (twin == directed.end()) return {};  // a triangle without area is in between
     if (twin->second == face) continue;
     if (!next[face].emplace(key.first, key.second).second) return {};
     if (key.first < key.second) {

@@ -1,4 +1,4 @@
-// A convex polyhedron as the separating axis test wants it: whole faces, edges with both their faces.
+// A convex polyhedron for the separating axis test: whole faces, and edges with both their faces.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,12 @@ struct Polytope {
   };
   std::vector<Vec3f> vertices;
   std::vector<Face> faces;
-  std::vector<Edge> edges;  // that faces meet in; none within a flat face
+  std::vector<Edge> edges;  // only edges between faces, none within a flat face
   bool empty() const { return faces.empty(); }
 };
 
-// Triangles of one plane are merged (to 1e-5 of the radius). Empty where the mesh is not convex or has more
-// than `most` faces.
+// Merges coplanar triangles (to 1e-5 of the radius). Empty if the mesh is not convex or has
+// more than `most` faces.
 Polytope make_polytope(const Mesh& mesh, std::size_t most);
 
 }  // namespace terrazzo::anneal

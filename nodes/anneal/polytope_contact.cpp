@@ -13,7 +13,7 @@ struct Best {
   bool of_a = true;
 };
 
-// b in a's frame, a unscaled.
+// Maps b's frame to a's, with a unscaled.
 struct Relative {
   Eigen::Matrix3f linear;  // rotation times scale
   Eigen::Matrix3f rotation;
@@ -28,7 +28,7 @@ float lowest(const std::vector<Vec3f>& vertices, const Vec3f& direction) {
   return least;
 }
 
-// Faces of `own` against all of `other`'s vertices. Stops beyond `enough`.
+// Tests the faces of `own` against all vertices of `other`. Stops beyond `enough`.
 void try_faces(const Polytope& own, const Polytope& other, const Relative& other_in_own, float enough,
                bool of_a, Best& best, const Relative& b_in_a) {
   for (std::size_t f = 0; f < own.faces.size(); ++f) {
@@ -44,8 +44,8 @@ void try_faces(const Polytope& own, const Polytope& other, const Relative& other
   }
 }
 
-// Whether the arcs between the faces' normals cross: only then the two edges bear a face of the Minkowski
-// sum.
+// Whether the arcs between the faces' normals cross on the Gauss map. Only then do the two edges form a face
+// of the Minkowski difference.
 bool arcs_cross(const Vec3f& a, const Vec3f& b, const Vec3f& bxa, const Vec3f& c, const Vec3f& d,
                 const Vec3f& dxc) {
   const float cba = c.dot(bxa), dba = d.dot(bxa), adc = a.dot(dxc), bdc = b.dot(dxc);
@@ -64,7 +64,7 @@ void try_edges(const Polytope& a, const Polytope& b, const Relative& b_in_a, flo
       if (!arcs_cross(a.faces[ea.left].normal, a.faces[ea.right].normal, ea.direction, c, d, db)) continue;
       Vec3f axis = ea.direction.cross(db);
       const float length = axis.norm();
-      if (length < 1e-3f) continue;  // parallel: a face's normal tells as much
+      if (length < 1e-3f) continue;  // parallel: a face normal covers this case
       axis /= length;
       if (axis.dot(a.vertices[ea.a]) < 0) axis = -axis;
       const float s = axis.dot(qb - a.vertices[ea.a]);
@@ -90,7 +90,7 @@ int clip(const Vec3f* in, int n, const Vec3f& normal, float offset, Vec3f* out, 
 
 constexpr int kCorners = 96;
 
-// `own` carries the reference face; all in own's frame and unit. Points are on the incident face.
+// `own` has the reference face; everything is in own's frame and unit. Points are on the incident face.
 void clip_faces(const Polytope& own, int face, const Polytope& other, const Relative& other_in_own,
                 float margin, float unit, const Eigen::Matrix3f& to_world, const Vec3f& shift,
                 Manifold& out) {
@@ -120,7 +120,7 @@ void clip_faces(const Polytope& own, int face, const Polytope& other, const Rela
   }
 }
 
-// Half way between the edges' nearest points, in a's frame.
+// Midpoint of the edges' closest points, in a's frame.
 Vec3f meet_edges(const Polytope& a, const Polytope& b, const Best& best, const Relative& b_in_a) {
   const auto &ea = a.edges[best.edge_a], &eb = b.edges[best.edge_b];
   const Vec3f p = a.vertices[ea.a], u = ea.direction, q = b_in_a(b.vertices[eb.a]),
@@ -145,8 +145,8 @@ struct Frames {
   }
 };
 
-// The axis of largest separation, in a's unit; the search ends beyond `enough`. A face is preferred to edges
-// that part the bodies hardly better: it holds several points.
+// The axis of largest separation, in a's unit. The search ends beyond `enough`. A face is preferred to a pair
+// of edges with only slightly larger separation, because a face has several contact points.
 Best best_axis(const Polytope& a, const Polytope& b, const Frames& frames, float enough) {
   Best best;
   try_faces(a, b, frames.b_in_a, enough, true, best, frames.b_in_a);
@@ -194,7 +194,7 @@ void find_manifold(const PlacedPolytope& a, const PlacedPolytope& b, const Vec3f
     clip_faces(pa, best.face, pb, frames.b_in_a, margin, a.scale, a.rotation, Vec3f::Zero(), out);
   else
     clip_faces(pb, best.face, pa, frames.a_in_b, margin, b.scale, b.rotation, offset, out);
-  // The faces' corners miss each other by rounding: touch half way between the centres.
+  // Rounding removed all corners of the clipped face: use the midpoint between the centers.
   if (out.count == 0) out.points[out.count++] = {0.5f * offset, std::max(margin - out.separation, 0.f)};
 }
 

@@ -34,36 +34,41 @@ double bounding_diameter(const Shape& s) {  // of a particle of unit size
 
 void check(const SizeDistribution& d, const Shapes& shapes) {
   const auto bad = [](const std::string& what) {
-    throw Error("bad-distribution", what, "look at the node that makes the distribution");
+    throw Error("bad-distribution", what, "check the node that makes the distribution");
   };
   if (shapes.shapes.empty())
-    throw Error("no-shapes", "there is no shape to pack", "connect a node that gives shapes");
+    throw Error("no-shapes", "there is no shape to pack", "connect a node that outputs shapes");
   double probability = 0;
   for (const auto& s : shapes.shapes) {
     if (s.mesh.triangles.empty() || !(s.volume > 0) || !(s.size() > 0) || !std::isfinite(s.volume))
       throw Error("bad-shape", fmt::format("shape '{}' has no volume", s.name),
-                  "use a closed, outward oriented mesh");
+                  "use a closed mesh with outward orientation");
     if (!(s.probability >= 0))
-      throw Error("bad-shape", fmt::format("shape '{}' has no valid probability", s.name));
+      throw Error("bad-shape", fmt::format("the probability of shape '{}' must be 0 or more; it is {}",
+                                           s.name, s.probability));
     if (s.probability > 0)
       if (const auto faults = mesh_faults(s.mesh); !faults.empty())
-        throw Error("open-mesh", fmt::format("shape '{}' does not bound a solid: {}", s.name, faults.front()),
-                    "close its holes, with `repair` of LoadMesh for example");
+        throw Error("open-mesh",
+                    fmt::format("the mesh of shape '{}' is not closed: {}", s.name, faults.front()),
+                    "close its holes, for example with `repair` of LoadMesh");
     probability += s.probability;
   }
   if (!(probability > 0)) throw Error("bad-shape", "all shapes have probability 0");
   if (d.class_edges.size() < 2) bad("the distribution has no size class");
   for (std::size_t k = 0; k < d.class_edges.size(); ++k) {
     if (!std::isfinite(d.class_edges[k]) || d.class_edges[k] < 0)
-      bad("a class edge is negative or no number");
-    if (k > 0 && d.class_edges[k] < d.class_edges[k - 1]) bad("the class edges do not rise");
+      bad(fmt::format("class edges must be finite and 0 or more; one is {}", d.class_edges[k]));
+    if (k > 0 && d.class_edges[k] < d.class_edges[k - 1]) bad("the class edges are not in increasing order");
   }
   for (const auto& e : d.shapes) {
-    if (e.N_V.size() != d.classes()) bad("an entry has another number of classes than the distribution");
+    if (e.N_V.size() != d.classes())
+      bad(fmt::format("an entry has {} classes, but the distribution has {}", e.N_V.size(), d.classes()));
     if (e.shape < -1 || e.shape >= static_cast<int>(shapes.shapes.size()))
-      bad(fmt::format("an entry asks for shape {}, there are {}", e.shape, shapes.shapes.size()));
+      bad(fmt::format("an entry refers to shape {}, but there are only {} shapes", e.shape,
+                      shapes.shapes.size()));
     for (std::size_t k = 0; k < e.N_V.size(); ++k) {
-      if (!(e.N_V[k] >= 0) || !std::isfinite(e.N_V[k])) bad("a density is negative or no number");
+      if (!(e.N_V[k] >= 0) || !std::isfinite(e.N_V[k]))
+        bad(fmt::format("number densities must be finite and 0 or more; one is {}", e.N_V[k]));
       if (e.N_V[k] > 0 && !(d.class_edges[k + 1] > 0)) bad("a class with particles has size 0");
     }
   }
@@ -84,7 +89,7 @@ std::vector<Cell> cells_of(const SizeDistribution& d, const Shapes& shapes) {
   return cells;
 }
 
-// Largest particle there can be and its bounding diameter.
+// Size of the largest possible particle and its bounding diameter.
 void largest(const SizeDistribution& d, const Shapes& shapes, double& size, double& diameter) {
   size = diameter = 0;
   for (const auto& e : d.shapes)
@@ -104,28 +109,26 @@ Vec3 choose_box(const PopulationOptions& o, double density, double size, double 
     if (!box.allFinite() || !(box.minCoeff() > 0))
       throw Error("bad-size", "the box edges must be positive numbers", "").parameter("size");
     if (diameter + o.binder_gap >= box.minCoeff())
-      throw Error(
-          "box-too-small",
-          fmt::format(
-              "a particle of size {:.4g} mm reaches {:.4g} mm across, more than the box edge of {:.4g} mm, "
-              "and would touch its own periodic image",
-              size, diameter, box.minCoeff()),
-          fmt::format("make the box at least {:.4g} mm, better {:.4g} mm", 1.05 * diameter + o.binder_gap,
-                      3 * size))
+      throw Error("box-too-small",
+                  fmt::format("a particle of size {:.4g} mm has an extent of {:.4g} mm, which does not fit "
+                              "the box edge of {:.4g} mm: it would touch its own periodic image",
+                              size, diameter, box.minCoeff()),
+                  fmt::format("make the box at least {:.4g} mm, preferably {:.4g} mm",
+                              1.05 * diameter + o.binder_gap, 3 * size))
           .parameter("size");
     return box;
   }
   double edge = std::cbrt(static_cast<double>(o.count) / density);
   const double wanted = std::max(3 * size, 1.2 * diameter + o.binder_gap);
   if (edge < wanted) {
-    // Large particles ask for a larger box, as long as the fine ones do not become too many.
+    // Large particles require a larger box, unless that needs too many small ones.
     const double capped = std::cbrt(10.0 * static_cast<double>(o.count) / density);
     edge = std::max({edge, std::min(wanted, capped),
                      std::min(wanted, std::max(1.5 * size, 1.1 * diameter + o.binder_gap))});
     if (edge < wanted)
-      out.notes.push_back(
-          fmt::format("the box is only {:.2f} times the largest particle: more would need {:.3g} particles",
-                      edge / size, density * wanted * wanted * wanted));
+      out.notes.push_back(fmt::format(
+          "the box is only {:.2f} times the largest particle; a larger one would need {:.3g} particles",
+          edge / size, density * wanted * wanted * wanted));
   }
   return Vec3::Constant(edge);
 }
@@ -148,10 +151,10 @@ struct Member {
   int entry, size_class, shape;
   double rank;  // 0…1 within its class
   double size = 0;
-  int start = -1;  // index into the particles to start from
+  int start = -1;  // index into the start particles, −1 for new ones
 };
 
-// An order of 0 … n − 1 that depends on the seed alone.
+// A permutation of 0 … n − 1 that depends only on seed and item.
 std::vector<std::size_t> shuffled(std::size_t n, std::uint64_t seed, std::uint64_t item) {
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -170,7 +173,8 @@ void add_members(const Cell& cell, std::size_t index, std::size_t n, const SizeD
   const double phase = random.uniform();
   for (std::size_t k = 0; k < n; ++k) {
     int shape = fixed;
-    if (fixed < 0) {  // systematic sampling: each shape as often as its probability says, to within one
+    // Systematic sampling: each shape occurs in proportion to its probability, to within one.
+    if (fixed < 0) {
       const double at = (static_cast<double>(order[k]) + phase) / static_cast<double>(n) * total;
       double sum = 0;
       for (std::size_t s = 0; s < shapes.shapes.size(); ++s) {
@@ -190,7 +194,7 @@ double total_volume(const std::vector<Member>& members, const Shapes& shapes) {
   return v;
 }
 
-// Bends the ranks within their classes by one exponent until the volume is met as nearly as it can be.
+// Raises the ranks within their classes to a common power so that the volume matches as closely as possible.
 void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const Shapes& shapes,
                   double volume, const Work& work) {
   const auto apply = [&](double exponent) {
@@ -203,7 +207,7 @@ void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const
     }
     return total_volume(members, shapes);
   };
-  double lo = -2, hi = 2;  // log of the exponent: more exponent, less volume
+  double lo = -2, hi = 2;  // log of the exponent: a larger exponent means less volume
   for (int k = 0; k < 40; ++k) {
     const double mid = 0.5 * (lo + hi);
     (apply(std::exp(mid)) > volume ? lo : hi) = mid;
@@ -219,23 +223,23 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   for (const std::int64_t cls : o.void_classes)
     if (std::none_of(d.shapes.begin(), d.shapes.end(), [&](const auto& e) { return e.cls == cls; }))
       throw Error("no-such-class", fmt::format("the distribution has no class {}", cls),
-                  "give a class that it has, or all")
+                  "use a class of the distribution, or all")
           .parameter("voids");
   Population out;
   auto cells = cells_of(d, shapes);
   double density = 0, computed = 0;
   for (const auto& c : cells) density += c.density, computed += c.density * c.mean_volume;
   if (cells.empty() || !(density > 0) || !(computed > 0))
-    throw Error("no-particles", "the distribution has no particles: all its densities are 0",
-                "look at the profiles or densities that it comes from");
+    throw Error("no-particles", "the distribution has no particles: all its number densities are 0",
+                "check the profiles or densities from which it is computed");
   out.requested_fraction = computed;
   if (o.keep_volume_fraction && d.volume_fraction > 0 && std::isfinite(d.volume_fraction)) {
     out.requested_fraction = d.volume_fraction;
     const double factor = d.volume_fraction / computed;
     if (factor < 0.93 || factor > 1.07) {
       out.notes.push_back(
-          fmt::format("with these shapes the number densities fill {:.3f} of the space, not {:.3f}: they are "
-                      "multiplied by {:.3f} to hold the volume fraction",
+          fmt::format("with these shapes the number densities imply a volume fraction of {:.3f}, not {:.3f}; "
+                      "they were scaled by {:.3f} to keep the volume fraction",
                       computed, d.volume_fraction, factor));
       for (auto& c : cells) c.density *= factor;
       density *= factor;
@@ -243,19 +247,22 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   }
   if (!(out.requested_fraction < 1))
     throw Error("impossible-density",
-                fmt::format("the particles would fill {:.3f} of the box", out.requested_fraction),
+                fmt::format("the particles would fill {:.3f} of the box; it must be less than 1",
+                            out.requested_fraction),
                 "lower the densities or the volume fraction");
 
   double size, diameter;
   largest(d, shapes, size, diameter);
   const Vec3 box = choose_box(o, density, size, diameter, out);
   const double volume = box.prod(), expected = density * volume;
-  if (expected > static_cast<double>(o.most) + 0.5)  // `most` itself is allowed, and its box rounded
+  // Exactly `most` particles are allowed despite the rounding of their box.
+  if (expected > static_cast<double>(o.most) + 0.5)
     throw Error(
         "too-many-particles",
-        fmt::format("the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles", box[0], box[1],
-                    box[2], expected),
-        fmt::format("make it smaller, or leave out the finest classes; at most {} are packed", o.most))
+        fmt::format(
+            "the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles; at most {} are allowed",
+            box[0], box[1], box[2], expected, o.most),
+        "make the box smaller, or leave out the smallest classes")
         .parameter("size");
 
   const double target = out.requested_fraction * volume;
@@ -288,7 +295,8 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     add_members(cell, c, static_cast<std::size_t>(cell.count - have), d, shapes, o.seed, members);
   }
   if (members.empty())
-    throw Error("no-particles", fmt::format("the box holds {:.2g} particles on average, so none", expected),
+    throw Error("no-particles",
+                fmt::format("the box would hold only {:.2g} particles on average, so it is empty", expected),
                 "make the box larger")
         .parameter("size");
   choose_sizes(members, d, shapes, target, work);
@@ -304,7 +312,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   Particles& p = out.particles;
   p.resize(members.size());
   if (o.all_void || !o.void_classes.empty()) p.voids.resize(members.size());
-  // What rounding left over goes into the size of the box where that is ours to choose.
+  // If the size of the box is automatic, adjust it to compensate for the remaining rounding error.
   const double filled = total_volume(members, shapes);
   p.box = box;
   const double stretch = std::cbrt(filled / target);

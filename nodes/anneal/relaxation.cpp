@@ -9,15 +9,15 @@ namespace terrazzo::anneal {
 
 namespace {
 
-constexpr double kCandidateSlack = 0.015;  // travel for which candidates are collected, in sizes
-constexpr float kRidge = 0.1f;             // keeps a body with one contact from turning instead of moving
+constexpr double kCandidateSlack = 0.015;  // motion for which candidates are collected, in sizes
+constexpr float kRidge = 0.1f;             // keeps a body with one contact from rotating instead of moving
 
 void add(Demand& sum, const Demand& d) {
   for (int k = 0; k < 21; ++k) sum.square[k] += d.square[k];
   for (int k = 0; k < 6; ++k) sum.side[k] += d.side[k];
 }
 
-// The displacement and turn that meet the demand best, turns being weighed by `arm`.
+// The displacement and rotation that best satisfy the demand; rotations are weighted by `arm`.
 void solve(const Demand& demand, double arm, Vec3& dx, Vec3& dw) {
   Eigen::Matrix<float, 6, 6> m;
   Eigen::Matrix<float, 6, 1> r;
@@ -68,7 +68,8 @@ void Relaxation::rebuild(const Work& work) {
     bodies_[i].shape = &shape;
     bodies_[i].scale = static_cast<float>(packing_.scale[i] * packing_.shrink);
     bodies_[i].rotation = packing_.orientation[i].toRotationMatrix().cast<float>();
-    // Half of each pair's margin belongs to each body; the smaller size bounds the surplus of a pair.
+    // Each body gets half of each pair's margin. A pair's surplus is relative to the smaller size, so that
+    // the halves of both bodies suffice.
     radius[i] = shape.bounding_radius * packing_.scale[i] * packing_.shrink + 0.5 * binder_gap_ +
                 shape.error * packing_.scale[i] + 0.5 * (surplus + extra.all) * packing_.size[i];
     mean += radius[i];
@@ -135,7 +136,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
           contacts_[k] =
               find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin),
                            detail, candidates, static_cast<float>(slack));
-          // Elements that are no candidates may come as near as what is left of the slack.
+          // Other elements may come as close as the remaining slack.
           const double left = candidates.known ? slack - (travelled - noted_[k]) : 1e300;
           slack_[k] =
               contacts_[k].depth > 0 ? -1.f : static_cast<float>(std::min<double>(contacts_[k].gap, left));
@@ -214,7 +215,7 @@ void Relaxation::move(const Work& work) {
   end_move(farthest);
 }
 
-// Positions leave the box by a little between rebuilds, so that the images of the pairs stay valid.
+// Between rebuilds, positions may leave the box slightly, so that the images of the pairs stay valid.
 void Relaxation::end_move(double farthest) {
   if (farthest <= reach_) return;
   for (std::size_t i = 0; i < packing_.count(); ++i) wrap(i);

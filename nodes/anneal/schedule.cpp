@@ -8,9 +8,9 @@ namespace terrazzo::anneal {
 namespace {
 
 constexpr double kHot = 0.9;    // step length that agitates the bodies
-constexpr int kAgitated = 150;  // iterations of it
-constexpr double kRate = 0.02;  // of shrinking, in mean overlaps an iteration
-constexpr double kGain = 3e-4;  // growth in kPatience rounds below which bodies count as jammed
+constexpr int kAgitated = 150;  // number of iterations with it
+constexpr double kRate = 0.02;  // rate of shrinking, in mean overlaps per iteration
+constexpr double kGain = 3e-4;  // growth in kPatience rounds below which the bodies are considered jammed
 constexpr int kPatience = 5;
 
 enum class Outcome { Free, Stalled, OutOfTime };
@@ -34,12 +34,12 @@ class Schedule {
   Packing& packing_;
   const AnnealOptions& options_;
   const Work& work_;
-  Work quiet_;  // the loops within an iteration do not move the progress bar
+  Work quiet_;  // without progress reports, for the loops within an iteration
   Relaxation relax_;
   std::uint64_t shakes_ = 0;
   int used_ = 0, limit_ = 0;  // iterations
   Overlap last_;
-  Packing best_;  // places and size of the densest free state
+  Packing best_;  // positions and size of the densest free state
 
   int left() const { return limit_ - used_; }
   void tell();
@@ -70,8 +70,8 @@ void Schedule::set(double shrink, bool fine, double surplus) {
   relax_.surplus = surplus;
 }
 
-// Iterates until no overlap is deeper than `tolerance`, or the energy falls by less than `least_progress` in
-// 40 steps.
+// Iterates until no overlap is deeper than `tolerance`, or the energy falls by a share of less than
+// `least_progress` in 40 steps.
 Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   double before = 1e300;
   int kicks = 0;
@@ -83,7 +83,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
     if (last_.worst <= tolerance) return Outcome::Free;
     if (k % 40 == 39) {
       if (last_.energy > before * (1 - least_progress)) {
-        // A few bodies caught in each other, in a packing that is free elsewhere, come loose by a kick.
+        // In a packing that is otherwise free, a random kick can release a few interlocked bodies.
         if (relax_.detail == Detail::Coarse || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
           return Outcome::Stalled;
         relax_.shake(0.01 * kicks, options_.seed, ++shakes_, std::max(relax_.surplus, 0.5 * last_.worst),
@@ -97,7 +97,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   return Outcome::Stalled;
 }
 
-// Growth with overlaps of some percent allowed on the way. Ends at full size, or where the bodies jam.
+// Grows the bodies while allowing overlaps of some percent. Ends at full size, or when the bodies jam.
 void Schedule::grow() {
   double rate = 0.06;
   set(std::min(1.0, options_.start_shrink), false, 0.005);
@@ -126,11 +126,10 @@ void Schedule::restore() {
   relax_.rest();
 }
 
-// Shrinks by `down` and more each time until no overlap is left.
+// Shrinks by `down`, and by more each time, until no overlap remains.
 bool Schedule::free_by_shrinking(double down) {
   for (;;) {
-    if (best_.position.empty())
-      limit_ = std::max(limit_, used_ + 200);  // a free state comes first, at any cost
+    if (best_.position.empty()) limit_ = std::max(limit_, used_ + 200);  // a free state is needed at any cost
     set(packing_.shrink * (1 - down), true, 0.002 * packing_.shrink);
     if (relax(0, 150, 0.3) == Outcome::Free) return true;
     if (packing_.shrink < 0.05) return false;
@@ -138,8 +137,8 @@ bool Schedule::free_by_shrinking(double down) {
   }
 }
 
-// Bodies that overlap shrink as fast as their overlaps say while they go on parting, so that they come free
-// just where they jam. False where time runs out.
+// Overlapping bodies shrink at a rate proportional to their overlap while they continue to separate, so that
+// they become free just at their jamming density. Returns false if time runs out.
 bool Schedule::decompress() {
   for (;;) {
     if (left() <= 0 && !best_.position.empty()) return false;
@@ -152,7 +151,7 @@ bool Schedule::decompress() {
     const double before = packing_.shrink;
     const double after = before * (1 - std::min(kRate * mean, 0.01));
     relax_.resize(after);
-    for (const double goal : {options_.aim, 1.0})  // the sizes that are asked for are worth a longer try
+    for (const double goal : {options_.aim, 1.0})  // the target sizes are worth a longer try
       if (before > goal && after <= goal) {
         relax_.resize(goal);
         if (relax(0, 400, 0.1) == Outcome::Free) return true;
@@ -162,9 +161,9 @@ bool Schedule::decompress() {
   return last_.worst <= 0 || free_by_shrinking(std::max(1e-4, 0.5 * last_.worst));
 }
 
-// Rounds of pressing jammed bodies into each other, agitated by steps that are too long, and letting them
-// expand to where they jam: each finds a denser state than the last, until `enough` is reached or rounds gain
-// no more. `over` is the share of a size by which they are pressed.
+// Repeatedly presses jammed bodies into each other, agitated by steps that are too long, and lets them
+// decompress to their jamming density. Each round finds a denser state, until `enough` is reached or rounds
+// stop gaining. `over` is the share of the size by which the bodies are pressed.
 bool Schedule::compact(double over, double step) {
   bool any = false;
   std::vector<double> reached;

@@ -5,7 +5,7 @@
 namespace terrazzo::anneal {
 namespace {
 
-// Ten bits, two zeros between each.
+// Spreads ten bits, with two zeros between each.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
   x = (x | x << 8) & 0x0300f00f;

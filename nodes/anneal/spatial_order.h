@@ -1,4 +1,4 @@
-// Neighbours in space beside each other in memory.
+// Orders points so that neighbors in space are close in memory.
 #pragma once
 
 #include <cstddef>
@@ -9,10 +9,10 @@
 
 namespace terrazzo::anneal {
 
-// Fewer particles than these are in reach of each other wherever they are kept: their order is left alone.
+// Smaller numbers of particles fit the cache in any order, so their order is not changed.
 inline constexpr std::size_t kCached = 50000;
 
-// The points' indices along a Morton curve through [0, box), 1024 cells an edge; equal cells by index.
+// The points' indices along a Morton curve through [0, box), 1024 cells per edge; ties are ordered by index.
 std::vector<std::int32_t> spatial_order(const Vec3& box, const std::vector<Vec3>& points);
 
 // v[k] becomes v[order[k]].

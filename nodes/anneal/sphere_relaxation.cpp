@@ -1,4 +1,5 @@
-// The iteration of relaxation.h where all bodies are spheres: an order of magnitude less to keep and to do.
+// The iteration of relaxation.h for packings of only spheres: it needs an order of magnitude
+// less memory and time.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +11,7 @@ namespace {
 constexpr double kRidge = 0.1;
 constexpr std::size_t kGrain = 512;
 
-// x of (m + kRidge) x = r; m symmetric: xx xy xz yy yz zz.
+// Solves (m + kRidge) x = r for symmetric m: xx xy xz yy yz zz.
 Vec3 solve(const double* m, const Vec3& r) {
   const double a = m[0] + kRidge, b = m[1], c = m[2], d = m[3] + kRidge, e = m[4], f = m[5] + kRidge;
   const double ca = d * f - e * e, cb = c * e - b * f, cc = b * e - c * d;
@@ -46,7 +47,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
     shift[k] = Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1).cwiseProduct(packing_.box);
   Overlap none;
   none.worst = -1;
-  const double allowance = 1e-6;  // of the radius, for rounding
+  const double allowance = 1e-6;  // relative to the radius, for rounding
   Overlap sum = work.reduce<Overlap>(
       packing_.count(), kGrain, none,
       [&](std::size_t begin, std::size_t end) {
@@ -75,7 +76,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
             deepest = std::max(deepest, depth);
             const double relative = (required - distance) / (smaller * packing_.shrink);
             part.worst = std::max(part.worst, relative);
-            ++part.touching;  // each pair twice
+            ++part.touching;  // counts each pair twice
             if (relative > 0) part.energy += relative * relative, ++part.pairs;
           }
           strain_[i] = deepest / size;

@@ -30,7 +30,7 @@ double void_fraction(const Shapes& shapes, const Particles& particles) {
 
 namespace {
 
-// Direction in which the vertices spread most, weighted by the area around them.
+// Direction of the largest spread of the surface.
 Vec3 longest_axis(const Mesh& mesh) {
   Mat3 spread = Mat3::Zero();
   for (const auto& t : mesh.triangles) {
@@ -86,7 +86,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   const std::size_t stride = 1 + (n - 1) / kMost, looked = (n + stride - 1) / stride;
   const double per_particle = particles.box.prod() / static_cast<double>(n);
   const double farthest = std::min(0.5 * particles.box.minCoeff(), 5 * std::cbrt(per_particle));
-  // A grid of cells as wide as the mean spacing; a walk over the cells within reach.
+  // A grid with cells as wide as the mean spacing; only cells within reach are visited.
   std::array<int, 3> cells;
   for (int a = 0; a < 3; ++a)
     cells[a] = std::clamp(static_cast<int>(particles.box[a] / std::cbrt(per_particle)), 1, 256);
@@ -96,7 +96,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   const auto flat = [&](int x, int y, int z) {
     return (static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x;
   };
-  // The centres cell by cell: those looked from one after the other see the same others.
+  // Centers are sorted by cell, so that consecutive centers visit the same neighbors.
   std::vector<std::int32_t> begin_of(flat(0, 0, cells[2]) + 1, 0);
   const auto cell_at = [&](const Vec3& p) { return flat(cell_of(p, 0), cell_of(p, 1), cell_of(p, 2)); };
   for (const Vec3& p : particles.position) ++begin_of[cell_at(p) + 1];

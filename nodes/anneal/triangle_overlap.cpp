@@ -12,7 +12,7 @@ double triangle_penetration(const Corners& a, const Corners& b) {
   const Vec3 na = ea[0].cross(ea[1]), nb = eb[0].cross(eb[1]);
   double least = 1e300;
   const double extent = std::max({ea[0].norm(), ea[1].norm(), eb[0].norm(), eb[1].norm()});  // for rounding
-  // Overlap of the projections, as the shift along the axis that ends it; ≤ 0: separated.
+  // Overlap of the projections, as the shift along the axis that separates them; < 0: separated.
   const auto part = [&](const Vec3& axis, double reference) {
     const double length = axis.norm();
     if (!(length > 1e-9 * reference)) return true;
@@ -40,7 +40,7 @@ double triangle_penetration(const Corners& a, const Corners& b) {
 
 namespace {
 
-// Nearest points of two segments (Ericson 2005, 5.1.9).
+// Distance of two segments (Ericson 2005, section 5.1.9).
 double segment_distance(const Vec3& p1, const Vec3& q1, const Vec3& p2, const Vec3& q2) {
   const Vec3 d1 = q1 - p1, d2 = q2 - p2, r = p1 - p2;
   const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r), c = d1.dot(r), b = d1.dot(d2);

@@ -13,13 +13,13 @@ constexpr int kTries = 4000;
 
 using Corners = Eigen::Array<float, Eigen::Dynamic, 3>;
 
-// What a sphere's mesh must stay behind: n·x ≤ reach, own centre, mm at scale 1.
+// A plane that a sphere's mesh must not cross: n·x ≤ reach, relative to its center, mm at scale 1.
 struct Plane {
   Vec3f n;
   float reach;
 };
 
-// How far the mesh reaches beyond the plane it violates most; gives up above `enough`.
+// Largest distance by which the mesh extends beyond a plane. Stops above `enough`.
 float beyond(const Corners& corners, const std::vector<Plane>& planes, const Quat& turn, float enough) {
   const Eigen::Matrix3f back = turn.toRotationMatrix().transpose().cast<float>();
   float worst = -1e30f;
@@ -45,14 +45,14 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
     for (std::size_t v = 0; v < vertices.size(); ++v)
       corners[s].row(static_cast<Eigen::Index>(v)) = vertices[v].cast<float>().transpose();
   }
-  std::vector<double> radius(n, 0.0);  // of the corners; 0 of what is no sphere
+  std::vector<double> radius(n, 0.0);  // of the corners; 0 for bodies that are not spheres
   for (std::size_t i = 0; i < n; ++i)
     if (corners[packing.shape[i]].rows() > 0)
       radius[i] = shapes[packing.shape[i]].bounding_radius * packing.scale[i] * packing.shrink;
   const auto pairs = near_pairs(packing.box, packing.position, radius, gap, work);
   const Incidence incidence = incidence_of(n, pairs);
-  // `shared`: each of two neighbours stays on its side of the plane between them; else it may use what the
-  // other, as it is turned now, leaves of the distance.
+  // `shared`: each of two neighbors stays on its side of the plane between them. Otherwise it may use the
+  // distance that the other one, as it is rotated now, leaves.
   const auto planes_of = [&](std::size_t i, bool shared) {
     std::vector<Plane> planes;
     if (!(radius[i] > 0)) return planes;
@@ -72,12 +72,12 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
             beyond(corners[packing.shape[other]], {across}, packing.orientation[other], 1e30f);
         reach = std::max(reach, distance - gap - theirs * packing.scale[other] * packing.shrink);
       }
-      // Less a rounding error of single precision.
+      // Subtract a rounding error of single precision.
       planes.push_back({(offset / distance).cast<float>(), static_cast<float>(reach / scale * (1 - 1e-6))});
     }
     return planes;
   };
-  // Whether the sphere stays behind its planes in the end.
+  // Returns whether the sphere is behind its planes in the end.
   const auto turn = [&](std::size_t i, const std::vector<Plane>& planes, int tries, std::uint64_t stream) {
     const Corners& mesh = corners[packing.shape[i]];
     Quat best = packing.orientation[i];
@@ -86,7 +86,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
     const double near = 0.5 / std::sqrt(static_cast<double>(mesh.rows()));  // a fraction of a facet
     for (int k = 0; k < tries && least > 0; ++k) {
       if (k % 256 == 255) work.check();
-      // Anywhere, then near the best so far.
+      // Alternate between any rotation and one near the best so far.
       Quat q(random.normal(), random.normal(), random.normal(), random.normal());
       if (k % 2 == 1) q = Quat(1, near * q.x(), near * q.y(), near * q.z()) * best;
       if (!(q.norm() > 1e-9)) continue;
@@ -102,7 +102,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
       if (const auto planes = planes_of(i, true); !planes.empty())
         stuck[i] = !turn(i, planes, kTries, kTurns);
   });
-  for (std::size_t i = 0; i < n; ++i)  // few, one after the other
+  for (std::size_t i = 0; i < n; ++i)  // few, one at a time
     if (stuck[i]) turn(i, planes_of(i, false), 4 * kTries, kTurns + 1);
 }
 

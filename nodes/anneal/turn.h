@@ -1,5 +1,5 @@
-// Spheres are packed as spheres, though their meshes have facets whose corners lie beyond: each is turned so
-// that no corner reaches beyond the plane between it and a neighbour.
+// Spheres are packed as spheres, although the corners of their mesh's facets extend beyond. Each sphere is
+// rotated so that no corner extends beyond the plane between it and a neighbor.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace terrazzo::anneal {
 
-// Turns the spheres among the bodies whose mesh reaches beyond its share of the distance (less `gap`, mm) to
-// another sphere, at random until it does not: the plane between the two then parts them. All turn at once;
-// the few that found no such turn in some thousand tries follow one by one and use what their neighbours
-// leave. Places stay as they are.
+// Rotates the spheres whose mesh extends beyond its share of the distance (less `gap`, mm) to another sphere,
+// randomly, until the plane between the two separates them. All are rotated in parallel. The few without a
+// suitable rotation after some thousand tries are then rotated one at a time and may use what their neighbors
+// leave. Positions do not change.
 void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes, Packing& packing, double gap,
                   std::uint64_t seed, const Work& work);
 

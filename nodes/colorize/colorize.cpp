@@ -13,7 +13,7 @@ namespace {
 
 enum Stream : std::uint64_t { kProfile = 0xc0, kClass = 0xc1 };
 
-// A draw among items with weights, by one uniform number.
+// Weighted random choice among items from one uniform number.
 class Draw {
  public:
   void add(std::size_t item, double weight) {
@@ -41,8 +41,9 @@ struct Source {
 
 Source usable(const Profiles& profiles, ColorReport& report) {
   if (profiles.profiles.empty())
-    throw Error("no-profiles", "there are no profiles to take colours from", "check the segmentation");
-  if (!profiles.binder_color.allFinite()) throw Error("bad-profile", "the binder's colour is not a number");
+    throw Error("no-profiles", "there are no profiles to draw colors from", "check the segmentation");
+  if (!profiles.binder_color.allFinite())
+    throw Error("bad-profile", "the binder's color contains NaN or infinity");
   report.weightless = std::none_of(profiles.profiles.begin(), profiles.profiles.end(),
                                    [](const Profile& p) { return p.weight > 0; });
   report.colorless = std::all_of(profiles.profiles.begin(), profiles.profiles.end(),
@@ -52,7 +53,7 @@ Source usable(const Profiles& profiles, ColorReport& report) {
     const Profile& p = profiles.profiles[i];
     if (!p.color.allFinite() || !std::isfinite(p.weight) || p.weight < 0 || !std::isfinite(p.area) ||
         p.area <= 0)
-      throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid colour, weight or area",
+      throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid color, weight or area",
                   "check the photograph for NaN and the segmentation for empty profiles");
     const double w = report.weightless ? 1 : p.weight;
     if (w == 0) continue;
@@ -63,13 +64,13 @@ Source usable(const Profiles& profiles, ColorReport& report) {
   return s;
 }
 
-// Profiles by how well they fit a size; where a particle is smaller than all of them, the smallest tenth.
+// Weights profiles by how well they fit a size.
 Draw draw_by_size(const Source& s, const std::vector<std::size_t>& by_size, double size) {
   Draw draw;
   for (std::size_t i = 0; i < s.count(); ++i) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size));
   if (draw.empty()) {
-    // Nothing between the particle's size and 0.95 of it, or only larger: the nearest below, else the
-    // smallest.
+    // No profile is between the particle's size and 0.95 of it, or all are larger: use the nearest below, or
+    // else the smallest.
     const auto above = std::upper_bound(by_size.begin(), by_size.end(), size,
                                         [&](double v, std::size_t i) { return v < s.size[i]; });
     const std::size_t n = std::max<std::size_t>(1, s.count() / 10);
@@ -145,15 +146,15 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
   std::vector<Draw> draws;
   for (std::size_t i = 0; i < source.count(); ++i) {
     if (source.cls[i] < 0)
-      throw Error("bad-profile", "a profile has the class " + std::to_string(source.cls[i]));
+      throw Error("bad-profile", "a profile has the invalid class " + std::to_string(source.cls[i]));
     if (draws.size() <= static_cast<std::size_t>(source.cls[i])) draws.resize(source.cls[i] + 1);
     draws[source.cls[i]].add(i, source.weight[i]);
   }
   for (std::size_t i = 0; i < n; ++i)
     if (const int c = particles.cls[i];
         !particles.is_void(i) && (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty()))
-      throw Error("no-class", "no whole profile has the class " + std::to_string(c) + " of a particle",
-                  "colour by mode random or by_size, or take particles and profiles of one segmentation");
+      throw Error("no-class", "no complete profile has the class " + std::to_string(c) + " of a particle",
+                  "set mode: random or by_size, or use particles and profiles of the same segmentation");
   pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
   return report;
 }

@@ -6,7 +6,7 @@
 namespace terrazzo {
 namespace {
 
-// How far the particles' mean colour is from the profiles', in Oklab, each profile counting by its weight.
+// Distance in Oklab between the particles' mean color and the weighted mean of the profiles.
 double mean_difference(const Particles& particles, const Profiles& profiles) {
   Vec3 seen = Vec3::Zero(), given = Vec3::Zero();
   double weights = 0;
@@ -30,8 +30,8 @@ void compute(Context& c) {
   choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
   choice.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
   const ColorReport report = colorize(particles, profiles, choice, c.work());
-  if (report.weightless) c.warn("every profile touches the border: all count alike");
-  if (report.colorless) c.warn("all profiles are black: they carry no colours");
+  if (report.weightless) c.warn("every profile touches the border, so all have equal weight");
+  if (report.colorless) c.warn("all profiles are black: they have no color data");
   c.metric("profiles_used", static_cast<double>(report.profiles_used));
   c.metric("mean_color_difference", mean_difference(particles, profiles));
   if (report.clusters > 0) c.metric("clusters", report.clusters), c.metric("silhouette", report.silhouette);
@@ -43,26 +43,24 @@ void compute(Context& c) {
 NodeType colorize_node() {
   return NodeType("Colorize", 2)
       .doc_(
-          "Gives every particle the mean colour of a profile of the photograph, and the binder its own; "
-          "voids stay "
-          "black.")
+          "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
+          "color. Voids stay black.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
-      .input("particles", "Particles", "whose colours are set")
-      .input("profiles", "Profiles", "with mean colours, weights and the binder's colour")
-      .output("particles", "Particles", "the same with colours; mode classes may set their classes")
+      .input("particles", "Particles", "Particles to color")
+      .input("profiles", "Profiles", "Profiles with mean colors and weights, and the binder's color")
+      .output("particles", "Particles",
+              "The same particles with colors. Mode classes may also set their classes.")
       .parameter(
           Parameter::choice("mode", "random", {"random", "by_size", "classes"})
               .doc_(
-                  "random: any profile, right where colour does not depend on size. by_size: profiles that a "
-                  "section of a particle of this size shows. classes: profiles of the particle's class; "
-                  "particles without classes get them by size, from the profiles' or by k-means"))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
-              .range(1, 64)
-              .doc_(
-                  "Colours that k-means tells apart where neither particles nor profiles have classes; auto: "
-                  "1 to 8, by silhouette"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the draws"))
+                  "random: any profile, unbiased if color does not depend on size. by_size: profiles that a "
+                  "section of a particle of this size may show. classes: profiles of the particle's class; "
+                  "particles without classes get the profiles' classes by size, or classes from k-means."))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+                     .range(1, 64)
+                     .doc_("Number of color classes that k-means finds if neither particles nor profiles "
+                           "have classes. auto: 1 to 8, by silhouette."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

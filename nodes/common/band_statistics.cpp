@@ -9,8 +9,8 @@
 namespace terrazzo {
 namespace {
 
-// Turns the spectrum of a picture into that of its periodic component: less the smooth solution of Poisson's
-// equation whose source are the jumps across the borders.
+// Replaces the spectrum of an image by that of its periodic component: subtracts the smooth solution of
+// Poisson's equation whose source is the jumps across the borders.
 void make_periodic(std::vector<LaneComplex>& spectrum, const std::vector<LaneComplex>& picture,
                    const LaneFft2& fft, std::vector<LaneComplex>& scratch) {
   const int w = fft.width(), h = fft.height();

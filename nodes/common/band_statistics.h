@@ -1,4 +1,4 @@
-// What pictures hold in each band of a steerable pyramid.
+// Statistics of an image in each band of a steerable pyramid.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,16 @@
 namespace terrazzo {
 
 struct BandStatistics {
-  std::vector<Quantiles> values;              // per channel
-  std::vector<double> deviation;              // per channel, of the periodic component: what bands add up to
+  std::vector<Quantiles> values;  // per channel
+  std::vector<double> deviation;  // per channel, of the periodic component, which is the sum of the bands
   std::vector<std::vector<Quantiles>> bands;  // per channel and band, in the order of pyramid_bands
-  int width = 0, height = 0;                  // of the part measured
+  int width = 0, height = 0;                  // of the measured part
 };
 
-// Of the first `channels` components of an image's pixels, whatever they stand for. The periodic component is
-// measured (Moisan 2011), so that borders leave no cross in the spectrum. Pictures larger than 720² are cut
-// to their middle; `orientations` as in pyramid_bands; sizes are cut to fast ones. At most 8 sections are
-// used. At least 16 pixels a side.
+// Measures the first `channels` components of the pixels, whatever they represent. Uses the periodic
+// component (Moisan 2011), so that the borders cause no cross in the spectrum. Larger images are cropped to a
+// central part with 720² pixels over at most 8 sections, and to sizes with a fast FFT. `orientations` as in
+// pyramid_bands. Needs at least 16 pixels per side.
 BandStatistics measure_bands(const Image&, int channels, int scales, const Work& = {}, int orientations = 4);
 
 }  // namespace terrazzo

@@ -17,7 +17,7 @@ Camera Camera::framing(const Eigen::AlignedBox3f& box, float azimuth, float elev
 
   Vec3f target = box.center();
   float distance = 0;
-  // Perspective makes the near half larger: shift the target until the picture of the box is centred.
+  // Perspective enlarges the near half, so move the target until the projected box is centered.
   for (int pass = 0; pass < 12; ++pass) {
     distance = 0;
     for (int k = 0; k < 8; ++k) {

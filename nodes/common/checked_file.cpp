@@ -13,7 +13,7 @@ Error failure(const char* doing, int reason) {
                (doing[0] ? std::string(doing) + ": " : std::string()) +
                    (reason ? std::strerror(reason) : "unknown reason"),
                reason == ENOSPC || reason == EFBIG || reason == EDQUOT
-                   ? "free some space or choose another folder"
+                   ? "free some disk space or choose another folder"
                    : "check the folder and its permissions");
 }
 
@@ -31,7 +31,7 @@ void CheckedFile::close() {
   stream_.close();
 }
 
-void CheckedFile::fail() const { throw failure("the file is not whole", errno); }
+void CheckedFile::fail() const { throw failure("the file is incomplete", errno); }
 
 void write_bytes(const std::filesystem::path& path, std::string_view content) {
   CheckedFile file(path);

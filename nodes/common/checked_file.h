@@ -1,4 +1,4 @@
-// A file that is written whole or not at all: every failure of the disk becomes an Error.
+// An output file whose every write failure becomes an Error.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,12 @@ namespace terrazzo {
 
 class CheckedFile {
  public:
-  // Opens (and empties) the file. Throws Error "write-failed".
+  // Opens and truncates the file. Throws Error "write-failed".
   explicit CheckedFile(const std::filesystem::path&);
-  // Throws std::ios_base::failure as soon as a write fails; `guard` turns it into Error "write-failed".
+  // Throws std::ios_base::failure if a write fails; `guard` converts it to Error "write-failed".
   std::ostream& stream() { return stream_; }
-  // Calls `write(stream)`, then flushes and closes. Throws Error "write-failed" with the system's reason.
+  // Calls `write(stream)`, then flushes and closes the file. Throws Error "write-failed" with the system's
+  // reason.
   template <class Write>
   void guard(Write&& write) {
     try {
@@ -30,7 +31,7 @@ class CheckedFile {
   std::ofstream stream_;
 };
 
-// The whole content at once.
+// Writes the whole content.
 void write_bytes(const std::filesystem::path&, std::string_view content);
 
 }  // namespace terrazzo

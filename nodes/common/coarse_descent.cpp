@@ -7,8 +7,8 @@
 namespace terrazzo {
 namespace {
 
-constexpr int kLongAs = 4;    // a field over the reach of its offsets
-constexpr int kEachPair = 4;  // pairs of pixels for a pair of levels
+constexpr int kLongAs = 4;    // minimum ratio of field length to offset reach
+constexpr int kEachPair = 4;  // minimum number of pixel pairs per pair of levels
 constexpr int kMostOctaves = 10;
 
 struct Resolution {
@@ -21,7 +21,7 @@ Vec3i coarser(const Vec3i& size, int stride) {
   return ((size.array() + stride / 2) / stride).max(1).matrix();
 }
 
-// Axes of one pixel, which a picture has, are no matter.
+// Axes of one pixel, as in an image, do not count.
 bool long_enough(const Vec3i& full, const Vec3i& size, int reach) {
   for (int a = 0; a < 3; ++a)
     if (full[a] > 1 && size[a] <= kLongAs * reach) return false;
@@ -42,8 +42,8 @@ std::vector<Resolution> resolutions(const Vec3i& size, const PairTargets& target
   return out;
 }
 
-// Pixels between two coarse ones are either, by chance: copies in blocks would leave their edges as steps
-// that the sweeps do not find.
+// A pixel between two coarse ones copies either of them at random. Copying blocks would leave steps at their
+// edges that the sweeps cannot remove.
 LevelField enlarged(const LevelField& from, const Vec3i& size, bool periodic, std::uint64_t seed) {
   LevelField out(size);
   for (int z = 0; z < size.z(); ++z)

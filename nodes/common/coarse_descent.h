@@ -1,5 +1,4 @@
-// Fields from coarse to fine by steepest descent: long structures find their places while they are a few
-// pixels wide.
+// Coarse-to-fine steepest descent: long structures form while they are only a few pixels wide.
 #pragma once
 
 #include <cstdint>
@@ -12,28 +11,28 @@
 
 namespace terrazzo {
 
-// The counts wanted of a field of `size` whose offsets, in its own pixels, stand for `stride` times as long
-// ones in the source; none where the source is too small to tell.
+// Target counts for a field of `size` whose offsets, in its own pixels, represent offsets in the source that
+// are `stride` times as long. Empty if the source is too small to measure them.
 using PairTargets = std::function<std::vector<PairTarget>(int stride, const Vec3i& size)>;
 
-// Of sections at offsets `stride` times as long; nothing where, with a stride above 1, some offset has fewer
-// than four pairs of pixels for every pair of levels.
+// Measures sections at offsets multiplied by `stride`. Returns nothing if `stride` is above 1 and some offset
+// has fewer than four pixel pairs per pair of levels.
 std::optional<Cooccurrence> measure_apart(const std::vector<LevelField>& sections, int levels,
                                           const std::vector<Vec3i>& offsets, int stride, const Work&);
 
 struct DescentSettings {
   int levels = 8;
   int reach = 2;    // the longest offset, pixels
-  int sweeps = 10;  // of each resolution, at most: it ends when a sweep changes nothing
+  int sweeps = 10;  // maximum per resolution; stops when a sweep changes nothing
   bool periodic = true;
-  bool from_noise = false;  // at full resolution alone, as in Malzbender and Spach 1993
+  bool from_noise = false;  // only at full resolution, as in Malzbender and Spach 1993
   std::uint64_t seed = 1;
 };
 
 struct DescentSweep {
-  int stride = 1;           // source pixels a pixel
-  int sweep = 0;            // 0: the start
-  double error = 0;         // E, afterwards
+  int stride = 1;           // source pixels per pixel
+  int sweep = 0;            // 0: initial state
+  double error = 0;         // E after the sweep
   std::size_t changed = 0;  // pixels
 };
 
@@ -43,9 +42,9 @@ struct DescentResult {
   std::vector<DescentSweep> sweeps;
 };
 
-// From noise of the histogram of `source` at the coarsest resolution, 2^k times coarser, at which the field
-// is four times as long as the offsets reach and `targets` are known; each finer one starts as the coarser
-// one enlarged. A coarse pixel stands for one of its source pixels, not for their mean, so that its targets
+// Starts from noise with the histogram of `source` at the coarsest resolution 2^k at which the field is still
+// four times as long as the offsets reach and `targets` are available. Each finer resolution starts from the
+// enlarged coarser field. A coarse pixel represents one of its source pixels, not their mean, so its targets
 // are the source's own counts at longer offsets.
 DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size, const PairTargets&,
                       const DescentSettings&, const Work& = {});

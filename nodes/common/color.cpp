@@ -5,7 +5,7 @@
 namespace terrazzo {
 namespace {
 
-// Mirrored at zero, so that colours outside the gamut survive a round trip.
+// Mirrored at zero, so that colors outside the gamut survive a round trip.
 float decode(float v) {
   const float a = std::abs(v);
   return std::copysign(a <= 0.04045f ? a / 12.92f : std::pow((a + 0.055f) / 1.055f, 2.4f), v);

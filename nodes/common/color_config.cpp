@@ -13,7 +13,8 @@ namespace ocio = OCIO_NAMESPACE;
 namespace terrazzo {
 namespace {
 
-// Reference: scene-linear Rec. 709. Matrices from the primaries of each standard, Bradford-adapted to D65.
+// Reference space: scene-linear Rec. 709. The matrices follow from the primaries of each standard,
+// Bradford-adapted to D65.
 constexpr const char* built_in_text = R"(ocio_profile_version: 2
 name: terrazzo
 roles: {default: raw, scene_linear: lin_rec709, aces_interchange: ACES2065-1, data: raw}
@@ -87,7 +88,7 @@ colorspaces:
     isdata: true
 )";
 
-// Names by which usual configurations call scene-linear Rec. 709.
+// Names of scene-linear Rec. 709 in common configurations.
 constexpr const char* linear_names[] = {
     "lin_rec709",       "Linear Rec.709 (sRGB)",   "lin_rec709_srgb",
     "lin_rec709_scene", "Linear Rec.709",          "lin_srgb",
@@ -98,15 +99,15 @@ ocio::ConstConfigRcPtr built_in() {
   return ocio::Config::CreateFromStream(text);
 }
 
-// Null where $OCIO is not set.
+// Null if $OCIO is not set.
 ocio::ConstConfigRcPtr from_environment() {
   const char* path = std::getenv("OCIO");
   if (!path || !*path) return nullptr;
   try {
     return ocio::Config::CreateFromFile(path);
   } catch (const std::exception& e) {
-    throw Error("color-config", std::string("$OCIO names no readable configuration: ") + e.what(),
-                "correct the variable OCIO, or unset it to use the built-in configuration");
+    throw Error("color-config", std::string("cannot read the configuration of $OCIO: ") + e.what(),
+                "correct the environment variable OCIO, or unset it to use the built-in configuration");
   }
 }
 
@@ -120,7 +121,7 @@ ocio::ConstProcessorRcPtr processor_of(const std::string& name) {
   if (config->getColorSpace(name.c_str())) return config->getProcessor(name.c_str(), "lin_rec709");
   std::string known;
   for (const auto& n : colorspace_names()) known += (known.empty() ? "" : ", ") + n;
-  throw Error("unknown-colorspace", "there is no colour space '" + name + "'", "known are: auto, " + known)
+  throw Error("unknown-colorspace", "unknown color space '" + name + "'", "use auto or one of: " + known)
       .parameter("colorspace");
 }
 
@@ -130,7 +131,7 @@ bool has_view(const ocio::Config& config, const std::string& display, const std:
   return false;
 }
 
-// Display and view that "view" or "display/view" names; both kinds of names may hold a slash.
+// Resolves "view" or "display/view"; the names themselves may contain slashes.
 ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const std::string& name) {
   std::string display = config.getDefaultDisplay(), view = name;
   if (name.empty()) view = config.getDefaultView(display.c_str());
@@ -142,7 +143,8 @@ ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const
         for (int v = 0; v < config.getNumViews(config.getDisplay(d)); ++v)
           known += (known.empty() ? "" : ", ") + std::string(config.getDisplay(d)) + "/" +
                    config.getView(config.getDisplay(d), v);
-      throw Error("unknown-view", "$OCIO's configuration has no view '" + name + "'", "it has: " + known)
+      throw Error("unknown-view", "the configuration of $OCIO has no view '" + name + "'",
+                  "use one of: " + known)
           .parameter("view");
     }
     display = name.substr(0, slash), view = name.substr(slash + 1);
@@ -158,8 +160,9 @@ ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const
 void show_through_view(Vec3f* pixels, std::size_t width, std::size_t height, const std::string& view) {
   const auto config = from_environment();
   if (!config)
-    throw Error("no-color-config", "a view is one of the configuration that $OCIO names, and OCIO is not set",
-                "set the variable OCIO, or tone: neutral")
+    throw Error("no-color-config",
+                "view requires an OpenColorIO configuration, but the environment variable OCIO is not set",
+                "set the environment variable OCIO, or set tone: neutral")
         .parameter("tone");
   try {
     const auto transform = view_transform(*config, view);
@@ -167,13 +170,14 @@ void show_through_view(Vec3f* pixels, std::size_t width, std::size_t height, con
     for (const char* linear : linear_names)
       if (!source && config->getColorSpace(linear)) source = linear;
     if (!source)
-      throw Error("color-config", "$OCIO's configuration has no linear Rec. 709 colour space", "give it one");
+      throw Error("color-config", "the configuration of $OCIO has no linear Rec. 709 color space",
+                  "add one to the configuration");
     transform->setSrc(source);
     if (width == 0 || height == 0) return;
     ocio::PackedImageDesc picture(pixels, static_cast<long>(width), static_cast<long>(height), 3);
     config->getProcessor(transform)->getDefaultCPUProcessor()->apply(picture);
   } catch (const ocio::Exception& e) {
-    throw Error("color-config", std::string("the view cannot be shown: ") + e.what(), "set tone: neutral")
+    throw Error("color-config", std::string("cannot apply the view: ") + e.what(), "set tone: neutral")
         .parameter("view");
   }
   for (std::size_t i = 0; i < width * height; ++i)
@@ -208,7 +212,7 @@ void to_linear_rec709(Vec3f* pixels, std::size_t width, std::size_t height, cons
   } catch (const ocio::Exception& e) {
     throw Error("color-config",
                 "cannot convert from '" + colorspace + "' to scene-linear Rec. 709: " + e.what(),
-                "give a configuration with a linear Rec. 709 space or the role aces_interchange")
+                "use a configuration with a linear Rec. 709 space or the role aces_interchange")
         .parameter("colorspace");
   }
 }

@@ -31,22 +31,24 @@ ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std
   if (linear.empty()) throw Error("no-pixels", "the texture has no pixels");
   for (const auto& p : linear)
     if (!p.allFinite())
-      throw Error("bad-pixels", "the picture has pixels that are not numbers", "repair it before this node");
+      throw Error("bad-pixels", "the image contains NaN or infinity",
+                  "replace those pixels before this node");
   ColorLevels out;
   out.oklab = space == "oklab";
   constexpr std::size_t kMost = 16384;
   std::vector<Vec3> points;
   const std::size_t n = std::min(kMost, linear.size());
   for (std::size_t i = 0; i < n; ++i) {
-    // One of each of n equal runs, so that no period of the picture is favoured.
+    // One of each of n equal runs, so that no period of the image is favored.
     const std::size_t lo = i * linear.size() / n, hi = (i + 1) * linear.size() / n;
     const std::size_t at = lo + Random(seed, 0x1e7e, i).below(hi - lo);
     points.push_back(out.position(linear[at]).cast<double>());
   }
   const ColorClusters clusters = kmeans(points, std::vector<double>(points.size(), 1.0), levels, seed, work);
   if (clusters.k < 2)
-    throw Error("one-color", "all pixels of the texture have one colour: it has no statistics to match",
-                "choose a region or picture with more than one colour");
+    throw Error("one-color",
+                "all pixels of the texture have the same color, so there are no statistics to match",
+                "choose a region or image with more than one color");
   std::vector<Vec3> mean = clusters.mean;
   std::sort(mean.begin(), mean.end(), [](const Vec3& a, const Vec3& b) {
     return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
@@ -80,9 +82,9 @@ std::vector<std::uint8_t> mask_of(const Value& value, const Image& picture, cons
             sections = l ? l->sections : m->sections;
   if (width != picture.width || height != picture.height || (sections != picture.sections && sections != 1))
     throw Error("wrong-size",
-                fmt::format("{} has {} × {} pixels in {} sections, the picture {} × {} in {}", input, width,
-                            height, sections, picture.width, picture.height, picture.sections),
-                "a mask is of its picture's size");
+                fmt::format("{} has {} × {} pixels in {} sections, but the image has {} × {} in {}", input,
+                            width, height, sections, picture.width, picture.height, picture.sections),
+                "use a mask of the same size as the image");
   const std::size_t n = picture.pixels.size(), own = l ? l->ids.size() : m->pixels.size();
   std::vector<std::uint8_t> out(n);
   for (std::size_t i = 0; i < n; ++i)

@@ -1,4 +1,4 @@
-// The few colours that stand for all of a texture's (Malzbender and Spach 1993, section 2.1).
+// Quantization of a texture to a few colors (Malzbender and Spach 1993, section 2.1).
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace terrazzo {
 
-// Where colours are compared: "oklab", or "rgb" as displays show it (the paper's), both in units in which
-// black and white lie 1 (√3 in rgb) apart.
+// The color space of comparisons: Oklab, or display RGB (sRGB) as in the paper. The distance of black and
+// white is 1 (√3 in RGB).
 struct ColorLevels {
   bool oklab = true;
-  std::vector<Vec3f> center;  // in that space, by rising first component
+  std::vector<Vec3f> center;  // in that space, by increasing first component
   std::vector<Vec3f> color;   // scene-linear
 
   int count() const { return static_cast<int>(center.size()); }
@@ -25,18 +25,19 @@ struct ColorLevels {
   int nearest(const Vec3f& position, float* distance2 = nullptr) const;
 };
 
-// k-means on at most 16,384 of the pixels, evenly picked. Throws Error "bad-pixels" where one is not finite,
-// "one-color" where there are fewer than two different colours, "no-pixels".
+// k-means on at most 16,384 evenly selected pixels. Throws Error "bad-pixels" if one is not finite,
+// "one-color" if there are fewer than two different colors, "no-pixels".
 ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space,
                          std::uint64_t seed, const Work& = {});
 
-// The nearest level of every pixel of a section; kNoLevel where `mask` (one entry a pixel, or empty: all) is
-// 0.
+// The nearest level of every pixel of a section; kNoLevel where `mask` is 0. `mask` has one entry per pixel
+// of the stack, or is empty (all pixels).
 LevelField levels_of(const Image&, int section, const ColorLevels&, const std::vector<std::uint8_t>& mask,
                      const Work& = {});
 
-// A mask from Labels (other than 0) or an Image (mean above 0.2), section by section, one entry a pixel.
-// Throws Error "wrong-size" where it is not of the picture's size. `input` is its port's name.
+// A mask from Labels (not 0) or an Image (mean above 0.2), with one entry per pixel of all sections. A mask
+// of one section applies to every section. Throws Error "wrong-size" if the sizes differ. `input` is the
+// port's name.
 std::vector<std::uint8_t> mask_of(const Value&, const Image& picture, const std::string& input);
 
 }  // namespace terrazzo

@@ -11,16 +11,16 @@
 namespace terrazzo {
 namespace {
 
-// Extended precision: the plane of a sliver as thin as the tolerance must still be good to a tenth of it.
+// Extended precision: the plane of a sliver as thin as the tolerance must be accurate to a tenth of it.
 using Real = long double;
 using Vec = Eigen::Matrix<Real, 3, 1>;
 
 struct Face {
   std::array<int, 3> vertex;
-  std::array<int, 3> neighbour;  // across the side from vertex k to vertex k + 1
+  std::array<int, 3> neighbour;  // across the edge from vertex k to vertex k + 1
   Vec normal;
   Real offset = 0;
-  std::vector<int> outside;  // points above this face, each in one face's list only
+  std::vector<int> outside;  // points above this face, each in the list of one face only
   bool alive = true;
 };
 
@@ -28,7 +28,8 @@ class Quickhull {
  public:
   Quickhull(const std::vector<Vec3>& points, Real tolerance) : points_(points), tolerance_(tolerance) {}
 
-  // Empty where the tolerance made the outline seen from a point ambiguous: then a larger one helps.
+  // Returns nothing if the tolerance made the horizon of a point ambiguous; a larger tolerance may then
+  // succeed.
   std::optional<Mesh> run() {
     start();
     for (std::size_t f = 0; f < faces_.size(); ++f)
@@ -53,11 +54,11 @@ class Quickhull {
     return static_cast<int>(faces_.size()) - 1;
   }
 
-  // Four points that span a good part of the volume.
+  // Chooses four points that span a large part of the volume.
   void start() {
     const int n = static_cast<int>(points_.size());
     const auto fail = [] {
-      throw Error("flat-points", "the points of the body span no volume", "give a solid body");
+      throw Error("flat-points", "the points of the body do not span a volume", "use a solid body");
     };
     if (n < 4) fail();
     const auto best = [&](auto&& measure) {
@@ -90,7 +91,7 @@ class Quickhull {
     distribute(all, 0);
   }
 
-  // Hands each point to the first face from `first` on that it is above.
+  // Assigns each point to the first face, starting at `first`, that it is above.
   void distribute(const std::vector<int>& points, std::size_t first) {
     for (int p : points)
       for (std::size_t f = first; f < faces_.size(); ++f)
@@ -106,9 +107,9 @@ class Quickhull {
     for (int p : faces_[seed].outside)
       if (const Real h = height(faces_[seed], p); h > most) most = h, top = p;
 
-    // The faces that see the point form one patch; its outline becomes the base of a cone.
+    // The faces visible from the point form one patch. Its boundary becomes the base of a cone.
     struct Rim {
-      int from, to, face, side;  // the face beyond it and its side there
+      int from, to, face, side;  // the face beyond the edge, and its side there
     };
     std::vector<int> patch{seed}, orphans;
     std::vector<Rim> rim;
@@ -193,7 +194,7 @@ Mesh convex_hull(const std::vector<Vec3>& points) {
   const double extent = (hi - lo).norm();
   for (double tolerance = 1e-9; tolerance < 1e-3; tolerance *= 10)
     if (auto hull = Quickhull(points, tolerance * extent).run()) return *std::move(hull);
-  throw Error("no-hull", "the convex hull of the body could not be found", "simplify the mesh");
+  throw Error("no-hull", "cannot compute the convex hull of the body", "simplify the mesh");
 }
 
 }  // namespace terrazzo

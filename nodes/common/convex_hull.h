@@ -7,9 +7,10 @@
 
 namespace terrazzo {
 
-// The hull's surface, counter-clockwise seen from outside, with only the vertices that it uses. Points closer
-// to it than 1e-9 of its extent may be left out. Quickhull (Barber, Dobkin, Huhdanpaa 1996). Throws Error
-// "flat-points" where the points span no volume.
+// The hull's surface, counterclockwise seen from outside, with used vertices only. May omit points closer to
+// the hull than 1e-9 of its extent; if the hull is ambiguous, the tolerance grows to at most 1e-3. Quickhull
+// (Barber, Dobkin, Huhdanpaa 1996). Throws Error "flat-points" if the points do not span a volume, "no-hull"
+// if no tolerance succeeds.
 Mesh convex_hull(const std::vector<Vec3>& points);
 
 }  // namespace terrazzo

@@ -8,22 +8,22 @@
 namespace terrazzo {
 
 struct HalfSpace {
-  Vec3 normal;    // unit, outwards
+  Vec3 normal;    // unit vector, outwards
   double offset;  // {x : normal·x ≤ offset}
 };
 
-// Corners and faces of an intersection of half-spaces in general position (three planes meet in a corner).
+// Corners and faces of an intersection of half-spaces in general position (three planes per corner).
 struct ConvexPolyhedron {
   std::vector<Vec3> corners;
-  std::vector<std::vector<int>>
-      faces;  // of each half-space: its corners counter-clockwise from outside; may be empty
-  double shortest_edge() const;  // 0 where there is none
+  // Per half-space: its corners, counterclockwise seen from outside; may be empty.
+  std::vector<std::vector<int>> faces;
+  double shortest_edge() const;  // 0 if there are no edges
 };
 
-// Unbounded directions must be closed by the caller's own half-spaces. O(n⁴) of small n.
+// The caller must close unbounded directions with additional half-spaces. O(n⁴), for small n.
 ConvexPolyhedron intersect(const std::vector<HalfSpace>&);
 
-// Each face as a fan about its middle.
+// Each face becomes a fan around its midpoint.
 Mesh triangulate(const ConvexPolyhedron&);
 
 }  // namespace terrazzo

@@ -40,7 +40,8 @@ Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std
   out.pairs.assign(offsets.size(), 0);
   const Vec3i n = field.size;
   if (field.at.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-    throw Error("too-large", fmt::format("{} pixels are more than a matrix counts", field.at.size()));
+    throw Error("too-large",
+                fmt::format("{} pixels exceed the range of the co-occurrence counts", field.at.size()));
   work.parallel(offsets.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t d = begin; d < end; ++d) {
       const Vec3i o = offsets[d];
@@ -91,9 +92,9 @@ std::vector<std::int32_t> scaled_counts(const Cooccurrence& c, std::size_t offse
   const std::int64_t have = c.pairs[offset];
   if (have <= 0)
     throw Error("no-pairs",
-                fmt::format("no two pixels of the texture lie ({}, {}) apart", c.offsets[offset].x(),
+                fmt::format("no two pixels of the texture have the offset ({}, {})", c.offsets[offset].x(),
                             c.offsets[offset].y()),
-                "give a larger texture, or make extent or scales smaller");
+                "use a larger texture, or reduce extent or scales");
   std::vector<std::int32_t> out(table);
   std::vector<std::pair<std::int64_t, std::size_t>> rest(table);
   std::int64_t sum = 0;
@@ -103,7 +104,7 @@ std::vector<std::int32_t> scaled_counts(const Cooccurrence& c, std::size_t offse
     rest[i] = {-(product % have), i};
     sum += out[i];
   }
-  // Largest remainders first, so that the counts sum to what was asked for.
+  // Largest remainders first, so that the counts sum to `pairs`.
   std::sort(rest.begin(), rest.end());
   for (std::size_t k = 0; sum < pairs; ++k, ++sum) ++out[rest[k].second];
   return out;

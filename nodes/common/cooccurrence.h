@@ -1,5 +1,5 @@
-// Colour co-occurrence matrices: how often two levels lie at an offset from each other (Malzbender and Spach
-// 1993, section 2).
+// Color co-occurrence matrices: counts of pairs of levels at given offsets (Malzbender and Spach 1993,
+// section 2).
 #pragma once
 
 #include <array>
@@ -11,20 +11,20 @@
 
 namespace terrazzo {
 
-// The offsets of up to ±extent pixels in x and y and, for further scales s = 1 … scales − 1, those times 2^s
-// that are not among them yet. Δ and −Δ hold the same information, so one of each two is kept.
+// Offsets of up to ±extent pixels in x and y, and for scales s = 1 … scales − 1 the same times 2^s, without
+// duplicates. Δ and −Δ carry the same information, so only one of them is included.
 std::vector<Vec3i> cooccurrence_offsets(int extent, int scales = 1);
 
-// In the plane across axis 0, 1 or 2 of a solid: a picture's columns and rows become y and z, x and z, or x
-// and y. A row further down in the picture lies lower: at a smaller z across x and y, at a smaller y across
-// z.
+// Maps an offset in an image to the plane perpendicular to axis 0, 1 or 2 of a solid: columns and rows become
+// y and z, x and z, or x and y. Rows further down in the image have a smaller z in planes perpendicular to x
+// and y, and a smaller y perpendicular to z.
 Vec3i offset_across(int axis, const Vec3i& in_picture);
 
 struct Cooccurrence {
   int levels = 0;
   std::vector<Vec3i> offsets;
   std::vector<std::int32_t> counts;  // [offset][home level][remote level]
-  std::vector<std::int64_t> pairs;   // of each offset: their sum, the paper's K
+  std::vector<std::int64_t> pairs;   // per offset: the sum of its counts, the paper's K
 
   std::size_t at(std::size_t offset, int home, int remote) const {
     return (offset * static_cast<std::size_t>(levels) + static_cast<std::size_t>(home)) *
@@ -33,20 +33,20 @@ struct Cooccurrence {
   }
 };
 
-// Counts the pairs of pixels that both have a level; `periodic`: also across the edges.
+// Counts pairs of pixels that both have a level. `periodic` includes pairs across the edges.
 Cooccurrence measure_cooccurrence(const LevelField&, int levels, const std::vector<Vec3i>& offsets,
                                   bool periodic, const Work& = {});
 
-// The same over several sections, each by itself.
+// The sum over several sections, each counted separately.
 Cooccurrence measure_cooccurrence(const std::vector<LevelField>&, int levels,
                                   const std::vector<Vec3i>& offsets, const Work& = {});
 
-// The counts that a field with `pairs` pairs an offset would have: rounded so that each offset's sum is kept
-// exactly. Throws Error "no-pairs" where the source has none at some offset.
+// The counts scaled to a field with `pairs` pairs per offset, rounded so that their sum is exactly `pairs`.
+// Throws Error "no-pairs" if the source has no pairs at that offset.
 std::vector<std::int32_t> scaled_counts(const Cooccurrence&, std::size_t offset, std::int64_t pairs);
 
-// Σ over offsets and pairs of levels of (p − q)², p and q being probabilities: the paper's E over the half of
-// the offsets, half of E without the entries of Δ = 0.
+// Σ over offsets and pairs of levels of (p − q)², where p and q are probabilities. Covers half of the
+// offsets: half of the paper's E without the terms of Δ = 0.
 double cooccurrence_error(const Cooccurrence&, const Cooccurrence&);
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Plain arrays of voxels as OpenVDB grids.
+// OpenVDB grids from plain voxel arrays.
 #pragma once
 
 #include <memory>
@@ -9,9 +9,9 @@
 
 namespace terrazzo {
 
-// A grid whose voxels from `origin` to origin + size − 1 are all active; value(i) gives number
-// (z·ny + y)·nx + x, counted from there. Made
-// leaf by leaf, so that the array may be freed right after. `voxel` is its edge in mm.
+// Creates a grid whose voxels from `origin` to origin + size − 1 are all active. `value(i)` returns voxel
+// number (z·ny + y)·nx + x, relative to `origin`. All values are copied, so the array may be freed
+// afterwards. `voxel` is the edge length in mm.
 template <class Grid, class Value>
 typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel, const Work& work,
                               Value&& value, const Vec3i& origin = Vec3i::Zero()) {
@@ -20,7 +20,7 @@ typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel,
   grid->setName(name);
   grid->setTransform(voxel_transform(voxel));
   using Leaf = typename Grid::TreeType::LeafNodeType;
-  // Leaves lie at multiples of 8.
+  // Leaf origins are multiples of 8.
   const Vec3i first = origin.unaryExpr([](int v) { return v & ~7; }), last = origin + size;
   const Vec3i blocks = (last - first).array().unaryExpr([](int v) { return (v + 7) / 8; });
   std::vector<std::unique_ptr<Leaf>> leaves(static_cast<std::size_t>(blocks.x()) * blocks.y() * blocks.z());

@@ -9,7 +9,7 @@ namespace terrazzo {
 
 double max_area(const AreaRange& r) {
   const double best = std::max({r.low, r.middle, r.high});
-  // The parabola's top, where it lies inside.
+  // The vertex of the parabola, if it is inside the range.
   const double bend = 2 * (r.low + r.high - 2 * r.middle), slope = r.high - r.low;
   return bend < 0 && std::abs(slope) < -bend ? std::max(best, r.middle - slope * slope / (8 * bend)) : best;
 }

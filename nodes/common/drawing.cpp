@@ -31,7 +31,7 @@ double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
   return (p - a - t * d).norm();
 }
 
-// First and last pixel that [lo, hi] touches, within [0, n).
+// First pixel of [lo, hi] and the one after its last, within [0, n].
 std::pair<int, int> pixels_of(double lo, double hi, int n) {
   const double limit = n;
   return {static_cast<int>(std::floor(std::clamp(lo, 0.0, limit))),
@@ -57,7 +57,7 @@ void Coverage::stroke(const std::vector<Vec2>& points, double pen_width) {
     for (int y = y0; y < y1; ++y)
       for (int x = x0; x < x1; ++x) {
         const double d = distance_to_segment({x + 0.5, y + 0.5}, a, b);
-        // A pen thinner than a pixel covers less than one.
+        // A pen thinner than a pixel covers only part of it.
         const double c = std::clamp(pen_width / 2 + 0.5 - d, 0.0, std::min(1.0, pen_width));
         at(x, y) = std::max(at(x, y), static_cast<float>(c));
       }
@@ -98,11 +98,10 @@ namespace {
 
 struct Placed {
   char32_t code;
-  double size, drop;  // of the font's; units below the baseline
+  double size, drop;  // relative to the font size; units below the baseline
 };
 
-// Symbols such as N_A, alone between other words, get their index below the line; parameter_names stay as
-// they are.
+// Draws the index of standalone symbols such as N_A as a subscript; parameter_names remain unchanged.
 std::vector<Placed> placed(const std::string& text) {
   const auto code = code_points(text);
   auto letter = [&](std::size_t i) {
@@ -130,8 +129,8 @@ double add_text(Coverage& mask, double x, double y, const std::string& text, dou
                 double weight) {
   const double unit = height / (font_ascent + font_descent);
   const double pen = std::max(1.0, font_stroke * weight * unit);
-  // Baseline, lower-case and capital heights fall on the pixel grid (with the pen's half width), which keeps
-  // small letters crisp.
+  // Align the baseline, x-height and cap height to the pixel grid (with half of the pen's width), which keeps
+  // small text crisp.
   const double half = 0.5 * (pen < 1.6 ? 1 : pen);
   auto level = [&](double h) { return h * unit < 1 ? h * unit : std::round(h * unit - half) + half; };
   const double low = half, x_height = std::max(level(7), low + 3), caps = std::max(level(10), x_height + 1);

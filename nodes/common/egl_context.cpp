@@ -13,18 +13,18 @@ namespace terrazzo {
 namespace {
 
 Error no_gl(GlDevice device, const std::string& what) {
-  return Error("no-gl", what,
-               device == GlDevice::Cpu
-                   ? "install Mesa's software renderer (libegl1, libgl1-mesa-dri), or use a "
-                     "method that needs no OpenGL"
-                   : "set device: cpu, or install the GPU's EGL driver");
+  return Error(
+      "no-gl", what,
+      device == GlDevice::Cpu
+          ? "install Mesa's software renderer (libegl1, libgl1-mesa-dri), or use a method without OpenGL"
+          : "set device: cpu, or install the GPU's EGL driver");
 }
 
 bool lists(const char* extensions, const char* name) {
   return extensions && std::strstr(extensions, name) != nullptr;
 }
 
-// The devices by enumeration, which needs no window system and tells software from hardware.
+// Enumerates devices, which needs no window system and distinguishes software from hardware.
 std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
   const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(eglGetProcAddress("eglQueryDevicesEXT"));
   const auto text =
@@ -33,7 +33,7 @@ std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
   EGLint count = 0;
   if (!lists(client, "EGL_EXT_platform_device") || !query || !text || !query(0, nullptr, &count) ||
       count == 0)
-    throw no_gl(kind, "EGL finds no devices here");
+    throw no_gl(kind, "EGL found no devices");
   std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count)), wanted;
   query(count, all.data(), &count);
   all.resize(static_cast<std::size_t>(count));
@@ -41,7 +41,7 @@ std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
     if (lists(text(device, EGL_EXTENSIONS), "EGL_MESA_device_software") == (kind == GlDevice::Cpu))
       wanted.push_back(device);
   if (wanted.empty())
-    throw no_gl(kind, kind == GlDevice::Cpu ? "EGL has no software renderer here" : "EGL finds no GPU here");
+    throw no_gl(kind, kind == GlDevice::Cpu ? "EGL found no software renderer" : "EGL found no GPU");
   return wanted;
 }
 
@@ -55,12 +55,12 @@ struct EglContext::Handles {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
-    // The display itself is EGL's, shared by all contexts of the process: ending it would end theirs.
+    // All contexts of the process share EGL's display, so do not terminate it.
     eglReleaseThread();
   }
 };
 
-// Throws Error "no-gl" where the device has no OpenGL 4.5 to offer.
+// Throws Error "no-gl" if the device does not support OpenGL 4.5.
 void EglContext::Handles::start(EGLDeviceEXT device, GlDevice kind) {
   const auto display_of =
       reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
@@ -68,11 +68,11 @@ void EglContext::Handles::start(EGLDeviceEXT device, GlDevice kind) {
   EGLint major = 0, minor = 0;
   if (display == EGL_NO_DISPLAY || !eglInitialize(display, &major, &minor)) {
     display = EGL_NO_DISPLAY;
-    throw no_gl(kind, "EGL's device does not start");
+    throw no_gl(kind, "the EGL device does not initialize");
   }
   if (!lists(eglQueryString(display, EGL_EXTENSIONS), "EGL_KHR_surfaceless_context") ||
       !eglBindAPI(EGL_OPENGL_API))
-    throw no_gl(kind, "EGL's device has no OpenGL without a surface");
+    throw no_gl(kind, "the EGL device does not support OpenGL without a surface");
   const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
   const EGLint version[] = {EGL_CONTEXT_MAJOR_VERSION,
                             4,
@@ -86,11 +86,11 @@ void EglContext::Handles::start(EGLDeviceEXT device, GlDevice kind) {
   if (!eglChooseConfig(display, wanted, &config, 1, &configs) || configs == 0) config = EGL_NO_CONFIG_KHR;
   context = eglCreateContext(display, config, EGL_NO_CONTEXT, version);
   if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
-    throw no_gl(kind, "OpenGL 4.5 core cannot be had from EGL's device");
+    throw no_gl(kind, "the EGL device does not support OpenGL 4.5 core");
 }
 
 EglContext::EglContext(GlDevice kind) {
-  // Of several the first that works: a display's adapter may come before the GPU that can compute.
+  // Use the first device that works: a display adapter may precede the GPU.
   const auto devices = devices_of(kind);
   for (std::size_t i = 0; !handles_; ++i) try {
       auto handles = std::make_unique<Handles>();
@@ -107,7 +107,8 @@ EglContext::~EglContext() = default;
 
 EglContext::Proc EglContext::find(const char* name) const {
   const Proc found = eglGetProcAddress(name);
-  if (!found) throw Error("no-gl", std::string("OpenGL has no ") + name + " here", "install a newer driver");
+  if (!found)
+    throw Error("no-gl", std::string("the OpenGL driver does not support ") + name, "install a newer driver");
   return found;
 }
 

@@ -1,4 +1,4 @@
-// OpenGL 4.5 without a window: surfaceless EGL, on a GPU or on Mesa's software renderer.
+// OpenGL 4.5 without a window through surfaceless EGL, on a GPU or on Mesa's software renderer.
 #pragma once
 
 #include <memory>
@@ -7,22 +7,22 @@
 namespace terrazzo {
 
 enum class GlDevice {
-  Cpu,  // Mesa's llvmpipe: slow, the same pixels on every machine with the same Mesa
-  Gpu   // the first EGL device that is none and works
+  Cpu,  // Mesa's llvmpipe: slow, but identical pixels on every machine with the same Mesa version
+  Gpu   // the first EGL hardware device that works
 };
 
-// A core context, current on the thread that made it until it is destroyed there. One at a time per thread.
+// A core context, current on its creating thread, where it must be destroyed. One at a time per thread.
 class EglContext {
  public:
-  // Throws Error "no-gl" where there is no such device, no EGL, or no OpenGL 4.5.
+  // Throws Error "no-gl" if there is no such device, no EGL, or no OpenGL 4.5.
   explicit EglContext(GlDevice);
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
   const std::string& renderer() const { return renderer_; }
-  // An OpenGL function by name, cast to its PFNGL…PROC type (GL/glcorearb.h). Throws Error "no-gl" where
-  // there is none.
+  // An OpenGL function by name, cast to its PFNGL…PROC type (GL/glcorearb.h). Throws Error "no-gl" if it is
+  // missing.
   template <class Function>
   Function function(const char* name) const {
     return reinterpret_cast<Function>(find(name));

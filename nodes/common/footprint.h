@@ -1,4 +1,4 @@
-// Which pixels strokes cover.
+// Pixels covered by strokes.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace terrazzo {
 
-// Pixels of a picture by number, row from the top · width + column, rising: those whose centres lie no
-// further than `radius` from the segment, a disc where both ends are one point.
+// Increasing pixel indices (row from the top · width + column) of the pixels whose centers are within
+// `radius` of the segment, or of the point if both ends coincide.
 std::vector<std::uint32_t> capsule(int width, int height, const Vec2& from, const Vec2& to, double radius);
-// Those whose centres an odd number of outlines surround.
+// Pixels whose centers are enclosed by an odd number of outlines.
 std::vector<std::uint32_t> surrounded(int width, int height, const std::vector<std::vector<Vec2>>& outlines);
 
-// All of a stroke's, each once, rising; `margin` pixels more on all sides.
+// All pixels of a stroke, sorted and unique, dilated by `margin` pixels.
 std::vector<std::uint32_t> footprint_of(const Stroke&, int width, int height, double margin = 0);
 
 }  // namespace terrazzo

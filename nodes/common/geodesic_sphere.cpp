@@ -8,7 +8,7 @@ namespace terrazzo {
 
 namespace {
 
-// Each triangle into four; the midpoints are shared by their two triangles.
+// Splits each triangle into four; adjacent triangles share midpoints.
 void split_in_four(Mesh& mesh) {
   std::map<std::pair<int, int>, int> midpoint;
   auto middle = [&](int a, int b) {
@@ -38,7 +38,7 @@ Mesh icosahedron_mesh() {
   m.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  for (auto& v : m.vertices) v /= 2;  // edge 2 to edge 1
+  for (auto& v : m.vertices) v /= 2;  // scales edge length 2 to 1
   return m;
 }
 

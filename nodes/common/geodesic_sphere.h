@@ -1,15 +1,15 @@
-// Spheres of nearly equal triangles.
+// Sphere meshes of nearly equal triangles.
 #pragma once
 
 #include "nodes/data/shapes.h"
 
 namespace terrazzo {
 
-// Edge 1, about the origin, outwards.
+// Edge length 1, centered at the origin, facing outwards.
 Mesh icosahedron_mesh();
 
-// An icosahedron, each triangle split in four and projected `detail` times: 20·4^detail triangles of the unit
-// sphere.
+// Unit sphere of 20·4^detail triangles: an icosahedron whose triangles are split in four and projected
+// `detail` times.
 Mesh geodesic_sphere(int detail);
 
 }  // namespace terrazzo

@@ -10,7 +10,7 @@ namespace terrazzo {
 namespace {
 
 [[noreturn]] void refuse(const EglContext& context, const char* log, const char* hint) {
-  throw Error("no-gl", "the driver " + context.renderer() + " refuses the shaders: " + log, hint)
+  throw Error("no-gl", "the driver " + context.renderer() + " rejects the shaders: " + log, hint)
       .parameter("device");
 }
 
@@ -61,10 +61,10 @@ void check_gl(const EglContext& context, const char* what, const char* smaller_h
   const GLenum code = context.function<PFNGLGETERRORPROC>("glGetError")();
   if (code == GL_NO_ERROR) return;
   if (code == GL_OUT_OF_MEMORY)
-    throw Error("too-large-for-gl",
-                fmt::format("{} does not fit into the memory of {}", what, context.renderer()), smaller_hint)
+    throw Error("too-large-for-gl", fmt::format("{} exceeds the memory of {}", what, context.renderer()),
+                smaller_hint)
         .parameter("device");
-  throw Error("no-gl", fmt::format("the driver {} failed with error {}", context.renderer(), code),
+  throw Error("no-gl", fmt::format("the driver {} failed with OpenGL error {}", context.renderer(), code),
               "set device: cpu")
       .parameter("device");
 }

@@ -5,13 +5,13 @@
 
 namespace terrazzo {
 
-// A linked program of two embedded shaders, by file name. Throws Error "no-gl" with the driver's words,
-// `hint` and the parameter "device" where the driver refuses them.
+// Links a program from two embedded shaders, given by file name. If the driver rejects them, throws Error
+// "no-gl" with the driver's log, `hint` and the parameter "device".
 unsigned make_gl_program(const EglContext&, const char* vertex, const char* fragment, const char* hint);
-// Throws Error "too-large-for-gl" where the driver ran out of memory, of which `what` would not fit, "no-gl"
-// after any other error of it; both with a hint and the parameter "device".
+// Throws Error "too-large-for-gl" with `smaller_hint` if the driver ran out of memory for `what`, "no-gl"
+// after any other OpenGL error; both with the parameter "device".
 void check_gl(const EglContext&, const char* what, const char* smaller_hint);
-// The same as make_gl_program of one compute shader.
+// Links a program from one compute shader, like above.
 unsigned make_gl_program(const EglContext&, const char* compute, const char* hint);
 
 }  // namespace terrazzo

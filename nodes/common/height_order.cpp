@@ -14,7 +14,7 @@ HeightOrder::HeightOrder(const Mesh& mesh) : mesh_(mesh), middle_(Vec3::Zero()) 
   point_.resize(n), order_.resize(n), rank_.resize(n), bucket_.resize(n + 2), height_.resize(n);
 }
 
-// Distributes over as many buckets as there are vertices, then sorts within each.
+// Bucket sort with as many buckets as vertices, then sorts within each bucket.
 void HeightOrder::set(const Vec3& direction) {
   const std::int32_t n = count();
   if (n == 0) return;
@@ -36,7 +36,7 @@ void HeightOrder::set(const Vec3& direction) {
   const auto below = [&](std::int32_t v, std::int32_t w) {
     return point_[v].z() != point_[w].z() ? point_[v].z() < point_[w].z() : v < w;
   };
-  for (std::int32_t k = 0; k < n; ++k) {  // bucket_[k] is the end of bucket k by now
+  for (std::int32_t k = 0; k < n; ++k) {  // bucket_[k] is now the end of bucket k
     const auto first = order_.begin() + (k > 0 ? bucket_[k - 1] : 0), last = order_.begin() + bucket_[k];
     if (last - first > 1) std::sort(first, last, below);
   }

@@ -1,5 +1,5 @@
-// A mesh seen along a direction: its vertices by height, and what each triangle adds to the section at a
-// depth.
+// A mesh along a direction: its vertices sorted by height, and the contribution of each triangle to the area
+// of a section.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace terrazzo {
 
-// Vertices in coordinates whose z is a direction, ordered by z; equal heights by the vertices' numbers.
+// Vertices in coordinates whose z axis is a given direction, sorted by z; ties are sorted by vertex index.
 class HeightOrder {
  public:
   explicit HeightOrder(const Mesh& mesh);
@@ -23,7 +23,7 @@ class HeightOrder {
 
  private:
   const Mesh& mesh_;
-  Vec3 middle_;  // the origin of the coordinates: areas of a body far from it would lose digits
+  Vec3 middle_;  // origin of the coordinates, near the body, so that areas of a distant body lose no digits
   std::vector<Vec3> point_;
   std::vector<std::int32_t> order_, rank_, bucket_;
   std::vector<double> height_;
@@ -36,11 +36,11 @@ struct Quadratic {
   Quadratic& operator-=(const Quadratic& q) { return c0 -= q.c0, c1 -= q.c1, c2 -= q.c2, *this; }
 };
 
-// The cut of a triangle between two of its sides, moving with the depth z: half the cross product of its
-// ends, summed over a closed loop, is the loop's area.
+// The cut of a triangle between two of its edges at depth z. Half the cross product of its ends, summed over
+// a closed loop, is the loop's area.
 class Chord {
  public:
-  // Sides p → p_end and q → q_end go up; sign is −1 where the cut runs from q to p.
+  // Edges p → p_end and q → q_end point upwards; sign is −1 if the cut runs from q to p.
   Chord(const Vec3& p, const Vec3& p_end, const Vec3& q, const Vec3& q_end, double sign)
       : p_(p), q_(q), half_(sign / 2), valid_(p_end.z() > p.z() && q_end.z() > q.z()) {
     if (!valid_) return;
@@ -48,8 +48,8 @@ class Chord {
     q1_ = (q_end - q).head<2>() / (q_end.z() - q.z());
   }
   bool valid() const { return valid_; }
-  // Its coefficients grow with the inverse square of the sides' heights: sums of them lose digits when those
-  // are small.
+  // The coefficients grow with the inverse square of the edges' heights, so sums of them lose digits if the
+  // heights are small.
   Quadratic area() const {
     const Vec2 p0 = p_.head<2>() - p1_ * p_.z(), q0 = q_.head<2>() - q1_ * q_.z();
     return {half_ * cross(p0, q0), half_ * (cross(p0, q1_) + cross(p1_, q0)), half_ * cross(p1_, q1_)};
@@ -66,7 +66,7 @@ class Chord {
   bool valid_;
 };
 
-// A triangle's vertices by rank; `sign` is +1 where they run as the triangle does.
+// A triangle's vertices sorted by rank; `sign` is +1 if this order has the orientation of the triangle.
 struct RankedTriangle {
   std::int32_t low, middle, high;
   double sign;

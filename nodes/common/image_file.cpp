@@ -13,7 +13,7 @@
 namespace terrazzo {
 namespace {
 
-// Which channels of a file hold red, green, blue and alpha; alpha is −1 where there is none.
+// The channels with red, green, blue and alpha; alpha is −1 if there is none.
 struct Channels {
   int rgb[3] = {0, 0, 0};
   int alpha = -1;
@@ -37,7 +37,7 @@ Channels channels_of(const OIIO::ImageSpec& spec) {
   return c;
 }
 
-// Samples to floats through a table, which makes a decoded 8 or 16 bit picture as cheap as a copy.
+// Converts samples to floats through a table, which makes 8 and 16 bit images as fast as a copy.
 template <class T>
 void decode(const std::vector<T>& samples, int stride, const Channels& c, const std::vector<float>& table,
             Image& image) {
@@ -54,7 +54,7 @@ std::vector<float> decoding_table(std::size_t size, bool srgb) {
   return table;
 }
 
-// EXIF orientation: pixel (x, y) of the upright picture comes from source(x, y).
+// EXIF orientation: pixel (x, y) of the upright image is in.at(u, v).
 Image upright(Image in, int orientation) {
   if (orientation < 2 || orientation > 8) return in;
   const bool swapped = orientation >= 5;
@@ -77,7 +77,7 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   hints.attribute("oiio:UnassociatedAlpha", 1);  // otherwise the reader multiplies encoded values by alpha
   PictureInput in(path, reading, hints);
   const OIIO::ImageSpec spec = in.spec();
-  if (spec.deep) throw in.unreadable("deep pictures have no single color per pixel");
+  if (spec.deep) throw in.unreadable("deep images have no single color per pixel");
   // The image, its upright copy, and alpha.
   constexpr double more = 2 * sizeof(Vec3f) + sizeof(float);
 
@@ -112,17 +112,17 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
     for (std::size_t p = 0; p < image.pixels.size(); ++p)
       if (!image.pixels[p].allFinite())
         throw Error("bad-pixels",
-                    "'" + path.string() + "' holds NaN or infinity at column " +
+                    "'" + path.string() + "' contains NaN or infinity at column " +
                         std::to_string(p % spec.width) + ", row " + std::to_string(p / spec.width),
-                    "repair the picture before reading it")
+                    "replace those pixels before reading the image")
             .parameter("path");
   }
   const char* environment = std::getenv("OCIO");
   if (!automatic)
     to_linear_rec709(image.pixels.data(), image.width, image.height, colorspace);
-  else if (is_float && environment && *environment)  // what that configuration calls scene-linear
+  else if (is_float && environment && *environment)  // scene-linear as defined by that configuration
     to_linear_rec709(image.pixels.data(), image.width, image.height, "scene_linear");
-  // Over black: a plain product where the file keeps colour and alpha apart, already done where it does not.
+  // Composite over black. If the file's color is already premultiplied by alpha, there is nothing to do.
   if (!alpha.empty() && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0)
     for (std::size_t p = 0; p < alpha.size(); ++p) image.pixels[p] *= alpha[p];
   return upright(std::move(image), spec.get_int_attribute("Orientation", 1));

@@ -15,12 +15,12 @@ namespace {
 
 Error unwritable(const std::filesystem::path& path, std::string why) {
   while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
-  return Error("unwritable-image", "cannot write the picture '" + path.string() + "': " + why,
-               "check the folder, the free space and the extension");
+  return Error("unwritable-image", "cannot write the image '" + path.string() + "': " + why,
+               "check the folder, the free disk space and the extension");
 }
 
-// Even noise in (−½, ½) from the pixel's place, so that flat gradients do not band. A value that the format
-// holds exactly keeps it.
+// Uniform noise in (−½, ½) from the sample's index, so that smooth gradients show no bands. Values that the
+// format represents exactly are preserved.
 float dither(std::size_t sample) {
   return (static_cast<float>(mix64(sample) >> 40) * 0x1p-24f - 0.5f) * 0.998f;
 }
@@ -43,16 +43,15 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
                  const std::string& provenance) {
   if (section < 0 || section >= image.sections || image.width <= 0 || image.height <= 0 ||
       image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.sections)
-    throw Error("empty-image", "there is no section " + std::to_string(section) + " in an image of " +
+    throw Error("empty-image", "section " + std::to_string(section) + " does not exist in an image of " +
                                    std::to_string(image.width) + " × " + std::to_string(image.height) +
                                    " pixels and " + std::to_string(image.sections) + " sections");
   const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   const Vec3f* pixels = image.pixels.data() + count * section;
   for (std::size_t p = 0; p < count; ++p)
     if (pixels[p].hasNaN())
-      throw Error("bad-pixels", "the image to be written holds NaN at column " +
-                                    std::to_string(p % image.width) + ", row " +
-                                    std::to_string(p / image.width));
+      throw Error("bad-pixels", "the image contains NaN at column " + std::to_string(p % image.width) +
+                                    ", row " + std::to_string(p / image.width));
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -71,12 +70,12 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
     spec.attribute("compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
-  // Exif, where JPEG keeps it, ends at 64 KiB.
+  // JPEG stores this as Exif, which is limited to 64 KiB.
   if (!provenance.empty() &&
       (provenance.size() < 60000 || extension == ".png" || extension == ".exr" || deep))
     spec.attribute("ImageDescription", provenance);
-  // Encoded in memory and written by ourselves: on a full disk libjpeg would end the program, and others say
-  // nothing. (TIFF reports failures, but cannot be told to write Exif into memory.)
+  // Encode to memory and write the file here: on a full disk libjpeg would end the program, and other formats
+  // report no error. (TIFF reports errors, and cannot write Exif to memory.)
   OIIO::Filesystem::IOVecOutput memory;
   const bool in_memory = !deep && out->supports("ioproxy") && out->set_ioproxy(&memory);
   if (!out->open(path.string(), spec)) throw unwritable(path, out->geterror());

@@ -99,7 +99,7 @@ ColorClusters kmeans(const std::vector<Vec3>& points, const std::vector<double>&
     const double cost = lloyd(points, weights, means, of);
     if (cost < best_cost) best_cost = cost, best.mean = std::move(means), best.of = std::move(of);
   }
-  // Clusters by falling weight, so that numbers mean the same whatever start won.
+  // Sort clusters by decreasing weight, so that the numbering does not depend on the winning start.
   best.k = static_cast<int>(best.mean.size());
   std::vector<double> mass(best.k, 0);
   for (std::size_t i = 0; i < points.size(); ++i) mass[best.of[i]] += weights[i];

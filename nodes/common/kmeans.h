@@ -1,4 +1,4 @@
-// k-means on colours, with the number of clusters by silhouette.
+// k-means clustering of colors, with the number of clusters chosen by silhouette.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@ namespace terrazzo {
 
 struct ColorClusters {
   int k = 1;
-  std::vector<int> of;     // cluster of each point, 0 … k − 1; clusters in order of falling total weight
-  std::vector<Vec3> mean;  // weighted
-  double silhouette = 0;   // mean over at most 1,000 points, −1 … 1; 0 where k = 1
+  std::vector<int> of;  // cluster of each point, 0 … k − 1; clusters are sorted by decreasing total weight
+  std::vector<Vec3> mean;  // weighted means
+  double silhouette = 0;   // mean over at most 1,000 points, −1 … 1; 0 if k = 1
 };
 
-// Weighted Lloyd iteration from k-means++ starts (Arthur, Vassilvitskii 2007), the best of 8. `points` in a
-// space where distances mean something (Oklab). Fewer distinct points than k give fewer clusters.
+// The best of 8 weighted Lloyd iterations from k-means++ starts (Arthur, Vassilvitskii 2007). Distances of
+// `points` must be perceptually meaningful (Oklab). Fewer distinct points than k yield fewer clusters.
 ColorClusters kmeans(const std::vector<Vec3>& points, const std::vector<double>& weights, int k,
                      std::uint64_t seed, const Work& work = {});
 
-// The k of 2 … max_k with the largest silhouette (Rousseeuw 1987), or 1 where none reaches `least`: a
-// silhouette below 0.5 is reached by one shapeless cloud cut into parts, too.
+// Chooses k from 2 … max_k by the largest silhouette (Rousseeuw 1987), or k = 1 if no silhouette exceeds
+// `least`. Even a single shapeless cloud cut into parts reaches silhouettes up to 0.5.
 ColorClusters kmeans_auto(const std::vector<Vec3>& points, const std::vector<double>& weights, int max_k,
                           std::uint64_t seed, double least = 0.5, const Work& work = {});
 

@@ -15,7 +15,7 @@ LaneComplex times(const LaneComplex& a, float c, float s) {
 LaneComplex times_i(const LaneComplex& a) { return {-a.im, a.re}; }
 LaneComplex scaled(const LaneComplex& a, float c) { return {a.re * c, a.im * c}; }
 
-// The transform of `radix` values in place; `sign` is −1 forward, +1 inverse.
+// Transforms `radix` values in place; `sign` is −1 forward, +1 inverse.
 void small(LaneComplex* a, int radix, float sign) {
   const auto turn = [sign](const LaneComplex& v) { return sign > 0 ? times_i(v) : LaneComplex{v.im, -v.re}; };
   if (radix == 2) {
@@ -28,7 +28,7 @@ void small(LaneComplex* a, int radix, float sign) {
   } else if (radix == 4) {
     const LaneComplex s = a[0] + a[2], d = a[0] - a[2], t = a[1] + a[3], u = turn(a[1] - a[3]);
     a[0] = s + t, a[1] = d + u, a[2] = s - t, a[3] = d - u;
-  } else {  // 5
+  } else {  // radix 5
     constexpr float c1 = 0.309016994374947424f, c2 = -0.809016994374947424f;
     constexpr float s1 = 0.951056516295153572f, s2 = 0.587785252292473129f;
     const LaneComplex p = a[1] + a[4], q = a[2] + a[3], d = a[1] - a[4], e = a[2] - a[3];
@@ -70,7 +70,7 @@ LaneFft::LaneFft(int n) : n_(n) {
     }
 }
 
-// Stockham's autosort, decimation in frequency: no bit reversal, unit strides (Van Loan 1992, 1.7).
+// Stockham's autosort FFT, decimation in frequency: no bit reversal, unit strides (Van Loan 1992, 1.7).
 void LaneFft::run(LaneComplex* data, LaneComplex* scratch, int inner, bool inverse) const {
   const float sign = inverse ? 1.0f : -1.0f;
   LaneComplex *from = data, *to = scratch;

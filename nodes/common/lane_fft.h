@@ -1,4 +1,4 @@
-// Fourier transforms of four signals at once, one in each lane of a vector register.
+// Fourier transforms of four signals in parallel, one in each lane of a vector register.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ struct LaneComplex {
   Lane re, im;
 };
 
-// Sizes of factors 2, 3 and 5 are fast; any other size works, in time ∝ its largest prime factor.
-// kissfft, FFTW's free cousin, has no batches and no headers for vector types; slices come by the thousand
-// here.
+// Sizes with factors 2, 3 and 5 are fast; for other sizes the time is proportional to the largest prime
+// factor. kissfft, the permissively licensed alternative to FFTW, supports neither batches nor vector types
+// in its headers, and here thousands of slices are transformed.
 class LaneFft {
  public:
   explicit LaneFft(int n);
   int size() const { return n_; }
-  // In place, unnormalised, `inner` interleaved transforms: element i of transform q lies at data[i·inner +
+  // In place and unnormalized, for `inner` interleaved transforms: element i of transform q is data[i·inner +
   // q]. `scratch` has as many elements as data.
   void run(LaneComplex* data, LaneComplex* scratch, int inner, bool inverse) const;
 
@@ -29,11 +29,11 @@ class LaneFft {
   };
   int n_;
   std::vector<Stage> stages_;
-  std::vector<float> root_cos_, root_sin_;  // of 2π·j/n, for radices beyond 5
+  std::vector<float> root_cos_, root_sin_;  // of 2π·j/n, for radices above 5
 };
 
-// Rows, then columns; data[y·width + x]. Unnormalised: a forward and an inverse transform multiply by
-// width·height.
+// Transforms rows, then columns of data[y·width + x]. Unnormalized: a forward and an inverse transform
+// together multiply by width·height.
 class LaneFft2 {
  public:
   LaneFft2(int width, int height) : x_(width), y_(height) {}
@@ -46,7 +46,7 @@ class LaneFft2 {
   LaneFft x_, y_;
 };
 
-// The largest number ≤ n (the smallest ≥ n) without prime factors above 5. n ≥ 1.
+// The largest number ≤ n, or the smallest even number ≥ n, without prime factors above 5. n ≥ 1.
 int fast_size_below(int n);
 int fast_even_size_above(int n);
 

@@ -14,13 +14,13 @@ using Eight = std::int32_t __attribute__((vector_size(32), aligned(4), may_alias
 using EightD = double __attribute__((vector_size(64), aligned(8), may_alias));
 constexpr int kLanes = 8;
 
-// A permutation that needs no table of random keys: Fisher and Yates' shuffle.
+// Fisher–Yates shuffle.
 void shuffle(std::vector<std::uint32_t>& order, std::uint64_t seed) {
   Random random(seed, 0x0cc5);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
 }
 
-// Without a branch, which no processor could predict here.
+// Branch-free, since the condition is unpredictable.
 inline int row_if(bool yes, int row, int other) { return other + (-static_cast<int>(yes) & (row - other)); }
 
 }  // namespace
@@ -99,7 +99,7 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
   const int levels = levels_;
   const auto rows = static_cast<std::size_t>(levels + 1) * width;
   const std::size_t offsets = step_.size();
-  // unit[k]: 1 at lane k, row `levels` all zero.
+  // unit[k] is 1 in lane k; row `levels` is zero.
   alignas(32) std::int32_t unit[(Vectors * kLanes + 1) * width] = {};
   for (int k = 0; k < levels; ++k) unit[k * width + k] = 1;
   std::size_t changed = 0;
@@ -114,8 +114,8 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
           reinterpret_cast<const Eight*>(&by_remote_[d * rows + static_cast<std::size_t>(after) * width]);
       const auto* home =
           reinterpret_cast<const Eight*>(&by_home_[d * rows + static_cast<std::size_t>(before) * width]);
-      // Taking the pixel out lowers D[now, after] and D[before, now] by one. In a candidate's own two entries
-      // this shows at t = now, at t = before where after = now, and at t = after where before = now.
+      // Removing the pixel decreases D[now, after] and D[before, now] by one. This affects a candidate's two
+      // entries at t = now, at t = before if after = now, and at t = after if before = now.
       const auto* own = reinterpret_cast<const Eight*>(unit + now * width);
       const auto* first = reinterpret_cast<const Eight*>(unit + row_if(after == now, before, levels) * width);
       const auto* second =

@@ -1,4 +1,4 @@
-// Level fields: pictures and solids whose pixels are one of a few colours.
+// Level fields: images and solids whose pixels are indices of a few colors.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 namespace terrazzo {
 
 inline constexpr int kMostLevels = 32;
-inline constexpr std::uint8_t kNoLevel = 255;  // of pixels that do not take part
+inline constexpr std::uint8_t kNoLevel = 255;  // for pixels that do not take part
 
 struct LevelField {
-  Vec3i size = Vec3i::Zero();    // x fastest; a picture has one layer, its rows from the top
+  Vec3i size = Vec3i::Zero();    // x fastest; an image has one layer, with rows from the top
   std::vector<std::uint8_t> at;  // 0 … levels − 1, or kNoLevel
 
   LevelField() = default;

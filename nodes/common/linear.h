@@ -1,4 +1,4 @@
-// Vectors, rotations and boxes, by Eigen's names. Lengths in mm, right-handed.
+// Vectors, matrices and rotations, as aliases of Eigen's types. Lengths in mm, right-handed.
 #pragma once
 
 #include <Eigen/Core>

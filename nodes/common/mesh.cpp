@@ -12,7 +12,7 @@
 namespace terrazzo {
 namespace {
 
-// A side of a triangle, as it runs there.
+// A directed edge of a triangle.
 struct HalfEdge {
   std::int32_t from, to;
   std::size_t triangle;
@@ -20,7 +20,7 @@ struct HalfEdge {
   std::int32_t high() const { return std::max(from, to); }
 };
 
-// Half-edges ordered so that those of one edge stand together.
+// Half-edges sorted so that those of the same edge are adjacent.
 std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
   std::vector<HalfEdge> edges;
   edges.reserve(mesh.triangles.size() * 3);
@@ -40,7 +40,7 @@ Vec3 scaled_normal(const Mesh& mesh, std::size_t t) {
   return (mesh.vertices[v[1]] - mesh.vertices[v[0]]).cross(mesh.vertices[v[2]] - mesh.vertices[v[0]]);
 }
 
-// A point near the mesh, so that sums over its triangles lose no digits when it lies far from the origin.
+// A point near the mesh, so that sums over its triangles lose no digits if it is far from the origin.
 Vec3 middle(const Mesh& mesh) {
   if (mesh.vertices.empty()) return Vec3::Zero();
   Vec3 lo = mesh.vertices[0], hi = lo;
@@ -113,8 +113,8 @@ bool mesh_is_convex(const Mesh& mesh, double tolerance) {
     const Vec3 d = mesh.vertices[opposite(edges[i + 1])] - mesh.vertices[edges[i].from];
     if (n.dot(d) > reach * n.norm()) return false;
   }
-  // Flat dents that a fine tessellation hides from the edges, cavities and separate parts all leave a gap to
-  // the hull.
+  // Flat dents that a fine tessellation hides from the edge test, cavities and separate parts all leave a gap
+  // to the hull.
   const Mesh hull = convex_hull(mesh.vertices);
   return mesh_volume(hull) - mesh_volume(mesh) <= reach * mesh_surface_area(hull);
 }
@@ -127,14 +127,14 @@ std::vector<std::string> mesh_faults(const Mesh& mesh) {
     if (++count <= kMost) faults.push_back(std::move(text));
   };
   const auto n = static_cast<std::int32_t>(mesh.vertices.size());
-  if (mesh.triangles.empty()) add("there are no triangles");
+  if (mesh.triangles.empty()) add("the mesh has no triangles");
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (!mesh.vertices[v].allFinite()) add(fmt::format("vertex {} is not finite", v));
   bool usable = true;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
     if (std::min({a, b, c}) < 0 || std::max({a, b, c}) >= n)
-      add(fmt::format("triangle {} names vertices {}, {}, {} of {}", t, a, b, c, n)), usable = false;
+      add(fmt::format("triangle {} refers to vertices {}, {}, {} of {}", t, a, b, c, n)), usable = false;
     else if (a == b || b == c || c == a)
       add(fmt::format("triangle {} uses a vertex twice ({}, {}, {})", t, a, b, c));
   }
@@ -150,7 +150,7 @@ std::vector<std::string> mesh_faults(const Mesh& mesh) {
       const std::string place = fmt::format("edge {}–{} at ({:.4g}, {:.4g}, {:.4g})", edges[i].low(),
                                             edges[i].high(), at.x(), at.y(), at.z());
       if (end - i == 2)
-        add(place + " is run through twice the same way: its triangles face opposite sides");
+        add(place + " has the same direction in both triangles: they face opposite sides");
       else
         add(fmt::format("{} has {} triangle{}", place, end - i, end - i == 1 ? "" : "s"));
     }

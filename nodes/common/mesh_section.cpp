@@ -13,8 +13,8 @@ std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
   return lo << 32 | hi;
 }
 
-// A triangle's part of the section: from the side where the triangle's outline goes down through the plane to
-// the one where it comes up, so that the solid lies on the left.
+// The part of the section in one triangle: from the edge where the triangle's boundary goes down through the
+// plane to the edge where it comes up, so that the solid is on the left.
 struct Segment {
   std::uint64_t from, to;
 };
@@ -45,7 +45,7 @@ bool contains(const Loop& loop, const Vec2& p) {
 double loop_area(const Loop& loop) {
   if (loop.size() < 3) return 0;
   double twice = 0;
-  const Vec2 o = loop[0];  // near the loop, for the digits
+  const Vec2 o = loop[0];  // a point of the loop, to lose no digits
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
     const Vec2 a = loop[i] - o, b = loop[i + 1] - o;
     twice += a.x() * b.y() - a.y() * b.x();

@@ -7,19 +7,19 @@
 
 namespace terrazzo {
 
-using Loop =
-    std::vector<Vec2>;  // closed polygon, not repeated; outer loops counter-clockwise, holes clockwise
+using Loop = std::vector<Vec2>;  // closed polygon, first point not repeated; outer loops counterclockwise,
+                                 // holes clockwise
 
 double loop_area(const Loop&);  // signed
 double loop_perimeter(const Loop&);
 
 // The section of `mesh` by the plane {x : u·x = h} in the coordinates (a·x, b·x), where a, b, u are the
 // columns of a rotation. Vertices on the plane count as above it, so that every section is a set of closed
-// loops. Empty where the plane misses.
+// loops. Empty if the plane misses the mesh.
 std::vector<Loop> section_loops(const Mesh& mesh, const Mat3& a_b_u, double h);
 
-// Loops grouped into disjoint profiles: each an outer loop first, then its holes. Loops without area, and
-// holes outside every outer loop (only a surface that cuts itself has them), are left out.
+// Groups loops into disjoint profiles: each has an outer loop first, then its holes. Loops without area are
+// dropped, and so are holes outside every outer loop, which occur only in self-intersecting surfaces.
 std::vector<std::vector<Loop>> section_profiles(std::vector<Loop> loops);
 
 }  // namespace terrazzo

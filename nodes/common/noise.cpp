@@ -13,7 +13,7 @@ std::uint64_t hash(std::uint64_t seed, int x, int y, int z) {
 }
 double unit(std::uint64_t bits) { return static_cast<double>(bits & 0x1fffff) / 0x1fffff; }
 
-// A gradient towards one of the twelve edges of a cube.
+// Dot product with a gradient towards one of the twelve edges of a cube.
 double gradient(std::uint64_t h, double x, double y, double z) {
   const auto k = h % 12;
   const double u = k < 4 ? x : k < 8 ? x : y, v = k < 4 ? y : z;

@@ -1,4 +1,4 @@
-// A parameter of one number for all axes, or of one for each.
+// Reads a parameter with one number for all axes or one number per axis.
 #pragma once
 
 #include <string>
@@ -9,11 +9,12 @@
 
 namespace terrazzo {
 
-// Throws Error "bad-value" where there are two.
+// Throws Error "bad-value" for two numbers.
 inline Vec3i one_or_three(const Context& c, const std::string& parameter) {
   const auto written = c.ints(parameter);
   if (written.size() == 2)
-    throw Error("bad-value", "two numbers", "write one number, or three").parameter(parameter);
+    throw Error("bad-value", "the value has two numbers", "write one number, or three for x, y and z")
+        .parameter(parameter);
   Vec3i out;
   for (int a = 0; a < 3; ++a)
     out[a] = static_cast<int>(written[written.size() == 1 ? 0 : static_cast<std::size_t>(a)]);

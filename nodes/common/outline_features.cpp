@@ -18,7 +18,7 @@ double turn(const Vec2& before, const Vec2& after) {
   return std::atan2(cross(before, after), before.dot(after));
 }
 
-// Circular Gaussian over evenly spaced points; scale does not matter to what is measured.
+// Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
 Points blurred(const Points& p, double sigma_points) {
   const int n = static_cast<int>(p.size()),
             reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma_points)));
@@ -79,13 +79,13 @@ double hull_area(Points p) {
   return loop_area(hull);
 }
 
-// An outline z(s) is mirror-symmetric where z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ; the rms distance of
-// the best s₀ and φ follows from the largest |Σ z(s) z(s₀ − s)|.
+// An outline z(s) is mirror-symmetric if z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ. The rms distance for the
+// best s₀ and φ follows from the maximum of |Σ z(s) z(s₀ − s)|.
 double symmetry_of(const Points& p) {
-  constexpr std::size_t kPoints = 32;  // an axis is met to 1/64 of the outline
+  constexpr std::size_t kPoints = 32;  // axes are resolved to 1/64 of the outline
   const std::size_t n = std::min(kPoints, p.size());
   std::array<double, kPoints> x{}, y{};
-  std::array<double, 2 * kPoints> back_x{}, back_y{};  // z(−s), twice round
+  std::array<double, 2 * kPoints> back_x{}, back_y{};  // z(−s), over two periods
   Vec2 mean = Vec2::Zero();
   for (std::size_t i = 0; i < n; ++i) mean += p[i * p.size() / n] / static_cast<double>(n);
   double square = 0;
@@ -126,7 +126,7 @@ double quantile(std::vector<double>& v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
-// Turns of the outline over `arms` steps on either side of each point.
+// Turning angle of the outline over `arms` steps on either side of each point.
 std::vector<double> turns_over(const Points& p, std::size_t arms) {
   const std::size_t n = p.size();
   std::vector<double> out(n);

@@ -12,7 +12,7 @@ PhaseStatistics phase_statistics(const std::vector<Phase>& pictures, int reach) 
     for (int i = 0; i < length; ++i) {
       const std::uint8_t* p = first + static_cast<std::ptrdiff_t>(i) * stride;
       run = *p ? run + 1 : 0;
-      // Segments that end here.
+      // Segments that end at this pixel.
       for (int r = 0; r <= std::min(i, reach); ++r) {
         const auto k = static_cast<std::size_t>(r);
         ++all[k];

@@ -1,4 +1,4 @@
-// How the darker half of a picture lies: two-point correlation and lineal path (Torquato 2002, 2.1 and 2.4).
+// Two-point correlation and lineal path of a phase in images (Torquato 2002, 2.1 and 2.4).
 #pragma once
 
 #include <cstdint>
@@ -6,18 +6,19 @@
 
 namespace terrazzo {
 
-// One picture's phase, 1 where it is; x fastest.
+// The phase in one image: 1 inside, 0 outside; x fastest.
 struct Phase {
   int width = 0, height = 0;
   std::vector<std::uint8_t> in;
 };
 
 struct PhaseStatistics {
-  std::vector<double> two_point;    // S2(r), r = 0 … reach: both ends of a segment of r pixels in the phase
-  std::vector<double> lineal_path;  // L(r): all of it in the phase
+  std::vector<double> two_point;  // S2(r), r = 0 … reach: probability that both ends of a segment of r pixels
+                                  // are in the phase
+  std::vector<double> lineal_path;  // L(r): probability that the whole segment is in the phase
 };
 
-// Along x and y alike, over all pictures; reach must be below every side.
+// Averages over segments along x and along y in all images. `reach` must be below every side.
 PhaseStatistics phase_statistics(const std::vector<Phase>&, int reach);
 
 }  // namespace terrazzo

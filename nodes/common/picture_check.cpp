@@ -20,7 +20,7 @@ std::uint32_t little32(std::string_view at) {
 }  // namespace
 
 void damaged_picture(const std::string& what) {
-  throw Error("unreadable-image", what, "check that the file is whole");
+  throw Error("unreadable-image", what, "check that the file is complete");
 }
 
 std::string picture_format(std::string_view c) {
@@ -43,13 +43,13 @@ void check_notes(std::string_view content) {
   constexpr std::string_view begin = "<rdf:Description";
   constexpr int deepest = 500;
   for (auto at = content.find(begin); at != std::string_view::npos; at = content.find(begin, at)) {
-    // A zero ends the text for its parser too.
+    // The parser also ends at a zero byte.
     int depth = 0;
     for (; at < content.size() && content[at] != '\0'; ++at) {
       if (content[at] != '<' || at + 1 == content.size()) continue;
       const char next = content[at + 1];
       depth += next == '/' ? -1 : next == '!' || next == '?' ? 0 : 1;
-      if (depth > deepest) damaged_picture("its XMP note is nested too deeply");
+      if (depth > deepest) damaged_picture("its XMP metadata is nested too deeply");
     }
   }
 }
@@ -58,7 +58,7 @@ double largest_ratio(const std::string& format, const std::string& compression) 
   constexpr double any = std::numeric_limits<double>::infinity();
   constexpr double deflate = 1032;  // zlib's limit
   if (format == "jpeg")
-    return 2000;  // progressive: one bit for a block of 64 samples or more, and subsampled colors
+    return 2000;  // progressive: one bit per block of 64 or more samples, and subsampled colors
   if (format == "png") return 8 * deflate;  // 1-bit pixels become bytes
   if (format == "hdr") return 128;
   if (format == "bmp") return 32;  // 1-bit pixels become three bytes
@@ -71,27 +71,27 @@ double largest_ratio(const std::string& format, const std::string& compression) 
 }
 
 void check_exr(std::string_view content, const Reading&) {
-  // Attributes: a name, a type, a size, a value; an empty name ends them. Of files with parts, the first
-  // part's.
+  // Attributes have a name, a type, a size and a value; an empty name ends them. In a multi-part file, this
+  // reads the first part.
   std::size_t at = 8;
   const auto word = [&] {
     const auto end = content.find('\0', at);
-    if (end == std::string_view::npos || end - at > 255) damaged_picture("its header does not end");
+    if (end == std::string_view::npos || end - at > 255) damaged_picture("its header has no end");
     const auto found = content.substr(at, end - at);
     at = end + 1;
     return found;
   };
   double height = 0;
-  int lines = 1;  // of a block
+  int lines = 1;  // rows per block
   bool tiled = false;
   while (true) {
     const auto name = word();
     if (name.empty()) break;
     word();
-    if (at + 4 > content.size()) damaged_picture("its header does not end");
+    if (at + 4 > content.size()) damaged_picture("its header has no end");
     const std::uint32_t size = little32(content.substr(at));
     at += 4;
-    if (size > content.size() - at) damaged_picture("its header does not end");
+    if (size > content.size() - at) damaged_picture("its header has no end");
     const auto value = content.substr(at, size);
     at += size;
     if (name == "dataWindow" && size == 16) {
@@ -109,7 +109,8 @@ void check_exr(std::string_view content, const Reading&) {
   if (tiled && lines < 1) damaged_picture("its tiles are empty");
   if (height < 1) damaged_picture("it has no rows");
   if (8 * std::floor(height / lines) > static_cast<double>(content.size() - at))
-    damaged_picture(fmt::format("it has {:.0f} rows, but {} bytes in all", height, content.size()));
+    damaged_picture(
+        fmt::format("its header says {:.0f} rows, but the file has only {} bytes", height, content.size()));
 }
 
 }  // namespace terrazzo

@@ -1,5 +1,5 @@
-// Checks of picture files that OpenImageIO and the libraries behind it leave out. Each gets a file's whole
-// content and throws Error "unreadable-image" with what is wrong, or warns.
+// Checks of image files that OpenImageIO and its libraries omit. Each takes the file's whole content. It
+// throws Error "unreadable-image" with the problem, or warns.
 #pragma once
 
 #include <string>
@@ -9,27 +9,27 @@
 
 namespace terrazzo {
 
-// OpenImageIO's name of the format, told by the first bytes; "" if it is none that is read.
+// OpenImageIO's name of the format, detected from the first bytes; "" if the format is not supported.
 std::string picture_format(std::string_view content);
 
-// The most bytes of pixels that one byte of such a file can stand for; infinite where a few bytes may stand
-// for any number of equal pixels. `compression`: as OpenImageIO calls it.
+// Upper bound of pixel bytes per byte of file; infinite if a few bytes can encode any number of equal pixels.
+// `compression` is OpenImageIO's name.
 double largest_ratio(const std::string& format, const std::string& compression);
 
-// Decodes the file coarsely with libjpeg, whose warnings OpenImageIO swallows. A file that ends early is an
-// error.
+// Decodes the file coarsely with libjpeg, whose warnings OpenImageIO drops. A truncated file is an error.
 void check_jpeg(std::string_view content, const Reading&);
-// Compares the checksum of every chunk, and looks for the last.
+// Verifies the checksum of every chunk and the presence of the last chunk.
 void check_png(std::string_view content, const Reading&);
-// Whether every strip and tile of every page lies within the file.
+// Checks that every strip and tile of every page is within the file.
 void check_tiff(std::string_view content, const Reading&);
-// Whether the file holds the table of its blocks, which OpenEXR allocates before it looks.
+// Checks that the file can contain its block table, which OpenEXR allocates without a check.
 void check_exr(std::string_view content, const Reading&);
-// Whether the file holds as many pixels as it says, and only colors that it lists; OpenImageIO looks neither
-// up. Refuses run-length coded files.
+// Checks that the file contains as many pixels as its header says and that all color indices are valid;
+// OpenImageIO checks neither. Rejects run-length encoded files.
 void check_bmp(std::string_view content, const Reading&);
 
-// OpenImageIO reads XMP notes by recursion: refuses notes that are nested deeply enough to exhaust the stack.
+// Rejects XMP metadata that is nested deeply enough to exhaust the stack, since OpenImageIO parses it
+// recursively.
 void check_notes(std::string_view content);
 
 // Throws Error "unreadable-image".

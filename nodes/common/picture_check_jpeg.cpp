@@ -12,10 +12,10 @@
 namespace terrazzo {
 namespace {
 
-constexpr int kMostScans = 500;  // progressive files have ten or so; thousands only cost time
+constexpr int kMostScans = 500;  // progressive files have about ten; thousands only cost time
 
-// What libjpeg calls back. It is C: an error leaves it by longjmp, so that no object with a destructor may
-// live between setjmp and the calls.
+// State for libjpeg's callbacks. libjpeg reports errors by longjmp, so no object with a destructor may live
+// between setjmp and the calls.
 struct Listener {
   jpeg_error_mgr manager;
   jpeg_progress_mgr progress;
@@ -34,7 +34,7 @@ void on_error(j_common_ptr c) {
 }
 
 void on_message(j_common_ptr c, int level) {
-  if (level >= 0) return;  // a trace
+  if (level >= 0) return;  // a trace message
   Listener& l = of(c);
   if (l.warnings++ == 0) (*c->err->format_message)(c, l.first_warning);
   if (c->err->msg_code == JWRN_JPEG_EOF) l.cut_short = true;
@@ -51,7 +51,7 @@ struct Size {
   int components = 0;
 };
 
-// Decodes an eighth of the resolution, which reads every bit of the file. Returns false on an error.
+// Decodes at an eighth of the resolution, which reads every bit of the file. Returns false on an error.
 bool decode(std::string_view content, jpeg_decompress_struct& c, Listener& l, Size& size, bool header_only) {
   if (setjmp(l.leave)) return false;
   jpeg_mem_src(&c, reinterpret_cast<const unsigned char*>(content.data()), content.size());
@@ -96,13 +96,13 @@ void check_jpeg(std::string_view content, const Reading& reading) {
   if (samples > largest_ratio("jpeg", "") * static_cast<double>(content.size()) + 1e6)
     damaged_picture(
         fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), size.width, size.height));
-  require_memory(3 * samples, reading.memory,  // a progressive file's coefficients, and what is made of them
-                 fmt::format("a picture of {:.0f} × {:.0f} pixels", size.width, size.height));
+  require_memory(3 * samples, reading.memory,  // coefficients of a progressive file, and decoded samples
+                 fmt::format("an image of {:.0f} × {:.0f} pixels", size.width, size.height));
   Listener l;
   if (!run(content, l, size, false)) damaged_picture(printable(l.error));
-  if (l.cut_short) damaged_picture("it was cut short (" + printable(l.first_warning) + ")");
+  if (l.cut_short) damaged_picture("it is truncated (" + printable(l.first_warning) + ")");
   if (l.warnings > 0)
-    reading.warn(fmt::format("the JPEG decoder complains {} {}; first: {}", l.warnings,
+    reading.warn(fmt::format("the JPEG decoder warned {} {}; first: {}", l.warnings,
                              l.warnings == 1 ? "time" : "times", printable(l.first_warning)));
 }
 

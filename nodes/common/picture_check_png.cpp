@@ -14,7 +14,7 @@ std::uint32_t big32(std::string_view at) {
   return v;
 }
 
-// The text of a compressed note, as far as libpng would unpack it.
+// Decompresses a text chunk, up to the size that libpng would decompress.
 std::string unpacked(std::string_view bytes) {
   constexpr std::size_t most = 8'000'000, deflate = 1032;
   std::string out(std::min(most, deflate * (bytes.size() + 1)), '\0');
@@ -29,14 +29,14 @@ std::string unpacked(std::string_view bytes) {
   return out;
 }
 
-// A key, and then, in a zTXt chunk, one byte and packed text; in an iTXt chunk, a flag, one byte, a language
-// and a translated key before it.
+// Data of a zTXt chunk: a key, one byte, and compressed text. Data of an iTXt chunk: a key, a flag, one byte,
+// a language, a translated key, and text.
 void check_packed_note(std::string_view name, std::string_view data) {
   constexpr std::string_view key = "XML:com.adobe.xmp";
   auto at = key.size();
   if (!data.starts_with(key) || at + 3 > data.size() || data[at] != '\0') return;
   if (name == "iTXt") {
-    if (data[at + 1] == 0) return;  // not packed: checked with the rest of the file
+    if (data[at + 1] == 0) return;  // not compressed: checked with the rest of the file
     at = data.find('\0', at + 3);
     if (at != std::string_view::npos) at = data.find('\0', at + 1);
     if (at == std::string_view::npos) return;
@@ -54,11 +54,11 @@ void check_png(std::string_view content, const Reading& reading) {
   std::string first;
   while (true) {
     if (content.size() - at < around)
-      damaged_picture(fmt::format("it was cut short at byte {}", content.size()));
+      damaged_picture(fmt::format("it is truncated at byte {}", content.size()));
     const std::uint32_t length = big32(content.substr(at));
     if (length > content.size() - at - around)
-      damaged_picture(
-          fmt::format("it was cut short: it ends at byte {} within a chunk of {}", content.size(), length));
+      damaged_picture(fmt::format("it is truncated: it ends at byte {}, within a chunk of {} bytes",
+                                  content.size(), length));
     const std::string_view body = content.substr(at + 4, 4 + length);
     const std::string name = printable(body.substr(0, 4));
     const auto sum =
@@ -73,7 +73,7 @@ void check_png(std::string_view content, const Reading& reading) {
     at += around + length;
   }
   if (damaged > 0)
-    reading.warn(fmt::format("{} of the PNG file's notes {} damaged; first: {}", damaged,
+    reading.warn(fmt::format("{} of the PNG file's metadata chunks {} damaged; first: {}", damaged,
                              damaged == 1 ? "is" : "are", first));
 }
 

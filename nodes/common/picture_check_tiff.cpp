@@ -9,7 +9,7 @@
 namespace terrazzo {
 namespace {
 
-// Numbers of a TIFF file, in its byte order and width.
+// Reads numbers of a TIFF file in its byte order and width.
 class Tiff {
  public:
   explicit Tiff(std::string_view content) : content_(content), little_(content[0] == 'I') {
@@ -18,7 +18,7 @@ class Tiff {
   bool is_big() const { return big_; }
   std::uint64_t number(std::uint64_t at, int bytes) const {
     if (at > content_.size() || content_.size() - at < static_cast<std::uint64_t>(bytes))
-      damaged_picture(fmt::format("it was cut short: it refers to byte {} of {}", at, content_.size()));
+      damaged_picture(fmt::format("it is truncated: it refers to byte {} of {}", at, content_.size()));
     std::uint64_t v = 0;
     for (int k = 0; k < bytes; ++k) {
       const auto byte =
@@ -35,7 +35,7 @@ class Tiff {
 };
 
 struct Entry {
-  int width = 0;  // bytes of one number
+  int width = 0;  // bytes per number
   std::uint64_t count = 0, at = 0;
 };
 
@@ -55,7 +55,7 @@ void check_blocks(const Tiff& in, const std::map<std::uint64_t, Entry>& entries,
     };
     const std::uint64_t at = value(o->second), length = value(l->second);
     if (at > in.size() || length > in.size() - at)
-      damaged_picture(fmt::format("it was cut short: its block {} of {} ends at byte {} of {}", i, n,
+      damaged_picture(fmt::format("it is truncated: its block {} of {} ends at byte {} of {}", i, n,
                                   static_cast<double>(at) + static_cast<double>(length), in.size()));
   }
 }
@@ -63,16 +63,17 @@ void check_blocks(const Tiff& in, const std::map<std::uint64_t, Entry>& entries,
 }  // namespace
 
 void check_tiff(std::string_view content, const Reading&) {
-  if (content.size() < 8) damaged_picture("it was cut short");
+  if (content.size() < 8) damaged_picture("it is truncated");
   const Tiff in(content);
-  const int word = in.is_big() ? 8 : 4;  // of offsets and counts
+  const int word = in.is_big() ? 8 : 4;  // bytes per offset and count
   const std::uint64_t entry_size = in.is_big() ? 20 : 12;
   std::set<std::uint64_t> seen;
   std::uint64_t at = in.number(in.is_big() ? 8 : 4, word);
   while (at != 0 && seen.insert(at).second) {
     const std::uint64_t n = in.number(at, in.is_big() ? 8 : 2);
     const std::uint64_t first = at + (in.is_big() ? 8 : 2);
-    if (n > in.size() / entry_size) damaged_picture(fmt::format("it promises {} entries", n));
+    if (n > in.size() / entry_size)
+      damaged_picture(fmt::format("its directory has {} entries, which exceed the file", n));
     std::map<std::uint64_t, Entry> entries;
     for (std::uint64_t i = 0; i < n; ++i) {
       const std::uint64_t e = first + i * entry_size;
@@ -85,11 +86,11 @@ void check_tiff(std::string_view content, const Reading&) {
       if (bytes > static_cast<std::uint64_t>(word)) {
         entry.at = in.number(entry.at, word);
         if (entry.at > in.size() || bytes > in.size() - entry.at)
-          damaged_picture(fmt::format("it was cut short: its entry {} ends beyond byte {}", tag, in.size()));
+          damaged_picture(fmt::format("it is truncated: its entry {} ends beyond byte {}", tag, in.size()));
       }
       if (tag != 273 && tag != 279 && tag != 324 && tag != 325)
-        continue;  // places and lengths of strips and tiles
-      if (entry.width == 0) damaged_picture(fmt::format("its entry {} cannot be", tag));
+        continue;  // offsets and lengths of strips and tiles
+      if (entry.width == 0) damaged_picture(fmt::format("its entry {} has an invalid type", tag));
       entries[tag] = entry;
     }
     check_blocks(in, entries, 273, 279);

@@ -16,17 +16,18 @@ const std::map<std::string, Check> checks = {{"jpeg", check_jpeg},
                                              {"openexr", check_exr},
                                              {"bmp", check_bmp}};
 
-// The library's words about the last failure, taken from it so that they do not linger.
+// The library's message about the last failure. Reading it also clears it.
 std::string last_words(const OIIO::ImageInput* in) {
   const std::string words = printable(in ? in->geterror() : OIIO::geterror());
-  return words.empty() ? "its decoder gives no reason" : words;
+  return words.empty() ? "the decoder gave no reason" : words;
 }
 
 }  // namespace
 
 Error PictureInput::unreadable(const std::string& why) const {
-  return Error("unreadable-image", "cannot read the picture '" + path_.string() + "': " + why,
-               "check that the file is whole; JPEG, PNG, TIFF, OpenEXR, HDR, BMP and PNM are read")
+  return Error("unreadable-image", "cannot read the image '" + path_.string() + "': " + why,
+               "check that the file is complete; supported formats are JPEG, PNG, TIFF, OpenEXR, HDR, BMP "
+               "and PNM")
       .parameter("path");
 }
 
@@ -37,7 +38,7 @@ PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OI
     const std::string content = read_whole(path_, reading_);
     size_ = content.size();
     format_ = picture_format(content);
-    if (format_.empty()) throw unreadable("it is of no known picture format");
+    if (format_.empty()) throw unreadable("its format is not supported");
     check_notes(content);
     Reading named = reading_;
     named.warn = [&](const std::string& message) { reading_.warn(name + ": " + message); };
@@ -48,8 +49,8 @@ PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OI
       throw unreadable(e.diagnostic().message);
     throw e.parameter("path");
   }
-  // Only this format's reader sees the file: by its name alone, OpenImageIO would try one reader after the
-  // other.
+  // Select the reader of this format. Given only the file name, OpenImageIO would try one reader after
+  // another.
   in_ = OIIO::ImageInput::create(format_);
   if (!in_) throw unreadable(last_words(nullptr));
   OIIO::ImageSpec first;
@@ -70,7 +71,7 @@ void PictureInput::require(double bytes_per_sample, double more) const {
       double(s.tile_width) * s.tile_height * s.nchannels * static_cast<double>(s.format.size());
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,
-                   fmt::format("the picture '{}' of {} × {} pixels", path_.string(), s.width, s.height));
+                   fmt::format("the image '{}' of {} × {} pixels", path_.string(), s.width, s.height));
   } catch (Error& e) {
     throw e.parameter("path");
   }

@@ -1,4 +1,4 @@
-// Opens pictures of unknown origin: nothing is decoded before the file was checked and its needs fit the
+// Reader for untrusted image files: nothing is decoded until the file is checked and its memory needs fit the
 // budget.
 #pragma once
 
@@ -16,17 +16,17 @@ namespace terrazzo {
 
 class PictureInput {
  public:
-  // Opens a JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM file, told by its content. Checks what the
-  // format allows to check: a file that was cut short is an error, and what its decoder complains about is a
-  // warning. Throws Error "unreadable-image" or "too-large".
+  // Opens a JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM file, detected by content, and checks its
+  // structure. A truncated file is an error; other complaints of the decoder are warnings. Throws Error
+  // "unreadable-image" or "too-large".
   PictureInput(std::filesystem::path, Reading, const OIIO::ImageSpec& hints);
 
   const OIIO::ImageSpec& spec() const { return in_->spec(); }
   bool seek(int page) { return in_->seek_subimage(page, 0); }
 
-  // All samples of the page, converted to T as OpenImageIO does. `more`: bytes per pixel that the caller is
-  // about to need besides. Throws Error "unreadable-image" if the page cannot be decoded, or if the file is
-  // too small to hold what its header promises; "too-large" if page and `more` exceed the budget.
+  // All samples of the page, converted to T as OpenImageIO does. `more` is the number of additional bytes per
+  // pixel that the caller will need. Throws Error "unreadable-image" if the page cannot be decoded, or if the
+  // file is too small for its header; "too-large" if the page and `more` exceed the memory budget.
   template <class T>
   std::vector<T> samples(OIIO::TypeDesc type, double more) {
     require(sizeof(T), more);
@@ -48,8 +48,8 @@ class PictureInput {
   std::unique_ptr<OIIO::ImageInput> in_;
 };
 
-// A text that the file carries, such as "ImageDescription", or "" if it has none or is no picture. Decodes no
-// pixels.
+// A text attribute of the file, such as "ImageDescription"; "" if there is none or the file is not an image.
+// Decodes no pixels.
 std::string picture_text(const std::filesystem::path&, const std::string& name, const Reading& = {});
 
 }  // namespace terrazzo

@@ -12,7 +12,7 @@ namespace terrazzo {
 
 namespace {
 
-// Okabe and Ito (2008), distinguishable with every common colour vision; sRGB.
+// Okabe and Ito (2008), distinguishable with all common types of color vision; sRGB.
 constexpr std::array<std::array<int, 3>, 8> palette = {{{0, 114, 178},
                                                         {213, 94, 0},
                                                         {0, 158, 115},
@@ -34,7 +34,7 @@ const Vec3f& text_color() {
 
 constexpr double small = 15, normal = 16, large = 19;  // line heights, pixels
 
-// Where the data goes, and how numbers become pixels.
+// The plot area, and its mapping from data to pixels.
 struct Frame {
   double left, top, right, bottom;
   PlotAxis x, y;
@@ -44,7 +44,7 @@ struct Frame {
 
 std::size_t points_of(const PlotSeries& s) { return std::min(s.x.size(), s.y.size()); }
 
-// The smallest distance of two bars, in places of the axis or, before there is one, of x.
+// The smallest distance of two bars in units of x, logarithmic if log_x.
 double bar_spacing(const Plot& plot) {
   double spacing = INFINITY;
   for (const auto& s : plot.series) {
@@ -60,7 +60,7 @@ double bar_spacing(const Plot& plot) {
   return std::isfinite(spacing) ? spacing : 1;
 }
 
-// Whether two series have a bar at one x, so that they must stand side by side.
+// Whether two series have a bar at the same x, so that bars must be drawn side by side.
 bool bars_share_places(const Plot& plot) {
   std::vector<double> taken;
   for (const auto& s : plot.series) {
@@ -106,7 +106,7 @@ void write(Image& image, double x, double y, const std::string& words, double he
   mask.paint(image, color);
 }
 
-// Swatch and word of every named series, in rows that fit. Returns the height taken; draws only where `image`
+// Swatch and name of every named series, in as many rows as needed. Returns the height; draws only if `image`
 // is given.
 double legend(Image* image, const Plot& plot, double left, double right, double top) {
   const double swatch = 18, gap = 7, between = 22, row = 21;
@@ -166,7 +166,7 @@ void draw_axes(Image& image, const Plot& plot, const Frame& f) {
   }
 }
 
-// Marks clipped to the frame, a whisker per interval.
+// Draws the marks of a series, clipped to the frame, and its intervals as whiskers.
 void draw_series(Image& image, const Plot& plot, const Frame& f, const PlotSeries& s, int bar, int bars) {
   Coverage mask(image.width, image.height), whiskers(image.width, image.height);
   const Vec3f color = color_of(s.color);
@@ -243,7 +243,7 @@ Image draw(const Plot& plot) {
     f.x.ticks.clear(), f.x.minor.clear(), f.x.words = plot.x_words;
     for (std::size_t i = 0; i < plot.x_words.size(); ++i) f.x.ticks.push_back(static_cast<double>(i));
   }
-  // The last word must not stick out.
+  // Leave room for the last tick label.
   if (!f.x.words.empty())
     f.right = std::min(f.right, image.width - 8 - text_extent(f.x.words.back(), small) / 2 +
                                     (1 - f.x.place(f.x.ticks.back())) * (f.right - f.left));
@@ -271,7 +271,8 @@ Image draw(const std::vector<Plot>& plots, int columns) {
   std::vector<Image> images;
   for (const auto& p : plots) images.push_back(draw(p));
   const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
-  std::vector<int> x(columns + 1, 0), y(rows + 1, 0);  // each column as wide as its widest, each row as high
+  std::vector<int> x(columns + 1, 0),
+      y(rows + 1, 0);  // each column as wide as its widest plot, each row as high as its highest
   for (std::size_t i = 0; i < images.size(); ++i) {
     int &w = x[i % columns + 1], &h = y[i / columns + 1];
     w = std::max(w, images[i].width), h = std::max(h, images[i].height);

@@ -1,4 +1,4 @@
-// Figures drawn into an Image: axes, lines, bars, intervals, words. No window system, no font files.
+// Figures drawn into an Image: axes, lines, bars, intervals, text. Needs no window system and no font files.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct PlotSeries {
   enum class Kind { Line, Points, Bars };
   Kind kind = Kind::Line;
   std::string name;               // in the legend; empty: not listed
-  std::vector<double> x, y;       // NaN breaks a line
+  std::vector<double> x, y;       // NaN interrupts a line
   std::vector<double> low, high;  // of y; empty: no intervals
   int color = 0;                  // index into the palette
 };
@@ -20,16 +20,17 @@ struct PlotSeries {
 struct Plot {
   std::string title, x_label, y_label;
   bool log_x = false, log_y = false;
-  std::vector<std::string> x_words;  // at x = 0, 1, 2… in the place of numbers
+  std::vector<std::string> x_words;  // tick labels at x = 0, 1, 2… instead of numbers
   std::vector<PlotSeries> series;
   int width = 720, height = 480;  // pixels
 };
 
 Image draw(const Plot&);
-// Side by side, `columns` a row.
+// Draws several plots in a grid with `columns` columns.
 Image draw(const std::vector<Plot>&, int columns);
 
-// Words at a pixel position (top left), height in pixels. ASCII and µ ² ³ ° ×. Returns the width drawn.
+// Draws text at a pixel position (top left) with a height in pixels. Supports the characters in
+// stroke_font.h. Returns the width.
 int draw_text(Image&, int x, int y, const std::string& text, int height, const Vec3f& linear_color);
 int text_width(const std::string& text, int height);
 

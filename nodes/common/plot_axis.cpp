@@ -38,7 +38,7 @@ void log_ticks(PlotAxis& axis, int count) {
   const int first = static_cast<int>(std::floor(std::log10(axis.lo) + 1e-9));
   const int last = static_cast<int>(std::ceil(std::log10(axis.hi) - 1e-9));
   const int every = std::max(1, (last - first + count - 1) / std::max(1, count));
-  const bool few = last - first <= 2;  // then 2 and 5 have words too
+  const bool few = last - first <= 2;  // then 2 and 5 are labeled too
   const double slack = 1e-9;
   for (int k = first; k <= last; ++k)
     for (int m = 1; m < 10; ++m) {
@@ -65,7 +65,7 @@ PlotAxis make_axis(const std::vector<double>& values, bool log, bool with_zero, 
   if (log) {
     if (!(hi > lo * 1.0001)) lo /= 2, hi *= 2;
     axis.lo = lo, axis.hi = hi;
-    if (!tight) {  // out to the next 1, 2 or 5
+    if (!tight) {  // extend to the next 1, 2 or 5
       auto step = [](double v, bool up) {
         const double power = std::pow(10, std::floor(std::log10(v))), lead = v / power;
         if (up) return power * (lead <= 1.0001 ? 1 : lead <= 2.0001 ? 2 : lead <= 5.0001 ? 5 : 10);
@@ -76,7 +76,7 @@ PlotAxis make_axis(const std::vector<double>& values, bool log, bool with_zero, 
     log_ticks(axis, count);
     return axis;
   }
-  // Near to zero it belongs in the picture; far from it, the changes matter more.
+  // Include zero if it is near; if it is far away, the differences matter more.
   if (with_zero || (!tight && lo > 0 && lo < 0.4 * hi)) lo = std::min(lo, 0.0), hi = std::max(hi, 0.0);
   if (!(hi - lo > 1e-12 * std::max(std::abs(hi), std::abs(lo)))) {
     const double room = hi == 0 ? 1 : 0.5 * std::abs(hi);

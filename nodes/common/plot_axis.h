@@ -1,4 +1,4 @@
-// One axis of a figure: its range, its ticks, their words.
+// One axis of a figure: its range, its ticks and their labels.
 #pragma once
 
 #include <string>
@@ -7,21 +7,20 @@
 namespace terrazzo {
 
 struct PlotAxis {
-  double lo = 0, hi = 1;  // of the data space; both positive where log
+  double lo = 0, hi = 1;  // in data units; both positive if log
   bool log = false;
-  std::vector<double> ticks;  // with a word each
-  std::vector<double> minor;  // without
+  std::vector<double> ticks;  // with labels
+  std::vector<double> minor;  // without labels
   std::vector<std::string> words;
 
-  double place(double v) const;  // 0 at lo, 1 at hi; may lie outside
+  double place(double v) const;  // 0 at lo, 1 at hi; may be outside that range
 };
 
-// Around `values` (those that are finite, and positive where log), at most about `count` ticks at 1, 2 or 5 ×
-// 10^k. `with_zero`: the range starts at zero (or ends there). `tight`: the range is that of the values, not
-// of the ticks.
+// Makes an axis around the finite (if log, positive) `values`, with about `count` ticks at most at 1, 2 or 5
+// × 10^k. `with_zero`: the range includes zero. `tight`: the range ends at the values, not at ticks.
 PlotAxis make_axis(const std::vector<double>& values, bool log, bool with_zero, bool tight, int count);
 
-// In as many digits as tell neighbours `step` apart: "0.05", "12000", "1.5e-7".
+// With as many digits as needed to distinguish neighbors `step` apart: "0.05", "12000", "1.5e-7".
 std::string tick_word(double v, double step);
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Principal axes of a covariance in three dimensions.
+// Principal axes of a three-dimensional covariance matrix.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -7,8 +7,8 @@
 
 namespace terrazzo {
 
-// Columns by falling variance; the largest component of each is positive, since the solver's sign is
-// arbitrary.
+// Columns are sorted by decreasing variance. The largest component of each column is positive, since the
+// solver's sign is arbitrary.
 inline Mat3 principal_axes(const Eigen::SelfAdjointEigenSolver<Mat3>& solver) {
   Mat3 axes;
   for (int c = 0; c < 3; ++c) {

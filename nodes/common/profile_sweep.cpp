@@ -64,8 +64,8 @@ void ProfileSweep::start(const Vec3& direction) {
 
 const std::vector<ProfileRange>& ProfileSweep::sweep(const Vec3& direction) {
   start(direction);
-  // Around a regular vertex its neighbours change from lower to higher twice: it is the middle one of two
-  // triangles.
+  // Around a regular vertex the neighbors change between lower and higher twice, so it is the middle vertex
+  // of exactly two triangles.
   std::int32_t bottom = 0;
   for (std::int32_t r = 1; r < order_.count(); ++r)
     if (times_middle_[order_.vertex(r)] != 2) {
@@ -117,7 +117,7 @@ void ProfileSweep::add_slab(std::int32_t bottom, std::int32_t top) {
   }
 }
 
-// Joins the edges of each triangle that pass through the slab; what hangs together is one loop.
+// Joins the edges of each triangle that cross the slab; each connected set is one loop.
 void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
   const auto passes = [&](std::int32_t a, std::int32_t b) {
     const std::int32_t ra = order_.rank(a), rb = order_.rank(b);
@@ -190,8 +190,8 @@ void ProfileSweep::add_areas(std::int32_t bottom, std::int32_t top) {
   }
 }
 
-// A hole belongs to the smallest loop around it: the smallest whose cut crosses a ray from it an odd number
-// of times.
+// Assigns each hole to the smallest loop around it: the smallest loop that a ray from the hole crosses an odd
+// number of times.
 void ProfileSweep::find_owners(double z) {
   struct Cut {
     Vec2 a, b;

@@ -1,4 +1,4 @@
-// The profiles of a mesh, disjoint ones apart, at all depths of one direction at once.
+// Areas of the separate profiles of a mesh at all depths along a direction.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +8,25 @@
 
 namespace terrazzo {
 
-// One profile over a range of depths; its area is without its holes.
+// One profile over a range of depths; its area excludes its holes.
 struct ProfileRange {
   AreaRange area;
   int holes;
 };
 
-// Sweeps a closed mesh along directions. Between two neighbouring critical vertices (minima, maxima, saddles
-// of the height) the loops of the section neither meet nor part, so each is the outline of one connected
-// piece of the surface in between: the level sets of the Reeb graph. Equal heights are told apart by the
-// vertices' numbers. Holds scratch memory: one per thread.
+// Sweeps a closed mesh along directions. Between two consecutive critical vertices (minima, maxima and
+// saddles of the height) the loops of the section neither merge nor split, so each loop is the outline of one
+// connected piece of the surface: the level sets of the Reeb graph. Ties in height are broken by vertex
+// index. Contains scratch memory: use one per thread.
 class ProfileSweep {
  public:
   explicit ProfileSweep(const Mesh& mesh);
-  // In no particular but a fixed order; valid until the next call.
+  // The order is arbitrary but deterministic; valid until the next call.
   const std::vector<ProfileRange>& sweep(const Vec3& direction);
 
  private:
   struct Loop {               // within a slab between two critical vertices
-    double area = 0;          // halfway up the thickest range; negative of a hole
+    double area = 0;          // in the middle of the thickest range; negative for a hole
     std::int32_t owner = -1;  // of a hole: the loop around it
     int holes = 0;
   };
@@ -40,13 +40,13 @@ class ProfileSweep {
   const Mesh& mesh_;
   HeightOrder order_;
   double flat_;
-  std::vector<Triangle> sides_;             // numbers of the edges from vertex k to k + 1 of each triangle
-  std::vector<std::int32_t> parent_;        // of each edge, within a slab
-  std::vector<std::int32_t> loop_of_edge_;  // of the edges at the roots
+  std::vector<Triangle> sides_;             // for each triangle: index of the edge from vertex k to k + 1
+  std::vector<std::int32_t> parent_;        // union-find parent of each edge, within a slab
+  std::vector<std::int32_t> loop_of_edge_;  // for root edges
   std::vector<RankedTriangle> ranked_;
-  std::vector<std::int32_t> by_low_;  // triangles by the rank of their lowest vertex
+  std::vector<std::int32_t> by_low_;  // triangles sorted by the rank of their lowest vertex
   std::vector<std::int32_t> bucket_, times_middle_;
-  std::size_t next_ = 0;  // into by_low_
+  std::size_t next_ = 0;  // index into by_low_
   std::vector<std::int32_t> active_, loop_of_active_;
   std::vector<Loop> loops_;
   std::vector<Quadratic> difference_;  // [loop][range]

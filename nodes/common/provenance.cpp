@@ -12,10 +12,10 @@
 namespace terrazzo {
 namespace {
 
-// glTF 2.0, 4.4: a header of 12 bytes, then the JSON chunk's length and type.
+// glTF 2.0, 4.4: a header of 12 bytes, then the length and type of the JSON chunk.
 std::string from_glb(const std::filesystem::path& path, const Reading& reading) {
-  constexpr int deepest = 100;     // nesting of what is kept: its text is written by recursion
-  constexpr double per_byte = 40;  // memory of parsed JSON
+  constexpr int deepest = 100;     // maximum nesting kept, since it is serialized recursively
+  constexpr double per_byte = 40;  // memory of parsed JSON per byte of text
   try {
     const std::string data = read_whole(path, reading);
     std::uint32_t length = 0;
@@ -34,7 +34,7 @@ std::string from_glb(const std::filesystem::path& path, const Reading& reading) 
   }
 }
 
-// The notes stand at the file's beginning, before any grid.
+// The metadata is at the beginning of the file, before any grid.
 std::string from_vdb(const std::filesystem::path& path, const Reading& reading) {
   try {
     const std::string content = read_whole(path, reading);

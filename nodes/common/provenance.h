@@ -1,4 +1,4 @@
-// How a written file says it was made.
+// Provenance stored in exported files.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,7 @@
 
 namespace terrazzo {
 
-// The JSON that Export put into a picture, a .glb or a .vdb; "" where there is none or the file cannot be
-// read.
+// The JSON that Export stored in an image, .glb or .vdb file; "" if there is none or the file cannot be read.
 std::string read_provenance(const std::filesystem::path&);
 
 }  // namespace terrazzo

@@ -32,7 +32,7 @@ Quantiles quantiles_of(const std::vector<float>& values) {
   for (std::size_t i = 0; i < most; ++i) picked.push_back(values[i * values.size() / most]);
   std::sort(picked.begin(), picked.end());
   q.least = picked.front(), q.most = picked.back();
-  // Entry i stands for the middle of its share of the samples.
+  // Entry i represents the middle of its share of the samples.
   constexpr std::size_t entries = 2049;
   for (std::size_t i = 0; i < entries; ++i) {
     const double x = static_cast<double>(i) / (entries - 1) * static_cast<double>(most) - 0.5;
@@ -40,8 +40,8 @@ Quantiles quantiles_of(const std::vector<float>& values) {
     const std::size_t lo = static_cast<std::size_t>(c), hi = std::min(lo + 1, most - 1);
     q.at.push_back(picked[lo] + static_cast<float>(c - static_cast<double>(lo)) * (picked[hi] - picked[lo]));
   }
-  // Outermost entries: not the extremes but what gives the outermost cells their samples' means. A straight
-  // line up to one outlier would widen the distribution by several per cent.
+  // Set the outermost entries so that the outermost cells have the mean of their samples, instead of to the
+  // extremes. A straight line to a single outlier would widen the distribution by several percent.
   const std::size_t cell = most / (entries - 1);
   if (cell >= 2) {
     double low = 0, high = 0;
@@ -76,7 +76,7 @@ Remap::Remap(const Quantiles& target) : target_(&target) {
 
 namespace {
 
-// Four values at a time: where they lie among the bins, as whole and fractional part.
+// Bins of four values, as whole and fractional parts.
 using Four = float __attribute__((vector_size(16)));
 using FourInts = std::int32_t __attribute__((vector_size(16)));
 
@@ -90,7 +90,7 @@ inline Place place(const float* v, float lo, float scale) {
   std::memcpy(&x, v, sizeof x);
   x = (x - lo) * scale;
   constexpr float top = Remap::kBins - 0.001f;
-  x = x > 0.0f ? x : Four{};  // a NaN, too, goes to the first bin
+  x = x > 0.0f ? x : Four{};  // NaN also becomes the first bin
   x = x < top ? x : Four{top, top, top, top};
   Place p;
   p.bin = __builtin_convertvector(x, FourInts);
@@ -98,7 +98,7 @@ inline Place place(const float* v, float lo, float scale) {
   return p;
 }
 
-// The place of value i of n; the last ones are reached by a padded copy.
+// Calls `use` with the bins of every four values; the last values are padded.
 template <class Use>
 void each_four(const float* values, std::size_t n, float lo, float scale, Use&& use) {
   std::size_t i = 0;

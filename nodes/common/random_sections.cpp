@@ -23,7 +23,7 @@ std::size_t pick(const std::vector<double>& cumulative, double u) {
 }  // namespace
 
 Mat3 frame_about(const Vec3& u) {
-  // Duff et al. 2017: a frame without a branch that could divide by nothing.
+  // Duff et al. 2017: an orthonormal frame without a division by zero.
   const double sign = std::copysign(1.0, u.z()), a = -1 / (sign + u.z()), b = u.x() * u.y() * a;
   Mat3 m;
   m.col(0) = Vec3(1 + sign * u.x() * u.x() * a, sign * b, -sign * u.x());
@@ -34,7 +34,7 @@ Mat3 frame_about(const Vec3& u) {
 
 std::vector<BodySection> random_sections(const Shapes& shapes, std::size_t count, const RandomSections& how,
                                          const Work& work) {
-  if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to cut", "connect some");
+  if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to cut", "connect shapes");
   const bool central = how.kind == SectionKind::Central;
   std::vector<double> cumulative, radius;
   std::vector<Vec3> center;
@@ -46,17 +46,17 @@ std::vector<BodySection> random_sections(const Shapes& shapes, std::size_t count
     radius.push_back(mesh_bounding_radius(s.mesh, center.back()));
   }
   if (!(sum > 0) || !std::isfinite(sum))
-    throw Error("bad-probabilities", "the shapes have no probabilities and calipers to draw them by");
+    throw Error("bad-probabilities", "the shapes have no valid probabilities and mean caliper diameters");
   std::vector<BodySection> out(count);
   work.parallel(count, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       work.check();
       Random r(how.seed, central ? 811 : 812, how.first + i);
       const std::size_t k = pick(cumulative, r.uniform());
-      // A body's planes: tries until one meets it, for then wide sides are met more often, as they must be.
+      // Draw planes until one intersects the body. Wide directions are then accepted more often, as required.
       for (int tries = 0; out[i].empty(); ++tries) {
         if (tries == kMostTries)
-          throw Error("no-section", "no plane meets the shape '" + shapes.shapes[k].name + "'");
+          throw Error("no-section", "no random plane intersects the shape '" + shapes.shapes[k].name + "'");
         const double z = r.uniform(-1, 1), phi = 2 * std::numbers::pi * r.uniform(), s = std::sqrt(1 - z * z);
         const Vec3 u(s * std::cos(phi), s * std::sin(phi), z);
         const double h = central ? 0 : radius[k] * r.uniform(-1, 1);

@@ -10,26 +10,28 @@
 namespace terrazzo {
 
 enum class SectionKind {
-  Central,  // through the centroid, any orientation alike
-  Random,   // isotropic uniform random: any plane that meets the body alike, as a polished face shows it
+  Central,  // through the centroid, isotropic
+  Random,   // isotropic uniform random: uniform over all planes that intersect the body, as in a polished
+            // section
 };
 
 struct RandomSections {
   SectionKind kind = SectionKind::Random;
   std::uint64_t seed = 1;
-  std::uint64_t first = 0;  // number of the first section: further ones of a seed are further samples
+  std::uint64_t first = 0;  // index of the first section; later indices of the same seed are further samples
 };
 
-// One section: its disjoint profiles, each an outer loop first, then its holes.
+// One section: its disjoint profiles, each with an outer loop first, then its holes.
 using BodySection = std::vector<std::vector<Loop>>;
 
-// `count` random sections of bodies given with their shares by number. A central section takes a body by its
-// share; a random one by share × mean caliper, as planes meet them. Every section shows something. Throws
-// Error "no-shapes" for an empty set.
+// Draws `count` random sections of bodies with probabilities by number. A central section selects a body by
+// its probability, a random section by probability × mean caliper diameter, as random planes hit them. Every
+// section has at least one profile. Throws Error "no-shapes" for an empty set, "bad-probabilities",
+// "no-section".
 std::vector<BodySection> random_sections(const Shapes&, std::size_t count, const RandomSections&,
                                          const Work& = {});
 
-// A rotation whose last column is a direction.
+// A rotation whose last column is `direction`.
 Mat3 frame_about(const Vec3& direction);
 
 }  // namespace terrazzo

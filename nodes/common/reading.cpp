@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLongestQuote = 200;
 
-// Bytes of the UTF-8 character at the start of `text`, or 0 if it is not one.
+// Length of the UTF-8 character at the start of `text`, or 0 if it is invalid.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
@@ -24,7 +24,7 @@ std::size_t character_length(std::string_view text) {
   if (length == 0 || text.size() < length) return 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Overlong forms, surrogates, and what lies beyond the last code point; and the C1 control characters.
+  // Reject overlong forms, surrogates, values beyond the last code point, and C1 control characters.
   if ((first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
       (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) > 0x8f) ||
       (first == 0xc2 && byte(1) < 0xa0))
@@ -63,7 +63,7 @@ std::string printable(std::string_view foreign) {
 std::string read_whole(const std::filesystem::path& path, const Reading& reading) {
   const auto unreadable = [&](const std::string& why) {
     return Error("unreadable-file", "cannot read '" + path.string() + "': " + why,
-                 "check that the file exists and may be read");
+                 "check that the file exists and is readable");
   };
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw unreadable("it is not a regular file");

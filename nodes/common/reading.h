@@ -1,4 +1,4 @@
-// What every reader of foreign files shares: its budget, the way it warns, and how it quotes what it found.
+// Common to all readers of untrusted files: memory budget, warnings, and quotation of file content.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,19 @@ namespace terrazzo {
 
 class Context;
 
-// Bytes that a reader may allocate, and where its warnings go (nowhere by default).
+// Memory that a reader may allocate in bytes, and the receiver of its warnings (none by default).
 struct Reading {
   std::uint64_t memory = available_memory();
   std::function<void(const std::string&)> warn = [](const std::string&) {};
 };
-// The budget and the warnings of a node.
+// The memory budget and the warnings of a node.
 Reading reading_of(Context&);
 
-// Text from a file or from a library, fit for a message: invalid UTF-8 and control characters become '?',
-// runs of blanks become one, and what exceeds 200 bytes is cut.
+// Makes text from a file or library safe for a message: replaces invalid UTF-8 and control characters by '?',
+// collapses runs of blanks, and truncates to 200 bytes.
 std::string printable(std::string_view foreign);
 
-// The whole content of a regular file. Throws Error "too-large" if it exceeds the budget and
+// The whole content of a regular file. Throws Error "too-large" if it exceeds the memory budget,
 // "unreadable-file" if it cannot be read.
 std::string read_whole(const std::filesystem::path&, const Reading&);
 

@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-// The angle between two edges that leave a corner.
+// The angle between two edges at a corner.
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 }  // namespace
@@ -29,8 +29,8 @@ RenderMesh render_mesh(const Shape& shape) {
   for (const Triangle& t : mesh.triangles) {
     for (const auto i : t)
       if (i < 0 || i >= n)
-        throw Error("bad-mesh", "a triangle of shape '" + shape.name + "' names vertex " + std::to_string(i) +
-                                    " of " + std::to_string(n));
+        throw Error("bad-mesh", "a triangle of shape '" + shape.name + "' refers to vertex " +
+                                    std::to_string(i) + " of " + std::to_string(n));
     const Vec3 p[3] = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
     const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
     if (!(cross.squaredNorm() > 0)) continue;
@@ -47,8 +47,8 @@ RenderMesh render_mesh(const Shape& shape) {
     }
   }
   if (out.indices.empty()) throw Error("bad-mesh", "shape '" + shape.name + "' has no triangle with an area");
-  // A vertex that no triangle uses, or whose triangles cancel, points away from the origin: any unit vector
-  // will do.
+  // A vertex without triangles, or whose normals cancel, may have any unit normal: use the direction from the
+  // origin.
   for (std::size_t v = 0; v < out.normals.size(); ++v) {
     Vec3& normal = out.normals[v];
     if (normal.norm() < 1e-12) normal = out.positions[v];

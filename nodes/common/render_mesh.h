@@ -1,4 +1,4 @@
-// Meshes as graphics wants them: one normal per vertex, corners split where the surface is faceted.
+// Meshes for rendering: one normal per vertex, with vertices duplicated where the surface is faceted.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@ namespace terrazzo {
 
 struct RenderMesh {
   std::vector<Vec3> positions;         // mm
-  std::vector<Vec3> normals;           // unit, one a position
-  std::vector<std::uint32_t> indices;  // three a triangle, counter-clockwise seen from outside
+  std::vector<Vec3> normals;           // unit vectors, one per position
+  std::vector<std::uint32_t> indices;  // three per triangle, counterclockwise seen from outside
 };
 
-// Smooth: normals are the triangles' weighted by their angle at the vertex (Thürmer and Wüthrich 1998).
-// Faceted: every triangle has its own three vertices. Triangles without area are left out. Throws Error
-// "bad-number" where a vertex is not finite, "bad-mesh" where an index points nowhere or nothing is left.
+// Smooth shapes: vertex normals are the mean of the triangles' normals, weighted by angle (Thürmer and
+// Wüthrich 1998). Faceted shapes: every triangle has its own three vertices. Triangles without area are
+// dropped. Throws Error "bad-number" if a vertex is not finite, "bad-mesh" if an index is out of range or no
+// triangle is left.
 RenderMesh render_mesh(const Shape&);
 
 }  // namespace terrazzo

@@ -1,11 +1,11 @@
-// GLSL sources, embedded at build from shaders/.
+// GLSL sources, embedded from shaders/ at build time.
 #pragma once
 
 #include <string>
 
 namespace terrazzo {
 
-// By file name ("stencil_slice.vert"); null where there is none.
+// Source by file name ("stencil_slice.vert"); null if there is none.
 const char* shader_source(const std::string& name);
 
 }  // namespace terrazzo

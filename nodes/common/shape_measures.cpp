@@ -20,8 +20,7 @@ struct Candidate {
 };
 
 double largest(DepthSweep& sweep, const Vec3& direction) {
-  // Ranges as thin as rounding (where a face lies in the plane) hold no area that their neighbours do not
-  // reach.
+  // Skip ranges as thin as rounding errors (a face in the plane). The adjacent ranges reach the same area.
   const auto& ranges = sweep.sweep(direction);
   double extent = 0, best = 0;
   for (const AreaRange& r : ranges) extent += r.thickness;
@@ -30,9 +29,9 @@ double largest(DepthSweep& sweep, const Vec3& direction) {
   return best;
 }
 
-// Compass search over tilts of the direction, the depth being exact at every try. The largest section of a
-// polyhedron often lies on a crest (through vertices), so each round turns the compass to not miss the way
-// along it.
+// Compass search over tilts of the direction, with the exact depth at each step. The largest section of a
+// polyhedron is often on a ridge (through vertices), so each round rotates the compass in order to find the
+// direction along the ridge.
 Candidate climb(DepthSweep& sweep, Candidate c, double step, double finest, const Work& work) {
   constexpr double kGolden = 2.399963229728653;
   double turn = 0;
@@ -60,7 +59,7 @@ Candidate climb(DepthSweep& sweep, Candidate c, double step, double finest, cons
 
 double max_section_area(const Mesh& mesh, const Work& work) {
   if (mesh.vertices.empty() || mesh.triangles.empty()) return 0;
-  // Few triangles meet in sharp peaks, many round them off.
+  // Meshes with few triangles have sharp peaks; many triangles round them off.
   const bool fine = mesh.triangles.size() > 1000;
   const std::size_t n = fine ? 256 : 800;
   const double finest = fine ? 1e-4 : 2e-6;
@@ -75,7 +74,7 @@ double max_section_area(const Mesh& mesh, const Work& work) {
   });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.area > b.area; });
-  // The best of distinct neighbourhoods: one peak must not take all starts.
+  // Start from the best candidates in distinct neighborhoods, so that one peak does not take all starts.
   std::vector<Candidate> starts;
   const double apart = std::cos(0.3);
   for (const Candidate& c : candidates) {
@@ -96,8 +95,8 @@ Shape measure_shape(std::string name, Mesh mesh, double probability, const Work&
   if (const auto faults = mesh_faults(mesh); !faults.empty()) {
     std::string text;
     for (const auto& f : faults) text += (text.empty() ? "" : "; ") + f;
-    throw Error("open-mesh", fmt::format("the surface of \"{}\" bounds no solid: {}", name, text),
-                "close the holes and make all triangles face outwards");
+    throw Error("open-mesh", fmt::format("the surface of \"{}\" is not closed: {}", name, text),
+                "close the holes and make all triangles face outward");
   }
   Shape shape;
   shape.name = std::move(name);
@@ -107,7 +106,7 @@ Shape measure_shape(std::string name, Mesh mesh, double probability, const Work&
   if (!(shape.volume > 1e-12 * radius * radius * radius))
     throw Error(
         "no-volume", fmt::format("\"{}\" has a volume of {:.4g} mm³", shape.name, shape.volume),
-        shape.volume < 0 ? "turn the surface inside out" : "give it an extent in all three directions");
+        shape.volume < 0 ? "flip all triangles" : "use a mesh with an extent in all three directions");
   transform(mesh, Mat3::Identity(), -mesh_centroid(mesh));
   shape.surface_area = mesh_surface_area(mesh);
   shape.mean_caliper = mesh_mean_caliper(mesh);
@@ -120,12 +119,14 @@ void normalise_probabilities(Shapes& shapes) {
   double sum = 0;
   for (const Shape& s : shapes.shapes) {
     if (!(s.probability >= 0) || !std::isfinite(s.probability))
-      throw Error("bad-probabilities", fmt::format("\"{}\" has the probability {}", s.name, s.probability),
-                  "give each shape a probability of zero or more");
+      throw Error("bad-probabilities",
+                  fmt::format("\"{}\" has the invalid probability {}", s.name, s.probability),
+                  "set the probability of each shape to zero or more");
     sum += s.probability;
   }
   if (!(sum > 0))
-    throw Error("bad-probabilities", "the probabilities of the shapes are all zero", "make one positive");
+    throw Error("bad-probabilities", "the probabilities of all shapes are zero",
+                "make at least one positive");
   for (Shape& s : shapes.shapes) s.probability /= sum;
 }
 

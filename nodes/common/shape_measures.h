@@ -1,4 +1,4 @@
-// A Shape from a mesh: centred, checked, with every measure filled.
+// Makes a Shape from a mesh: centered, checked, with all measures computed.
 #pragma once
 
 #include "nodes/data/shapes.h"
@@ -6,15 +6,16 @@
 
 namespace terrazzo {
 
-// Largest section area over all planes: search over quasi-random directions with exact depth, then local
-// ascent. mm².
+// Area of the largest section over all planes in mm²: a search over quasi-random directions with exact depth,
+// then local ascent.
 double max_section_area(const Mesh&, const Work& = {});
 
-// Moves the centroid to the origin and fills volume, area, caliper and largest section.
-// Throws Error "open-mesh" where mesh_faults finds any, "no-volume" where the volume is not positive.
+// Moves the centroid to the origin and computes volume, surface area, mean caliper diameter and largest
+// section.
+// Throws Error "open-mesh" if mesh_faults finds any, "no-volume" if the volume is not positive.
 Shape measure_shape(std::string name, Mesh mesh, double probability = 1, const Work& = {});
 
-// Divides the probabilities by their sum. Throws Error "bad-probabilities" where one is negative or all are
+// Divides the probabilities by their sum. Throws Error "bad-probabilities" if one is negative or all are
 // zero.
 void normalise_probabilities(Shapes&);
 

@@ -6,7 +6,7 @@
 namespace terrazzo {
 namespace {
 
-// Between two knots F = alpha + beta·√(1 − s²).
+// Between two knots, F = alpha + beta·√(1 − s²).
 struct Piece {
   double alpha, beta;
 };
@@ -42,13 +42,13 @@ double mean_scaled_cdf(const std::vector<double>& cdf, double x, double lo, doub
   double sum = 0;
   // σ ≤ x: every profile is smaller than x.
   if (lo < x) sum += cdf.back() * (std::min(hi, x) * std::min(hi, x) - lo * lo) / 2;
-  // From there on x/σ falls through the knots.
+  // For larger σ, x/σ decreases through the knots.
   const auto n = static_cast<double>(cdf.size());
   double from = std::max(lo, x);
   const auto last = static_cast<std::ptrdiff_t>(cdf.size()) - 1;
   for (auto b = std::min(static_cast<std::ptrdiff_t>(x / from * n), last); from < hi; --b) {
     const double to = b > 0 ? std::min(hi, x * n / static_cast<double>(b)) : hi;
-    if (to <= from) continue;  // `from` stands on a knot
+    if (to <= from) continue;  // `from` is at a knot
     const Piece p = piece(cdf, static_cast<std::size_t>(b));
     sum += p.alpha * (to * to - from * from) / 2 + p.beta * (root_integral(to, x) - root_integral(from, x));
     from = to;

@@ -13,8 +13,8 @@ constexpr int kLanes = sizeof(LaneComplex) / sizeof(float);
 
 float* lanes(LaneComplex& c) { return reinterpret_cast<float*>(&c); }
 
-// The band's values in the group, but for those of slices that only fill it up. Large bands are told by a
-// quarter of their values.
+// Counts the band's values in a group, except for slices that only pad the group. Samples every fourth value
+// of large bands.
 void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int used, Remap::Counts& counts) {
   const std::size_t step = each > 2048 ? 4 : 1;
   for (std::size_t i = 0; i < each; i += step)
@@ -52,11 +52,11 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
   });
 }
 
-// Values become what the map makes of them, but for the change's detail across the slices, of which no more
-// is kept than the band itself may have within them.
+// Replaces values by their mapped values, with the change smoothed across the slices to the resolution of the
+// band within them.
 void SliceFamily::change_coarse(const Band& band, const Remap& remap, std::vector<LaneComplex>& values,
                                 const Work& work) const {
-  // A Gaussian of half its height at the band's upper edge.
+  // Gaussian with half height at the band's upper edge.
   const double sigma = std::sqrt(2 * std::numbers::ln2) / upper_edge(band.scale);
   const int reach = static_cast<int>(std::ceil(2.5 * sigma));
   std::vector<float> kernel;
@@ -90,7 +90,7 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
                         std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
   const Work quiet = work.quiet();
   transform(volume, space, quiet);
-  // What the bands left alone hold of each coefficient: the frame is tight.
+  // The share of each coefficient in the unchanged bands: Σ gain², since the frame is tight.
   std::vector<float> rest(fft_.count(), 0.0f);
   std::vector<Remap> remap;
   for (std::size_t b = 0; b < bands_.size(); ++b) {
@@ -99,8 +99,8 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
         if (bands_[b].gain[i] != 0) rest[bands_[b].source[i]] += bands_[b].gain[i] * bands_[b].gain[i];
   }
-  // How values lie now is counted beforehand, of bands as large as the slices on a part of the slices: all
-  // bands of a group can then be put together while it is in the cache.
+  // Count the current values first; for bands at full resolution on a part of the slices only. Then all bands
+  // of a group can be recombined while the group is in the cache.
   const auto is_coarse = [&](std::size_t band) { return crops_[band].count() < fft_.count(); };
   space.coarse.resize(bands_.size());
   for (std::size_t b = 0; b < bands_.size(); ++b)
@@ -165,7 +165,7 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
   });
 }
 
-// The power of all slices together at each frequency.
+// The power of all slices at each frequency.
 std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& work) const {
   std::vector<double> power(fft_.count());
   work.parallel(fft_.count(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -178,7 +178,7 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
           power[i] += square[0] + square[1] + square[2] + square[3];
           continue;
         }
-        // The two slices of a lane are told apart by the mirror image's coefficient.
+        // A lane holds two slices as real and imaginary part; the mirrored coefficient separates them.
         const std::size_t w = static_cast<std::size_t>(fft_.width()), h = fft_.height();
         const LaneComplex& mirror = in[(h - i / w) % h * w + (w - i % w) % w];
         for (int l = 0; l < used; ++l) {
@@ -190,7 +190,7 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
       }
     }
   });
-  // Less the volume's mean, which is no deviation.
+  // Subtract the volume's mean, which is not a deviation.
   double mean = 0;
   for (int g = 0; g < groups_; ++g)
     for (int l = 0; l < slices_in(static_cast<std::size_t>(g)); ++l) {
@@ -203,7 +203,7 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
   return power;
 }
 
-// By Parseval's identity: bands need not be made for it.
+// By Parseval's identity, without computing the bands.
 std::vector<double> SliceFamily::variances(const std::vector<double>& power) const {
   std::vector<double> out(bands_.size(), 0.0);
   for (std::size_t b = 0; b < bands_.size(); ++b)
@@ -260,8 +260,8 @@ void SliceFamily::balance(std::vector<float>& volume, const std::vector<Quantile
   transform(volume, space, quiet);
   const auto power = power_of(space, quiet);
   const std::size_t n = bands_.size();
-  // Bands overlap: a factor on one is felt by its neighbours. overlap[b·n + d] is what band b has of a unit
-  // of d's factor.
+  // Bands overlap, so a factor on one band also affects its neighbors. overlap[b·n + d] is the contribution
+  // of band d's factor to the variance of band b.
   std::vector<double> overlap(n * n);
   quiet.parallel(n, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<double> seen(power.size());

@@ -1,4 +1,5 @@
-// A volume seen as the stack of slices across one axis, each transformed in its plane: eight at a time.
+// A volume as a stack of slices perpendicular to one axis. Slices are Fourier transformed in their plane,
+// eight at a time.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
@@ -15,40 +16,39 @@ namespace terrazzo {
 
 class SliceFamily {
  public:
-  // Arrays kept between calls: fresh memory costs as much as the transforms.
+  // Buffers reused between calls, since allocation costs as much as the transforms.
   struct Workspace {
-    std::vector<LaneComplex> spectra;              // of all groups of eight slices, one after the other
-    std::vector<std::vector<LaneComplex>> coarse;  // likewise of each band on a smaller grid than the slices'
+    std::vector<LaneComplex> spectra;              // of all groups of eight slices, in sequence
+    std::vector<std::vector<LaneComplex>> coarse;  // the same for each band on a smaller grid than the slices
     struct Group {
       std::vector<LaneComplex> output, band, scratch;
     };
-    tbb::enumerable_thread_specific<Group> group;  // what one thread needs for one group
+    tbb::enumerable_thread_specific<Group> group;  // buffers of one thread for one group
   };
 
-  // Slices across `axis`, with columns and rows as in slice_axes.h. Volumes are x fastest.
+  // Slices perpendicular to `axis`, with columns and rows as in slice_axes.h. Volumes are stored x fastest.
   SliceFamily(const Vec3i& size, int axis, int scales);
 
-  // Gives every band of all slices together its target distribution, and adds share · (the slices put
-  // together again) to `sum`. Of scales beyond `last_scale` nothing is changed. Changes of coarse bands are
-  // smoothed across the slices as far as the band is coarse: slices that change one by one would show as
-  // streaks across all others.
+  // Matches the histogram of every band, over all slices, to its target and adds share · (the recombined
+  // slices) to `sum`. Scales above `last_scale` remain unchanged. Changes of coarse bands are smoothed across
+  // the slices according to the band's scale: independent changes would show as streaks in the other slice
+  // directions.
   void match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
              std::vector<float>& sum, Workspace&, const Work&, int last_scale = 1 << 20) const;
-  // Filters all slices, without a shift of phase, so that every band's standard deviation becomes its
-  // target's times its entry of `aim`.
+  // Filters all slices with zero phase, so that every band's standard deviation becomes its target's times
+  // its entry in `aim`.
   void balance(std::vector<float>& volume, const std::vector<Quantiles>& bands,
                const std::vector<double>& aim, Workspace&, const Work&) const;
-  // Filters all slices by Σ_band factor · |transfer|² of each frequency, to the power of a half.
+  // Multiplies each frequency of all slices by √(Σ_band factor · |transfer|²).
   void filter(std::vector<float>& volume, const std::vector<double>& factor, Workspace&, const Work&) const;
-  // Standard deviation of each band over all slices / its target's; 1 where that is 0.
+  // Standard deviation of each band over all slices / that of its target; 1 if the target's is 0.
   std::vector<double> deviations(const std::vector<float>& volume, const std::vector<Quantiles>& bands,
                                  Workspace&, const Work&) const;
   const std::vector<Band>& bands() const { return bands_; }
 
  private:
   static constexpr int kAtOnce = 8;  // four lanes, real and imaginary parts
-  // The slices of a group: beyond the last slice of the volume the first ones fill up, and what becomes of
-  // them is dropped.
+  // Number of slices in a group. The last group is padded with the first slices, whose results are dropped.
   int slices_in(std::size_t group) const {
     return std::min(kAtOnce, slices_ - static_cast<int>(group) * kAtOnce);
   }
@@ -56,11 +56,11 @@ class SliceFamily {
   void change_coarse(const Band&, const Remap&, std::vector<LaneComplex>& values, const Work&) const;
   std::vector<double> power_of(const Workspace&, const Work&) const;
   std::vector<double> variances(const std::vector<double>& power) const;  // of each band
-  // The square root of Σ factor · |transfer|², at each frequency.
+  // √(Σ factor · |transfer|²) at each frequency.
   std::vector<float> gain_of(const std::vector<double>& factor) const;
   void filter_spectra(std::vector<float>& volume, const std::vector<float>& gain, Workspace&,
                       const Work&) const;
-  // In the order in which the volume lies in memory.
+  // In memory order of the volume.
   template <class Use>
   void each_pixel(Use&& use) const {
     if (step_v_ < step_u_) {

@@ -1,4 +1,4 @@
-// The transform of a scan: voxels that may be longer along one axis than along another.
+// The transform of a scan, whose voxels may differ in length along the axes.
 #pragma once
 
 #include <openvdb/math/Transform.h>
@@ -9,7 +9,7 @@
 
 namespace terrazzo {
 
-// Voxel (i, j, k) centred at (i + ½, j + ½, k + ½) · spacing, mm.
+// Transform with the center of voxel (i, j, k) at (i + ½, j + ½, k + ½) · spacing, mm.
 inline openvdb::math::Transform::Ptr voxel_transform(const Vec3& spacing) {
   const openvdb::Vec3d step(spacing.x(), spacing.y(), spacing.z());
   openvdb::math::MapBase::Ptr map;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// 1 up to `edge`/2, 0 from `edge`.
+// 1 up to `edge`/2, 0 from `edge` on.
 double low_pass(double r, double edge) {
   if (r <= edge / 2) return 1;
   if (r >= edge) return 0;
@@ -20,7 +20,7 @@ double high_pass(double r, double edge) {
   return std::sqrt(std::max(0.0, 1 - l * l));
 }
 
-// Grid that holds all frequencies below `edge` (radians per pixel) of n samples.
+// Size of a grid that holds all frequencies of n samples below `edge` (radians per pixel).
 int cropped(int n, double edge) {
   if (edge >= kPi) return n;
   return std::min(n, fast_even_size_above(static_cast<int>(std::ceil(n * edge / kPi))));

@@ -8,8 +8,8 @@ namespace terrazzo {
 
 namespace {
 
-// Ink width, then strokes divided by ';'. A stroke is a chain of points "x,y" and arcs "(cx cy rx ry from
-// to)" in degrees, anticlockwise where `to` is the larger.
+// Ink width, then strokes separated by ';'. A stroke is a chain of points "x,y" and arcs "(cx cy rx ry from
+// to)" in degrees, counterclockwise if `to` is larger.
 struct Drawing {
   char32_t code;
   double width;
@@ -175,7 +175,7 @@ std::vector<std::vector<Vec2>> read_strokes(const char* at) {
 }
 
 std::map<char32_t, Glyph> make_font() {
-  constexpr double bearing = 2.45;  // pen width and the white between two letters
+  constexpr double bearing = 2.45;  // pen width plus space between two letters
   std::map<char32_t, Glyph> font;
   for (const auto& d : drawings) font[d.code] = {d.width + bearing, read_strokes(d.strokes)};
   return font;
@@ -185,7 +185,7 @@ std::map<char32_t, Glyph> make_font() {
 
 const Glyph& glyph(char32_t code_point) {
   static const std::map<char32_t, Glyph> font = make_font();
-  const auto it = font.find(code_point == U'μ' ? U'µ' : code_point);  // Greek mu is the micro sign's twin
+  const auto it = font.find(code_point == U'μ' ? U'µ' : code_point);  // Greek mu looks like the micro sign
   return it == font.end() ? font.at(U'\uFFFD') : it->second;
 }
 

@@ -1,4 +1,5 @@
-// A stroke font: every glyph is a few polylines, so that words need no font file and scale to any height.
+// A stroke font: every glyph consists of a few polylines, so text needs no font file and scales to any
+// height.
 #pragma once
 
 #include <string>
@@ -15,14 +16,14 @@ struct Glyph {
 };
 
 constexpr double font_ascent = 11.0,
-                 font_descent = 3.4;  // units above and below the baseline that a line of text takes
+                 font_descent = 3.4;  // units above and below the baseline in a line of text
 constexpr double font_stroke = 1.15;  // width of the pen, units
 
-// Printable ASCII and µ ² ³ ¹ ⁻ ° × · ± – − Δ √ ≤ ≥ π σ φ χ Σ → …; any other code point shows as an empty
+// Supports printable ASCII and µ ² ³ ¹ ⁻ ° × · ± – − Δ √ ≤ ≥ π σ φ χ Σ → …; other code points show an empty
 // box.
 const Glyph& glyph(char32_t code_point);
 
-// Code points of UTF-8; a malformed byte becomes U+FFFD.
+// Decodes UTF-8; a malformed byte becomes U+FFFD.
 std::vector<char32_t> code_points(const std::string& utf8);
 
 }  // namespace terrazzo

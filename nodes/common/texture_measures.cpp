@@ -11,7 +11,7 @@ namespace terrazzo {
 namespace {
 
 constexpr int kSide = 7, kScales = 3, kDirections = 48;
-constexpr std::size_t kPatches = 2048;  // of each scale
+constexpr std::size_t kPatches = 2048;  // per scale
 
 PatchPicture picture_of(const TexturePart& part) {
   PatchPicture p;
@@ -35,7 +35,7 @@ PatchPicture halved(const PatchPicture& in) {
   return out;
 }
 
-// Upper left corners of the patches that lie whole inside.
+// Top left corners of the patches that are completely inside.
 std::vector<std::size_t> corners_of(const PatchPicture& p) {
   const int w = p.width + 1;
   std::vector<std::int32_t> sum(static_cast<std::size_t>(w) * (p.height + 1), 0);
@@ -56,7 +56,7 @@ std::vector<std::size_t> corners_of(const PatchPicture& p) {
   return out;
 }
 
-// Sorted projections of patches on random directions, those of one direction together. Empty where none fits.
+// Sorted projections of patches onto random directions, per direction. Empty if no patch fits.
 std::vector<std::vector<float>> project(const std::vector<PatchPicture>& pictures, std::uint64_t draw,
                                         const Work& work) {
   struct Corner {
@@ -81,7 +81,7 @@ std::vector<std::vector<float>> project(const std::vector<PatchPicture>& picture
       }
       const auto unit = static_cast<float>(1 / std::sqrt(square));
       for (std::size_t i = 0; i < kPatches; ++i) {
-        // Stratified: patches are spread evenly however few there are.
+        // Stratified, so that patches are spread evenly even if there are few.
         const std::size_t lo = i * corners.size() / kPatches, hi = (i + 1) * corners.size() / kPatches;
         const Corner& corner = corners[hi > lo ? lo + Random(7, 2 + draw, i).below(hi - lo) : lo];
         const PatchPicture& p = *corner.picture;
@@ -146,7 +146,7 @@ double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t 
 
 double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<PatchPicture>& b, double share,
                      const Work& work) {
-  // A patch a column, and half the square of its norm.
+  // One patch per column, and half of its squared norm.
   static constexpr int n = 3 * kSide * kSide;
   struct Columns {
     Eigen::MatrixXf patch;

@@ -1,4 +1,4 @@
-// How often a tile is laid along an edge that it must fill a whole number of times.
+// Number of periods of a tile along an edge that they must fill exactly.
 #pragma once
 
 #include <algorithm>
@@ -8,10 +8,11 @@ namespace terrazzo {
 
 struct TileFit {
   int periods = 1;
-  double scale = 1;  // of the tile as laid, over its own
+  double scale = 1;  // of the placed tile relative to the original
 };
 
-// Of the two whole numbers around edge / period the one whose scale is nearer to 1, as a ratio; both above 0.
+// Chooses between the two whole numbers around edge / period the one whose scale is closer to 1 as a ratio.
+// Both arguments must be above 0.
 inline TileFit fit_tile(double edge, double period) {
   const double exact = std::clamp(edge / period, 1.0, 1e6), m = std::floor(exact);
   TileFit fit;

@@ -8,17 +8,17 @@ namespace terrazzo {
 namespace {
 
 Error damaged(const std::string& what) {
-  return Error("unreadable-volume", what, "check that the file is whole");
+  return Error("unreadable-volume", what, "check that the file is complete");
 }
 
 constexpr std::int64_t kMagic = 0x56444220;
-constexpr std::uint32_t kOldest = 222;  // before it, compression was noted elsewhere (OpenVDB 1, until 2013)
+constexpr std::uint32_t kOldest = 222;  // older versions store compression elsewhere (OpenVDB 1, until 2013)
 
 }  // namespace
 
 std::string_view ByteCursor::take(std::uint64_t bytes) {
   if (bytes > all_.size() - at_)
-    throw damaged(fmt::format("at byte {} of {} it promises {} more bytes", at_, all_.size(), bytes));
+    throw damaged(fmt::format("at byte {} of {} it needs {} more bytes", at_, all_.size(), bytes));
   const auto found = all_.substr(at_, bytes);
   at_ += bytes;
   return found;
@@ -45,13 +45,12 @@ VdbHeader read_vdb_header(std::string_view bytes) {
   if (in.take<std::int64_t>() != kMagic) throw damaged("it does not begin as an OpenVDB file");
   h.format = in.take<std::uint32_t>();
   if (h.format < kOldest)
-    throw Error(
-        "unreadable-volume",
-        fmt::format("its format version {} is older than {}, which OpenVDB 2 wrote", h.format, kOldest),
-        "open and save it with a newer program");
+    throw Error("unreadable-volume",
+                fmt::format("its format version {} is older than {} (OpenVDB 2)", h.format, kOldest),
+                "convert it with a newer program");
   h.major = in.take<std::uint32_t>(), h.minor = in.take<std::uint32_t>();
   h.has_offsets = in.take<char>() != 0;
-  in.take(36);  // an identity of the file
+  in.take(36);  // the file's UUID
   h.metadata = take_vdb_metadata(in);
   h.grids = in.take<std::uint32_t>();
   h.end = in.at();

@@ -1,5 +1,5 @@
-// What an OpenVDB file says of itself, read with every length checked against the file. OpenVDB's own reader
-// trusts these lengths and allocates what they ask for.
+// Header of an OpenVDB file, read with every length checked against the file. OpenVDB's own reader trusts
+// these lengths and allocates accordingly.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace terrazzo {
 
-// Walks through bytes. Each step throws Error "unreadable-volume" if it would leave them.
+// Cursor over bytes. Each step throws Error "unreadable-volume" if it would leave them.
 class ByteCursor {
  public:
   explicit ByteCursor(std::string_view all, std::size_t at = 0) : all_(all), at_(at) {}
@@ -22,7 +22,9 @@ class ByteCursor {
     return v;
   }
   std::string_view take(std::uint64_t bytes);
-  std::string_view text() { return take(take<std::uint32_t>()); }  // as OpenVDB stores strings
+  std::string_view text() {
+    return take(take<std::uint32_t>());
+  }  // length-prefixed, as OpenVDB stores strings
   void seek(std::uint64_t at);
   std::size_t at() const { return at_; }
 
@@ -40,12 +42,12 @@ VdbMetadataMap take_vdb_metadata(ByteCursor&);
 struct VdbHeader {
   std::uint32_t format = 0;            // version of the format
   std::uint32_t major = 0, minor = 0;  // of the library that wrote the file
-  bool has_offsets = false;            // whether each grid says where it ends
+  bool has_offsets = false;            // whether each grid's descriptor has its offsets
   VdbMetadataMap metadata;
   std::uint32_t grids = 0;
-  std::size_t end = 0;  // where the first grid's description begins
+  std::size_t end = 0;  // offset of the first grid's descriptor
 };
-// Views into `bytes`. Throws Error "unreadable-volume".
+// The results are views into `bytes`. Throws Error "unreadable-volume".
 VdbHeader read_vdb_header(std::string_view bytes);
 
 }  // namespace terrazzo

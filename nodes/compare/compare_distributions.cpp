@@ -22,7 +22,9 @@ void check(const SizeDistribution& d, const char* which) {
     good = good && e.N_V.size() == d.classes() && e.low.size() == d.classes() && e.high.size() == d.classes();
     for (double v : e.N_V) good = good && std::isfinite(v);
   }
-  if (!good) throw Error("no-classes", fmt::format("{} holds no usable size classes", which));
+  if (!good)
+    throw Error("no-classes", fmt::format("{} has no usable size classes", which),
+                "check its class edges and N_V");
 }
 
 Density summed(const SizeDistribution& d) {
@@ -42,7 +44,7 @@ bool same(const std::vector<double>& a, const std::vector<double>& b) {
   return true;
 }
 
-// Each class spread evenly over its sizes; the variance of a class goes with the share squared.
+// Assumes that each class is uniform over its sizes. Variances scale with the square of the share.
 Density reclassed(const Density& d, const std::vector<double>& from, const std::vector<double>& to) {
   Density out{std::vector<double>(to.size() - 1, 0.0), std::vector<double>(to.size() - 1, 0.0)};
   for (std::size_t i = 0; i + 1 < from.size(); ++i)

@@ -13,8 +13,7 @@ namespace terrazzo {
 
 namespace {
 
-// Oklab channels of a picture, of its four halves, and of the blocks that tell how far its mean can be
-// trusted.
+// Oklab channels of an image and of its four halves, and the mean with its variance estimated from blocks.
 struct Pixels {
   std::array<std::vector<float>, 3> channel;
   std::array<std::array<std::vector<float>, 3>, 4> half;  // left, right, top, bottom
@@ -22,13 +21,13 @@ struct Pixels {
   Vec3f linear = Vec3f::Zero();
 };
 
-constexpr int blocks = 6;  // a side
+constexpr int blocks = 6;  // per side
 
 Pixels pixels_of(const Image& image, const char* which, const Work& work) {
-  if (image.pixels.empty()) throw Error("no-pixels", fmt::format("{} has no pixels", which));
+  if (image.pixels.empty()) throw Error("no-pixels", fmt::format("image {} has no pixels", which));
   Pixels p;
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
-  // A histogram of millions needs no more.
+  // About a million pixels suffice for a histogram.
   const std::size_t step = 1 + image.pixels.size() / 1000000;
   std::size_t index = 0;
   std::vector<Eigen::Vector3d> block_sum(static_cast<std::size_t>(blocks * blocks) * image.sections,
@@ -40,8 +39,7 @@ Pixels pixels_of(const Image& image, const char* which, const Work& work) {
       for (int x = 0; x < image.width; ++x) {
         const Vec3f& c = image.at(x, y, s);
         if (!c.allFinite())
-          throw Error("bad-pixels",
-                      fmt::format("{} has a pixel that is not a number at ({}, {})", which, x, y));
+          throw Error("bad-pixels", fmt::format("image {} has a non-finite pixel at ({}, {})", which, x, y));
         const Vec3f lab = linear_to_oklab(c);
         linear += c.cast<double>(), p.mean += lab.cast<double>();
         const std::size_t block =

@@ -1,4 +1,4 @@
-// Outlines of profiles: means and distributions of what size and place do not change.
+// Compares means and distributions of outline features that are invariant to size and position.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,21 +11,21 @@
 namespace terrazzo {
 namespace {
 
-constexpr double kSmirnov_95 = 1.3581;  // two-sample Kolmogorov–Smirnov, 5 %
+constexpr double kSmirnov_95 = 1.3581;  // two-sample Kolmogorov–Smirnov test, 5 % level
 
 struct Sample {
-  std::vector<std::pair<double, double>> values;  // value, weight; by value
+  std::vector<std::pair<double, double>> values;  // value, weight; sorted by value
   double weight = 0, squares = 0, mean = 0, variance = 0;
-  double count() const { return squares > 0 ? weight * weight / squares : 0; }  // effective
+  double count() const { return squares > 0 ? weight * weight / squares : 0; }  // effective sample size
 };
 
-// Whole profiles with an outline of at least a dozen points.
+// Uses whole profiles with an outline of at least a dozen points.
 Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest) {
   Sample s;
   for (const Profile& q : p.profiles) {
     if (q.touches_border || !(q.weight > 0) || q.contour.size() < 12) continue;
     if (std::sqrt(4 * q.area / M_PI) < smallest) continue;
-    // Pixels' corners are rounded off, in photographs and in sections alike.
+    // The blur rounds off pixel corners, in photographs and sections alike.
     const double v = outline_features(q.contour, {.points = 128, .blur = 0.01})[feature];
     if (!std::isfinite(v) || v == 0) continue;
     s.values.emplace_back(v, q.weight);
@@ -37,7 +37,7 @@ Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest) {
   return s;
 }
 
-// Largest distance between the shares below a value.
+// Largest difference between the two cumulative distributions.
 double smirnov(const Sample& a, const Sample& b) {
   double below_a = 0, below_b = 0, worst = 0;
   for (std::size_t i = 0, j = 0; i < a.values.size() && j < b.values.size();) {
@@ -69,14 +69,15 @@ void compare_outlines(const Profiles& a, const Profiles& b, const std::string& m
     return std::any_of(p.profiles.begin(), p.profiles.end(),
                        [](const auto& q) { return !q.contour.empty(); });
   };
-  if (!drawn(a) || !drawn(b)) return;  // lists of areas
+  if (!drawn(a) || !drawn(b)) return;  // lists of areas without outlines
   const auto feature =
       measure == "circularity" ? OutlineFeature::Circularity : OutlineFeature::TotalCurvature;
   const std::string unit = measure == "circularity" ? "" : "rad";
   const Sample sa = sample_of(a, feature, smallest), sb = sample_of(b, feature, smallest);
   if (sa.values.size() < 2 || sb.values.size() < 2) {
-    out.warnings.push_back(fmt::format("{} is not compared: a has {} whole profiles with outlines, b {}",
-                                       measure, sa.values.size(), sb.values.size()));
+    out.warnings.push_back(fmt::format(
+        "{} is not compared: it needs two whole profiles with outlines in both sets; a has {}, b has {}",
+        measure, sa.values.size(), sb.values.size()));
     return;
   }
   out.numbers.push_back({measure, "mean", unit, 0, 0, sa.mean, sb.mean,

@@ -13,12 +13,14 @@ namespace {
 
 void check(const Profiles& p, const char* which) {
   if (p.profiles.empty())
-    throw Error("no-profiles", fmt::format("{} holds no profiles", which),
-                "look at the labels of where they come from");
+    throw Error("no-profiles", fmt::format("{} has no profiles", which),
+                "check the labels in the node that made them");
   for (const Profile& q : p.profiles)
     if (!(q.area >= 0) || !std::isfinite(q.area) || !(q.weight >= 0) || !std::isfinite(q.weight))
-      throw Error("bad-profile",
-                  fmt::format("{} has a profile of area {:g} and weight {:g}", which, q.area, q.weight));
+      throw Error(
+          "bad-profile",
+          fmt::format("{} has a profile with area {:g} and weight {:g}; both must be finite and not negative",
+                      which, q.area, q.weight));
 }
 
 double diameter(const Profile& p) { return std::sqrt(4 * p.area / M_PI); }
@@ -43,7 +45,7 @@ double total(const std::vector<Bin>& bins) {
   return sum;
 }
 
-// What one set is expected to vary by around a common rate (per unit of area or of the whole).
+// Expected variance of one set's rate, at the pooled rate of both (per unit of area, or per total).
 double rate_variance(const Bin& a, double area_a, const Bin& b, double area_b, double area) {
   const double weight = a.weight + b.weight;
   if (weight == 0) return 0;
@@ -58,7 +60,7 @@ ComparedNumber compare_rate(const Bin& a, double area_a, const Bin& b, double ar
   const double weight = a.weight + b.weight;
   const double variance =
       rate_variance(a, area_a, b, area_b, area_a) + rate_variance(a, area_a, b, area_b, area_b);
-  const double one = weight > 0 ? (a.squares + b.squares) / weight : 0;  // what one profile more stands for
+  const double one = weight > 0 ? (a.squares + b.squares) / weight : 0;  // mean weight of one more profile
   n.tolerance = weight > 0 ? sigmas_95 * std::sqrt(variance) + 0.5 * one * (1 / area_a + 1 / area_b) : 0;
   return n;
 }
@@ -69,7 +71,8 @@ void compare_sizes(const Profiles& a, const Profiles& b, const CompareChoice& ch
     for (const Profile& p : set->profiles)
       if (p.weight > 0) largest = std::max(largest, diameter(p));
   if (!(largest > choice.smallest) || largest == 0) {
-    out.warnings.push_back("no profile is whole and large enough to count: there are no size classes");
+    out.warnings.push_back(
+        "size classes are not compared: no profile is whole and at least as large as smallest");
     return;
   }
   const auto bins_a = bins_of(a, largest, choice), bins_b = bins_of(b, largest, choice);
@@ -77,11 +80,12 @@ void compare_sizes(const Profiles& a, const Profiles& b, const CompareChoice& ch
   std::string unit = "mm⁻²";
   if (!(area_a > 0) || !(area_b > 0)) {
     out.warnings.push_back(
-        "an observed area is unknown: size classes compare shares of the number, not densities");
+        "an observed area is unknown: size classes compare shares of the total number, not densities");
     area_a = total(bins_a), area_b = total(bins_b), unit = "";
     if (area_a == 0 || area_b == 0) {
       out.warnings.push_back(
-          "one set has no profile that is whole and large enough: there are no size classes");
+          "size classes are not compared: one set has no profile that is whole and at least as large as "
+          "smallest");
       return;
     }
   }
@@ -120,8 +124,8 @@ Fraction fraction_of(const Profiles& p, const char* which, Comparison& out) {
   f.value = p.area_fraction;
   if (!(f.value > 0) && sum > 0 && p.observed_area > 0) {
     f.value = sum / p.observed_area;
-    out.warnings.push_back(
-        fmt::format("{} gives no area fraction: taken from its profiles' weighted areas", which));
+    out.warnings.push_back(fmt::format(
+        "{} has no area fraction: it is computed from the weighted areas of its profiles", which));
   } else if (!(f.value > 0)) {
     out.warnings.push_back(fmt::format("the area fraction of {} is unknown", which));
     return {};
@@ -141,11 +145,12 @@ void compare_fractions(const Profiles& a, const Profiles& b, Comparison& out) {
 
 struct MeanColor {
   Vec3f linear = Vec3f::Zero();
-  Eigen::Vector3d lab = Eigen::Vector3d::Zero(), variance = Eigen::Vector3d::Zero();  // of the mean, Oklab
+  Eigen::Vector3d lab = Eigen::Vector3d::Zero(),
+                  variance = Eigen::Vector3d::Zero();  // variance of the mean, Oklab
 };
 
 MeanColor mean_color(const Profiles& p) {
-  // Border profiles show their colours as well as others; they count by the area they show.
+  // Profiles at the border show their colors too, so every profile is weighted by its visible area.
   MeanColor m;
   double sum = 0;
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();

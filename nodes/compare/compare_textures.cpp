@@ -1,4 +1,4 @@
-// Pictures as textures: each measure beside what two halves of the reference differ by.
+// Compares images as textures. Tolerances are the differences between two halves of the reference.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,11 +16,11 @@
 namespace terrazzo {
 namespace {
 
-constexpr int kLeastSide = 48;  // pixels, so that halves still have patches and bands
+constexpr int kLeastSide = 48;  // pixels; halves still need patches and bands
 constexpr int kSections = 8;
-constexpr int kReach = 32;  // pixels, of two-point correlation and lineal path
+constexpr int kReach = 32;  // pixels; longest distance of two-point correlation and lineal path
 
-// In Oklab, whatever Image says; at most kSections sections.
+// Converts to Oklab, stored in an Image. Keeps at most kSections sections, evenly spaced.
 Image oklab(const Image& in) {
   const int sections = std::min(in.sections, kSections);
   Image out(in.width, in.height, sections, in.pixel_size);
@@ -40,7 +40,7 @@ Image cut(const Image& in, int x0, int y0, int width, int height) {
   return out;
 }
 
-// A picture and its left, right, upper and lower half.
+// An image and its left, right, upper and lower half.
 struct Texture {
   Image whole;
   std::array<Image, 4> half;
@@ -53,8 +53,8 @@ struct Texture {
 
 using Values = std::vector<double>;
 
-// What is summed up of a and b, a measure between them, and the larger of what it finds between halves of a,
-// the reference.
+// Summaries of a and b, the measures between them, and the same measures between halves of the reference a
+// (the larger of left–right and top–bottom).
 template <class Summary>
 struct Measured {
   Summary a, b;
@@ -77,7 +77,7 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
   int side = 1 << 20;
   for (const Texture* t : {&a, &b}) side = std::min({side, t->whole.width / 2, t->whole.height / 2});
   const int scales = pyramid_scales(side);
-  // Of each scale the values of lightness in its bands of all directions, finest first.
+  // Per scale, the lightness values in its bands of all directions, finest scale first.
   struct Scale {
     std::vector<Quantiles> band;
     double deviation = 0;
@@ -210,7 +210,7 @@ void compare_phases(const Texture& a, const Texture& b, const CompareChoice& cho
   if (choice.lineal_path) add("lineal_path", 1, m.a.lineal_path, m.b.lineal_path, "Lineal path, darker half");
 }
 
-// Mean step across the wrap over the mean step inside: 1 where the picture tiles.
+// Mean step across the wrap / mean step inside: about 1 if the image is tileable.
 double seam_ratio(const Image& lab, int axis) {
   const int n = axis == 0 ? lab.width : lab.height, m = axis == 0 ? lab.height : lab.width;
   double across = 0, inside = 0;
@@ -229,14 +229,14 @@ void compare_textures(const Image& a, const Image& b, const CompareChoice& choic
                       const Work& work) {
   if (!choice.bands && !choice.patches && !choice.two_point && !choice.lineal_path && !choice.seam) return;
   if (std::min({a.width, a.height, b.width, b.height}) < kLeastSide) {
-    out.warnings.push_back(fmt::format(
-        "pictures of fewer than {} pixels a side are compared by their colours alone", kLeastSide));
+    out.warnings.push_back(
+        fmt::format("images smaller than {} pixels per side are compared only by color", kLeastSide));
     return;
   }
   if (std::abs(a.pixel_size / b.pixel_size - 1) > 0.01)
-    out.warnings.push_back(
-        fmt::format("a has pixels of {:.4g} mm, b of {:.4g} mm: textures are compared pixel by pixel",
-                    a.pixel_size, b.pixel_size));
+    out.warnings.push_back(fmt::format(
+        "a pixel is {:.4g} mm in a and {:.4g} mm in b: textures are compared pixel by pixel, not by length",
+        a.pixel_size, b.pixel_size));
   const Texture ta(a), tb(b);
   if (choice.bands) compare_bands(ta, tb, out, work);
   if (choice.patches) compare_patches(ta, tb, out, work);

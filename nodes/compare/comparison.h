@@ -1,4 +1,4 @@
-// How much two results differ, beside what sampling alone would make them differ.
+// Compares two results, with the differences expected from sampling noise.
 #pragma once
 
 #include <map>
@@ -14,11 +14,11 @@
 
 namespace terrazzo {
 
-// One compared number. `tolerance` is the half width of the 95 % interval of b − a if both were samples of
-// one thing; NaN where the noise is unknown, and then nothing exceeds it.
+// One compared number. `tolerance` is the half-width of the 95 % interval of b − a, assuming that both are
+// samples of the same material; NaN if the noise is unknown, and then nothing exceeds it.
 struct ComparedNumber {
   std::string measure, item, unit;
-  double lower = 0, upper = 0;  // of a bin, mm; both 0 where there is none
+  double lower = 0, upper = 0;  // edges of a bin, mm; both 0 if there is none
   double a = 0, b = 0, tolerance = 0;
   bool exceeds() const;
 };
@@ -32,7 +32,7 @@ struct ColorPair {
 struct Comparison {
   std::vector<ComparedNumber> numbers;
   std::vector<ColorPair> colors;
-  std::vector<Plot> plots;  // a's series first, then b's, not named
+  std::vector<Plot> plots;  // a's series first, then b's, without names
   std::map<std::string, double> metrics;
   std::vector<std::string> warnings;
 };
@@ -40,43 +40,45 @@ struct Comparison {
 struct CompareChoice {
   bool size_classes = true, area_fraction = true, color = true;
   bool circularity = true, total_curvature = true;                                       // profiles
-  bool bands = true, patches = true, two_point = true, lineal_path = true, seam = true;  // pictures
+  bool bands = true, patches = true, two_point = true, lineal_path = true, seam = true;  // images
   int classes = 10;
-  double smallest = 0;  // profiles of a smaller diameter √(4A/π) are left out of size_classes, mm
+  double smallest = 0;  // mm; size_classes omits profiles with a smaller diameter √(4A/π)
 };
 
-// size_classes: weighted N_A in equal bins of √A up to the larger of both sets' largest profiles; noise:
-// Poisson, from the rate of both sets together and their mean squared weight, with continuity correction. L1
-// is Σ|b − a| / Σ a. Where an observed area is unknown, shares of the number are compared instead, and a
-// warning says so. area_fraction: noise from Var ≈ Σ w·A² / area² (profiles of a Boolean model; an upper
-// bound where particles repel). color: means in Oklab, of profiles by their visible area; noise from their
-// spread, at least 0.02, a just visible step. circularity (A/P²) and total_curvature of whole profiles with
-// outlines, where both sets have any: means, and the Kolmogorov–Smirnov distance of the distributions. Throws
-// Error "no-profiles" where a set is empty, "bad-profile" where an area or weight is not a number ≥ 0.
+// size_classes: weighted N_A in equal bins of √A up to the largest profile of both sets. The noise is
+// Poisson, from the pooled rate and the mean squared weight of both sets, with continuity correction. L1 is
+// Σ|b − a| / Σ a. If an observed area is unknown, compares shares of the total number instead and warns.
+// area_fraction: noise from Var ≈ Σ w·A² / area² (profiles of a Boolean model; an upper bound if particles
+// repel). color: means in Oklab, of profiles weighted by their visible area. The noise comes from their
+// spread and is at least 0.02, a just visible step. circularity (A/P²), total_curvature: whole profiles with
+// outlines, if both sets have any. Compares the means, and the distributions by the Kolmogorov–Smirnov
+// distance. Throws Error "no-profiles" if a set is empty, "bad-profile" if an area or weight is not a number
+// ≥ 0.
 Comparison compare(const Profiles& a, const Profiles& b, const CompareChoice&);
 
-// size_classes: N_V summed over shapes and colour classes; where the class edges differ, both are re-classed
-// to `classes` equal bins, each class spread evenly over its sizes. Noise from the 90 % intervals. L1 as
-// above. Throws Error "no-classes".
+// size_classes: N_V summed over shapes and color classes. If the class edges differ, both are redistributed
+// to `classes` equal bins, assuming that each class is uniform over its sizes. The noise comes from the 90 %
+// intervals. L1 as above. Throws Error "no-classes".
 Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareChoice&);
 
-// color: means in Oklab, and the earth mover's distance of each channel's histogram (mean difference of
-// quantiles), with the distance between halves of one picture as its tolerance. In the same way, but by
-// halves of a: of lightness bands of a steerable pyramid, two-point correlation and lineal path of the darker
-// half up to 32 pixels; of Oklab: patches of 7 × 7 pixels, as distributions and each beside its nearest; and
-// steps across the wrap over steps inside (seam), without a tolerance. Textures need 48 pixels a side. Throws
-// Error "no-pixels", "bad-pixels".
+// color: means in Oklab, and the earth mover's distance (mean difference of quantiles) of each channel's
+// histogram. The tolerance of the latter is the larger distance between halves of a or halves of b. The
+// texture measures need images of at least 48 pixels per side; their tolerance is the difference between
+// halves of a. bands: lightness in a steerable pyramid. two_point, lineal_path: statistics of the darker half
+// up to 32 pixels. patches: 7 × 7 pixels in Oklab, as distributions and by their nearest patch in the other
+// image. seam: step across the wrap / mean step inside, without a tolerance. Throws Error "no-pixels",
+// "bad-pixels".
 Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& = {});
 
-// Their parts: compare_textures.cpp, compare_outlines.cpp.
+// Parts of the above, in compare_textures.cpp and compare_outlines.cpp.
 void compare_textures(const Image& a, const Image& b, const CompareChoice&, Comparison&, const Work&);
-// `measure`: circularity or total_curvature.
+// `measure` is circularity or total_curvature.
 void compare_outlines(const Profiles& a, const Profiles& b, const std::string& measure, double smallest,
                       Comparison&);
 
 // Columns: measure, item, unit, lower mm, upper mm, a, b, difference, tolerance, exceeds.
 Table table_of(const Comparison&);
-// Bars of every binned number, bars of the rest, swatches of the colours.
+// Bars of the binned numbers and of the area fractions, color swatches, and the plots.
 Image figure_of(const Comparison&, const std::string& name_a, const std::string& name_b);
 
 }  // namespace terrazzo

@@ -42,7 +42,7 @@ Plot bars_of(const Comparison& c, const std::string& name_a, const std::string& 
   return plot;
 }
 
-// The numbers of one measure without bins, each a pair of bars.
+// A pair of bars for one number without bins.
 Plot pair_of(const ComparedNumber& n, const std::string& title, const std::string& name_a,
              const std::string& name_b) {
   Plot plot;
@@ -61,7 +61,7 @@ Plot pair_of(const ComparedNumber& n, const std::string& title, const std::strin
 Image swatches_of(const Comparison& c, const std::string& name_a, const std::string& name_b) {
   Image image(300, height, 1, 1, Vec3f::Ones());
   Coverage title(image.width, image.height);
-  add_text(title, 16, 12, "Mean colours", 19, Turn::None, 1.25);  // as the figures beside it
+  add_text(title, 16, 12, "Mean colours", 19, Turn::None, 1.25);  // matches the titles of the adjacent plots
   title.paint(image, ink);
   draw_text(image, 24, 48, name_a, 15, ink);
   draw_text(image, 150, 48, name_b, 15, ink);

@@ -17,7 +17,7 @@ const std::vector<std::string> of_profiles = {"size_classes", "area_fraction", "
                                               "total_curvature"};
 const std::vector<std::string> of_images = {"color", "bands", "patches", "two_point", "lineal_path", "seam"};
 
-// What can be measured of a type of value.
+// The measures available for a value type.
 std::vector<std::string> measures_of(const std::string& type) {
   if (type == "Profiles") return of_profiles;
   if (type == "SizeDistribution") return {"size_classes"};
@@ -31,9 +31,8 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
     wanted = c.texts("measures");
     for (const auto& m : wanted)
       if (std::find(possible.begin(), possible.end(), m) == possible.end())
-        throw Error("no-such-measure",
-                    fmt::format("{} cannot be compared between values of type {}", m, type),
-                    fmt::format("they can be compared by {}", fmt::join(possible, ", ")))
+        throw Error("no-such-measure", fmt::format("measure {} does not apply to values of type {}", m, type),
+                    fmt::format("use {}", fmt::join(possible, ", ")))
             .parameter("measures");
   }
   auto has = [&](const char* m) { return std::find(wanted.begin(), wanted.end(), m) != wanted.end(); };
@@ -48,7 +47,7 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
   return choice;
 }
 
-// The larger of both sets' smallest profiles: below it one of them may have been blind.
+// The larger of both sets' smallest diameters. One set may not resolve profiles below it.
 double both_show(const Profiles& a, const Profiles& b) {
   const auto smallest = [](const Profiles& p) {
     double area = std::numeric_limits<double>::infinity();
@@ -62,8 +61,8 @@ double both_show(const Profiles& a, const Profiles& b) {
 void compute(Context& c) {
   const std::string type = c.value("a").type().name, other = c.value("b").type().name;
   if (type != other)
-    throw Error("different-types", fmt::format("a is of type {}, b of type {}", type, other),
-                "connect two values of one type");
+    throw Error("different-types", fmt::format("a has type {}, but b has type {}", type, other),
+                "connect two values of the same type");
   CompareChoice choice = choice_of(c, type);
   if (type == "Profiles" && !c.keyword("smallest").empty())
     choice.smallest = both_show(c.input<Profiles>("a"), c.input<Profiles>("b"));
@@ -79,7 +78,7 @@ void compute(Context& c) {
     for (const auto& m : c.texts("measures"))
       if (std::none_of(comparison.numbers.begin(), comparison.numbers.end(),
                        [&](const auto& n) { return n.measure == m; }))
-        c.warn(fmt::format("{} is not compared: a or b does not have what it takes, such as outlines", m));
+        c.warn(fmt::format("{} is not compared: a or b lacks the data for it, such as outlines", m));
   double exceeding = 0;
   for (const auto& n : comparison.numbers) exceeding += n.exceeds();
   comparison.metrics["exceeding"] = exceeding;
@@ -97,34 +96,35 @@ NodeType compare_node() {
   measures.choices.insert(measures.choices.end(), of_images.begin() + 1, of_images.end());
   NodeType type("Compare", 2);
   type.doc_(
-          "Compares two sets of profiles, two size distributions or two pictures, and tells which "
+          "Compares two sets of profiles, two size distributions or two images, and reports which "
           "differences exceed sampling noise.")
       .source_(
-          "Noise of counts: Poisson; of area fractions: a Boolean model's profiles (Underwood 1970; Ohser "
-          "and Mücklich 2000).")
-      .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "the reference")
+          "Noise of counts: Poisson. Noise of area fractions: Boolean model (Underwood 1970; Ohser and "
+          "Mücklich 2000).")
+      .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "Reference")
       .optional_input("b", {"Profiles", "SizeDistribution", "Image"},
-                      "what is compared with it, of the same type")
+                      "Value to compare with a, of the same type")
       .output("table", "Table",
-              "measure, item, unit, lower and upper edge of a bin, a, b, difference b − a, tolerance, "
-              "exceeds (0 or 1)")
+              "One row per compared number: measure, item, unit, lower and upper bin edge, a, b, difference "
+              "b − a, tolerance, exceeds (0 or 1)")
       .output("figure", "Image",
-              "bars of both by class, area fractions, mean colours, and what else is compared as curves")
+              "Bars of a and b by class, area fractions, mean colors, and curves of the other measures")
       .parameter(measures.doc_(
-          "Of profiles size_classes, area_fraction, color, circularity and total_curvature; of distributions "
-          "size_classes; of pictures color and, as textures, bands, patches, two_point, lineal_path and "
-          "seam; "
-          "all: those that apply"))
-      .parameter(Parameter::integer("classes", 10)
-                     .range(1, 1000)
-                     .doc_("Equal classes of √A up to the larger of both largest profiles; of distributions "
-                           "only where their own differ."))
+          "Measures to compare. Profiles: size_classes, area_fraction, color, circularity, total_curvature. "
+          "Distributions: size_classes. Images: color and the texture measures bands, patches, two_point, "
+          "lineal_path, seam. all: every measure that applies."))
+      .parameter(
+          Parameter::integer("classes", 10)
+              .range(1, 1000)
+              .doc_("Number of equal classes of √A up to the largest profile. For distributions, used only "
+                    "if their class edges differ."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
-                     .doc_("Profiles of a smaller diameter √(4A/π) are left out of the size classes of both, "
-                           "as a photograph may not show them; auto: the larger of both sets' smallest."))
-      .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("What the figure calls the two."))
+                     .doc_("Smallest profile diameter √(4A/π) in the size classes of both sets, since a "
+                           "photograph may not resolve smaller ones. auto: the larger of both sets' smallest "
+                           "diameters."))
+      .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("Names of a and b in the figure."))
       .compute_(compute);
   for (auto& port : type.inputs) port.optional = false;
   return type;

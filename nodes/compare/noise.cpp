@@ -5,7 +5,7 @@
 
 namespace terrazzo {
 
-bool ComparedNumber::exceeds() const { return std::abs(b - a) > tolerance; }  // false for a tolerance of NaN
+bool ComparedNumber::exceeds() const { return std::abs(b - a) > tolerance; }  // false if the tolerance is NaN
 
 void add_color(Comparison& out, const std::string& name, const Vec3f& linear_a, const Vec3f& linear_b,
                const Eigen::Vector3d& lab_a, const Eigen::Vector3d& lab_b, const Eigen::Vector3d& variance) {
@@ -24,7 +24,7 @@ double earth_mover(std::vector<float> a, std::vector<float> b) {
   if (a.empty() || b.empty()) return 0;
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
-  // ∫ |Q_a − Q_b| over the steps of both.
+  // ∫ |Q_a − Q_b|, summed over the steps of both quantile functions.
   double sum = 0, at = 0;
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {

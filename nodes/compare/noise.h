@@ -1,4 +1,4 @@
-// What the comparisons share: confidence, colours, distances of histograms.
+// Shared by the comparisons: confidence levels, colors, histogram distance.
 #pragma once
 
 #include "nodes/compare/comparison.h"
@@ -7,14 +7,14 @@ namespace terrazzo {
 
 constexpr double sigmas_95 = 1.959963984540054;
 constexpr double sigmas_90 = 1.6448536269514722;
-constexpr double visible_step = 0.02;  // Oklab distance that is just visible side by side (Ottosson 2020)
+constexpr double visible_step = 0.02;  // just visible Oklab distance between adjacent colors (Ottosson 2020)
 
-// Adds L, a, b of a colour and its distance, with tolerances from the variances of b − a, at least a visible
-// step.
+// Adds L, a, b of a color and the distance ΔE, with tolerances from the variances of b − a, at least
+// visible_step.
 void add_color(Comparison&, const std::string& name, const Vec3f& linear_a, const Vec3f& linear_b,
                const Eigen::Vector3d& lab_a, const Eigen::Vector3d& lab_b, const Eigen::Vector3d& variance);
 
-// Mean difference of the quantiles of two samples of any sizes; both are sorted here.
+// Mean difference of the quantiles of two samples. They need not be sorted or equal in size.
 double earth_mover(std::vector<float> a, std::vector<float> b);
 
 }  // namespace terrazzo

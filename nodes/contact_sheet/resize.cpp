@@ -28,7 +28,7 @@ struct Taps {
   std::vector<float> weights;
 };
 
-// How every new pixel draws on the old ones along one axis; beyond the edge, the edge's pixel repeats.
+// Filter weights of every output pixel along one axis. Edge pixels repeat beyond the border.
 std::vector<Taps> taps_of(int from, int to) {
   const double ratio = static_cast<double>(from) / to, stretch = std::max(1.0, ratio),
                reach = (ratio > 1 ? 3 : 2) * stretch;

@@ -1,4 +1,4 @@
-// One section of a picture at another size.
+// Resizes one section of an image.
 #pragma once
 
 #include "nodes/data/image.h"
@@ -6,8 +6,8 @@
 
 namespace terrazzo {
 
-// Smaller: Lanczos of three lobes in linear light, so that brightness stays. Larger: Catmull–Rom as displayed
-// (in sRGB), so that edges between dark and light do not ring.
+// Reduces with a three-lobed Lanczos filter in linear light, which preserves brightness. Enlarges with
+// Catmull–Rom in sRGB, so that edges between dark and light do not ring.
 Image resized(const Image&, int section, int width, int height, const Work& = {});
 
 }  // namespace terrazzo

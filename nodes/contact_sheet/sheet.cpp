@@ -13,7 +13,7 @@ namespace terrazzo {
 
 Vec3f label_color(std::int32_t id) {
   if (id == 0) return Vec3f::Constant(0.012f);
-  // Hues by the golden angle keep any few neighbouring ids apart; lightness and chroma turn at other rates.
+  // Golden-angle hues separate neighboring ids; lightness and chroma cycle at other rates.
   const double k = static_cast<double>(id), hue = 2.399963229728653 * k;
   const double light = 0.6 + 0.25 * std::fmod(k * 0.7548776662466927, 1.0),
                chroma = 0.09 + 0.06 * std::fmod(k * 0.5698402909980532, 1.0);

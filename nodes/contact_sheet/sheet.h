@@ -1,4 +1,4 @@
-// Pictures side by side, each with a line of words below.
+// Images side by side, each with a one-line caption below.
 #pragma once
 
 #include <string>
@@ -10,20 +10,21 @@
 
 namespace terrazzo {
 
-// The colour of a profile's id in pictures of labels: the same for the same id, far apart for neighbouring
-// ones. 0 is binder.
+// Color of a profile id in images of labels: always the same for one id, clearly different for neighboring
+// ids. Id 0 is binder.
 Vec3f label_color(std::int32_t id);
-// One section of the labels, at their own size.
+// One section of the labels, one pixel per label.
 Image picture_of(const Labels&, int section = 0);
 
 struct SheetChoice {
-  std::vector<std::string> captions;  // of the first pictures; may be fewer
-  int columns = 0;                    // 0: about as many as rows
-  int cell = 480;                     // pixels that a picture's longer side takes
+  std::vector<std::string> captions;  // of the first images; may be fewer
+  int columns = 0;                    // 0: one row for up to three images, else about as many columns as rows
+  int cell = 480;                     // length of each image's longer side, pixels
   bool dark = false;
 };
 
-// The pictures' first sections, fitted into cells; rows and columns shrink to what they hold. Not empty.
+// Scales the first section of each image to the cell size. Rows and columns shrink to fit their images. The
+// list must not be empty.
 Image contact_sheet(const std::vector<Image>&, const SheetChoice&, const Work& = {});
 
 }  // namespace terrazzo

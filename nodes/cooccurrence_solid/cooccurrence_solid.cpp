@@ -12,9 +12,9 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
   const int reach = s.extent << (s.scales - 1);
   if (s.size.minCoeff() <= reach)
     throw Error("too-small",
-                fmt::format("a solid of {} × {} × {} voxels, the offsets reach {}", s.size.x(), s.size.y(),
-                            s.size.z(), reach),
-                "make it larger, or extent or scales smaller")
+                fmt::format("the solid has {} × {} × {} voxels, but offsets reach {} voxels", s.size.x(),
+                            s.size.y(), s.size.z(), reach),
+                "make the solid larger, or reduce extent or scales")
         .parameter("size");
   const std::set<const Image*> different(pictures.begin(), pictures.end());
   std::vector<Vec3f> pixels;
@@ -22,9 +22,10 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
     const Image& p = *pictures[a];
     if (p.pixels.empty()) throw Error("no-pixels", "a picture has no pixels");
     if (std::min(p.width, p.height) <= reach)
-      throw Error("too-small",
-                  fmt::format("a picture has {} × {} pixels, the offsets reach {}", p.width, p.height, reach),
-                  "make it larger, or extent or scales smaller")
+      throw Error(
+          "too-small",
+          fmt::format("a picture has {} × {} pixels, but offsets reach {} pixels", p.width, p.height, reach),
+          "use a larger picture, or reduce extent or scales")
           .parameter("extent");
     if (different.size() > 1 || a == 0) pixels.insert(pixels.end(), p.pixels.begin(), p.pixels.end());
   }

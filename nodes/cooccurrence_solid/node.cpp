@@ -25,7 +25,8 @@ void compute(Context& c) {
   s.size = one_or_three(c, "size");
   const double voxels = s.size.cast<double>().prod();
   if (voxels > 1 << 30)
-    throw Error("too-large", fmt::format("{} × {} × {} voxels", s.size.x(), s.size.y(), s.size.z()),
+    throw Error("too-large",
+                fmt::format("{} × {} × {} voxels are too many", s.size.x(), s.size.y(), s.size.z()),
                 "make the solid smaller: it tiles")
         .parameter("size");
   const SolidFieldResult r = synthesize_solid(pictures, s, c.work().part(0, 0.95));
@@ -51,50 +52,44 @@ void compute(Context& c) {
 NodeType cooccurrence_solid_node() {
   return NodeType("CooccurrenceSolid", 2)
       .doc_(
-          "Makes a tileable solid texture from noise: on its slices across x, y and z colours neighbour each "
-          "other as "
-          "often as in the pictures")
-      .source_("Malzbender and Spach 1993, section 3, on the slices of three axes")
+          "Makes a tileable solid texture from noise. On its slices across x, y and z, colors are neighbors "
+          "as often as in the pictures.")
+      .source_("Malzbender and Spach 1993, section 3, applied to slices across three axes")
       .input("image", "Image",
-             "what slices look like: those across x, and those across y and z where these have no picture of "
-             "their own. On x "
-             "and y a picture's columns run along y and x, its rows upwards along z; on z along x and y")
-      .optional_input("image_y", {"Image"}, "what slices across y look like")
-      .optional_input("image_z", {"Image"}, "what slices across z look like")
-      .output("volume", "Volume", "grid Cd, scene-linear, one voxel a pixel, periodic")
+             "Picture for slices across x, and for slices across y and z that have no picture of their own. "
+             "On x and y a picture's columns run along y and x and its rows upwards along z; on z they run "
+             "along x and y.")
+      .optional_input("image_y", {"Image"}, "Picture for slices across y")
+      .optional_input("image_z", {"Image"}, "Picture for slices across z")
+      .output("volume", "Volume", "Grid Cd: scene-linear color, one voxel per pixel, periodic")
       .output("table", "Table",
-              "of each resolution, one of `stride` voxels: sweep, error E of the three matrices, voxels "
-              "changed; sweep 0 is "
-              "its start")
+              "Sweeps at each resolution (one in `stride` voxels): sweep, error E of the three matrices, "
+              "voxels changed. Sweep 0 is the start.")
       .parameter(Parameter::integer("levels", 8)
                      .range(2, kMostLevels)
-                     .doc_("Colours, found by k-means on all pictures"))
+                     .doc_("Number of colors, found by k-means on all pictures"))
       .parameter(Parameter::choice("space", "oklab", {"oklab", "rgb"})
-                     .doc_("Where colours are clustered: Oklab, or RGB as displays show it"))
+                     .doc_("Color space for clustering: Oklab, or display-encoded RGB"))
       .parameter(Parameter::integer("extent", 2)
                      .range(1, 8)
                      .unit_("pixels")
-                     .doc_("Offsets go up to ± this in the plane of a slice"))
+                     .doc_("Largest offset, in both directions within the plane of a slice"))
       .parameter(Parameter::integer("scales", 1)
                      .range(1, 6)
-                     .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1), for "
-                           "longer correlations"))
-      .parameter(
-          Parameter::choice("start", "coarse", {"coarse", "noise"})
-              .doc_(
-                  "coarse: made at half, a quarter, … of the resolution first, so that long structures find "
-                  "their places. noise: at full resolution alone"))
+                     .doc_("Number of scales. Offsets are also used 2, 4, … times as long, up to 2^(scales − "
+                           "1), to capture longer correlations."))
+      .parameter(Parameter::choice("start", "coarse", {"coarse", "noise"})
+                     .doc_("coarse: starts at a fraction of the resolution and refines, so that long "
+                           "structures find their places. noise: full resolution only."))
       .parameter(Parameter::integer("sweeps", 8)
                      .range(1, 1000)
-                     .doc_("Visits of every voxel at each resolution, at most"))
+                     .doc_("Most sweeps over all voxels at each resolution"))
       .parameter(Parameter::ints("size", {64})
                      .count(1, 3)
                      .range(4, 1024)
                      .unit_("voxels")
-                     .doc_("Edge, or one for each axis"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Of the noise and the order of visits"))
+                     .doc_("Edge length, or one length per axis"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

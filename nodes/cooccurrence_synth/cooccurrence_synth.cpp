@@ -15,8 +15,9 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   const int width = s.width > 0 ? s.width : source.width, height = s.height > 0 ? s.height : source.height;
   const auto larger = [&](const char* what, int w, int h, const char* parameter) {
     if (std::min(w, h) <= reach)
-      throw Error("too-small", fmt::format("{} has {} × {} pixels, the offsets reach {}", what, w, h, reach),
-                  "make it larger, or extent or scales smaller")
+      throw Error("too-small",
+                  fmt::format("{} has {} × {} pixels, but offsets reach {} pixels", what, w, h, reach),
+                  "make it larger, or reduce extent or scales")
           .parameter(parameter);
   };
   larger("the picture", source.width, source.height, "extent");
@@ -26,7 +27,7 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   std::vector<Vec3f> pixels;
   for (std::size_t i = 0; i < source.pixels.size(); ++i)
     if (mask.empty() || mask[i]) pixels.push_back(source.pixels[i]);
-  if (pixels.empty()) throw Error("no-pixels", "the mask leaves no pixel of the picture");
+  if (pixels.empty()) throw Error("no-pixels", "the mask excludes every pixel of the picture");
   r.levels = color_levels(pixels, s.levels, s.space, s.seed, work);
   const int levels = r.levels.count();
   std::vector<LevelField> sections;

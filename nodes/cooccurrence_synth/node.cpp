@@ -12,7 +12,7 @@ namespace {
 
 using namespace cooccurrence_synth;
 
-// Figure 3 of the paper: the error, and the pixels changed, sweep by sweep, of each resolution.
+// The paper's figure 3: error and changed pixels per sweep, for each resolution.
 Image figure_of(const SynthResult& r) {
   Plot error, changed;
   error.title = "Error of the co-occurrence matrix", error.y_label = "E", error.log_y = true;
@@ -51,8 +51,7 @@ void compute(Context& c) {
   if (c.has("mask")) mask = mask_of(c.value("mask"), source, "mask");
   const SynthResult r = synthesize(source, mask, s, c.work().part(0, 0.9));
   if (r.levels.count() < s.levels)
-    c.warn(fmt::format("the picture has only {} different colours, {} levels were asked for",
-                       r.levels.count(), s.levels));
+    c.warn(fmt::format("the picture has only {} different colors; levels is {}", r.levels.count(), s.levels));
 
   Image out = image_of(r.field, r.levels, source.pixel_size);
   for (std::size_t i = 0; i < r.from.size(); ++i) out.pixels[i] = source.pixels[r.from[i]];
@@ -79,52 +78,50 @@ void compute(Context& c) {
 
 NodeType cooccurrence_synth_node() {
   return NodeType("CooccurrenceSynth", 2)
-      .doc_("Makes a texture from noise whose colours neighbour each other as often as a picture's do")
+      .doc_("Makes a texture from noise in which colors are neighbors as often as in a picture")
       .source_("Malzbender and Spach 1993, sections 2 and 3, after Gagalowicz and Ma 1985")
-      .input("image", "Image", "the texture; several sections count together")
-      .optional_input("mask", {"Labels", "Image"},
-                      "where the texture is measured: labels other than 0, or brighter than 0.2")
+      .input("image", "Image", "Texture to match; several sections are measured together")
+      .optional_input(
+          "mask", {"Labels", "Image"},
+          "Where the texture is measured: pixels with a label other than 0, or with a brightness over 0.2")
       .output("image", "Image",
-              "the field, in the levels' colours or, with finish patches, the picture's own")
-      .output(
-          "table", "Table",
-          "of each resolution, one of `stride` pixels: sweep, error E of the matrix (half of the offsets), "
-          "pixels changed; sweep 0 is its start")
-      .output("figure", "Image", "the table's two curves (the paper's figure 3)")
-      .output("quantized", "Image", "the source's first section in the levels' colours")
-      .parameter(Parameter::integer("levels", 8).range(2, kMostLevels).doc_("Colours, found by k-means"))
+              "Synthesized texture in the levels' colors or, with finish patches, in the picture's own")
+      .output("table", "Table",
+              "Sweeps at each resolution (one in `stride` pixels): sweep, error E of the matrix (half of the "
+              "offsets), pixels changed. Sweep 0 is the start.")
+      .output("figure", "Image", "Plot of the table's two curves (the paper's figure 3)")
+      .output("quantized", "Image", "First section of the source in the levels' colors")
+      .parameter(
+          Parameter::integer("levels", 8).range(2, kMostLevels).doc_("Number of colors, found by k-means"))
       .parameter(Parameter::choice("space", "oklab", {"oklab", "rgb"})
-                     .doc_("Where colours are clustered: Oklab, or RGB as displays show it (the paper's)"))
+                     .doc_("Color space for clustering: Oklab, or display-encoded RGB (as in the paper)"))
       .parameter(Parameter::integer("extent", 2)
                      .range(1, 16)
                      .unit_("pixels")
-                     .doc_("Offsets go up to ± this in x and y: 2 is a kernel of 5 × 5"))
+                     .doc_("Largest offset in x and y, in both directions. 2 is a kernel of 5 × 5 pixels."))
       .parameter(Parameter::integer("scales", 1)
                      .range(1, 8)
-                     .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1), for "
-                           "longer correlations"))
-      .parameter(
-          Parameter::choice("start", "coarse", {"coarse", "noise"})
-              .doc_(
-                  "coarse: made at half, a quarter, … of the resolution first, so that long structures find "
-                  "their places. noise: at full resolution alone, the paper's"))
+                     .doc_("Number of scales. Offsets are also used 2, 4, … times as long, up to 2^(scales − "
+                           "1), to capture longer correlations."))
+      .parameter(Parameter::choice("start", "coarse", {"coarse", "noise"})
+                     .doc_("coarse: starts at a fraction of the resolution and refines, so that long "
+                           "structures find their places. noise: full resolution only, as in the paper."))
       .parameter(
           Parameter::integer("sweeps", 10)
               .range(1, 10000)
-              .doc_("Visits of every pixel at each resolution, at most; it ends when one changes nothing"))
+              .doc_(
+                  "Most sweeps over all pixels at each resolution. Ends early when a sweep changes nothing."))
       .parameter(Parameter::with_keyword(ParameterKind::Ints, "size", "auto")
                      .count(1, 2)
                      .range(2, 16384)
                      .unit_("pixels")
-                     .doc_("Edge, or width and height; auto: the picture's"))
-      .parameter(Parameter::choice("finish", "levels", {"levels", "patches"})
-                     .doc_("levels: their few colours, the paper's. patches: colours of the source's pixels "
-                           "in like surroundings, "
-                           "levels following, so that shapes survive"))
-      .parameter(Parameter::boolean("tileable", true).doc_("Opposite edges continue each other"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Of the noise and the order of visits"))
+                     .doc_("Edge length, or width and height. auto: the picture's size."))
+      .parameter(
+          Parameter::choice("finish", "levels", {"levels", "patches"})
+              .doc_("levels: the clustered colors, as in the paper. patches: colors of source pixels "
+                    "with similar neighborhoods, so that shapes survive; the levels are updated to match."))
+      .parameter(Parameter::boolean("tileable", true).doc_("Makes opposite edges match"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

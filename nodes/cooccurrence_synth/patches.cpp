@@ -8,7 +8,7 @@
 namespace terrazzo::cooccurrence_synth {
 namespace {
 
-// The field's co-occurrence, kept up to date.
+// The field's co-occurrence counts, kept up to date.
 class Usage {
  public:
   Usage(const LevelField& field, const Cooccurrence& wanted, bool periodic)
@@ -23,8 +23,8 @@ class Usage {
                                             static_cast<double>(wanted.pairs[d])));
   }
 
-  // Of each level beside this pixel's neighbours: how often it is there over how often it is wanted, to the
-  // power of 1.5.
+  // For each level: how often it occurs beside this pixel's neighbors over how often it should, to the power
+  // of 1.5.
   void overuse(int x, int y, std::vector<float>& use) const {
     const float little = 1e-3f * static_cast<float>(offsets_.size());
     std::vector<float> want(use.size(), little);
@@ -41,7 +41,7 @@ class Usage {
     for (std::size_t t = 0; t < use.size(); ++t) use[t] /= want[t], use[t] *= std::sqrt(use[t]);
   }
 
-  // To be called before the field's pixel changes.
+  // Call before the field's pixel changes.
   void change(int x, int y, int from, int to) {
     for (std::size_t d = 0; d < offsets_.size(); ++d) {
       if (const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()); after >= 0)

@@ -1,4 +1,4 @@
-// A synthesised field in the source's own colours, laid so that shapes survive.
+// Gives a synthesized field the source's own colors, arranged so that shapes survive.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace terrazzo::cooccurrence_synth {
 
-// For every pixel of the field a pixel of the source (number in Image::pixels), whose 9 × 9 surroundings look
-// most alike: found among the neighbours' sources, shifted, and random ones (Ashikhmin 2001, Barnes 2009),
-// row by row at first, then three rounds more. Alone that favours what is smooth; so a source counts the
-// more, the more its level is overused beside the neighbours by the matrix `wanted`. The field's levels
-// follow. `sections`: the source's, kNoLevel where it may not be used.
+// Finds for every pixel of the field the source pixel (index in Image::pixels) with the most similar 9 × 9
+// neighborhood. Candidates are the neighbors' sources, shifted, and random ones (Ashikhmin 2001, Barnes
+// 2009): one pass row by row, then three more rounds. Similarity alone favors smooth areas, so a source is
+// penalized if the matrix `wanted` says that its level is overused beside the neighbors. Updates the field's
+// levels to match. `sections` holds the source's levels, kNoLevel for pixels that must not be used.
 std::vector<std::uint32_t> patch_sources(const Image& source, const std::vector<LevelField>& sections,
                                          const ColorLevels&, const Cooccurrence& wanted, bool periodic,
                                          std::uint64_t seed, LevelField& field, const Work& = {});

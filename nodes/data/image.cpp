@@ -34,9 +34,9 @@ nlohmann::json describe(const Image& v) {
 
 template <>
 const ValueType& value_type<Image>() {
-  static const ValueType type =
-      make_value_type<Image>("Image", "One section or a stack of equal-scale sections, scene-linear Rec. 709",
-                             encode, decode, describe);
+  static const ValueType type = make_value_type<Image>(
+      "Image", "One section or a stack of sections of equal scale, scene-linear Rec. 709", encode, decode,
+      describe);
   return type;
 }
 

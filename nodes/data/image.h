@@ -1,4 +1,4 @@
-// Image: one section or a stack of equal-scale sections, scene-linear Rec. 709.
+// Image: one section or a stack of sections of equal scale, scene-linear Rec. 709.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 namespace terrazzo {
 
 struct Image {
-  int width = 0, height = 0, sections = 1;  // pixels, pixels, count; all sections are of one size
+  int width = 0, height = 0, sections = 1;  // pixels, pixels, count; all sections have the same size
   double pixel_size = 1;                    // mm per pixel
-  std::vector<Vec3f> pixels;                // section, row from the top, column
+  std::vector<Vec3f> pixels;                // ordered by section, row from the top, column
 
   Image() = default;
   Image(int width, int height, int sections, double pixel_size, Vec3f fill = Vec3f::Zero())

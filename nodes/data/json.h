@@ -1,4 +1,4 @@
-// Small helpers of the `describe` functions: vectors as JSON lists, long lists shortened nowhere.
+// Helper of the `describe` functions: vectors as complete JSON lists.
 #pragma once
 
 #include <nlohmann/json.hpp>

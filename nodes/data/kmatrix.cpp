@@ -20,7 +20,7 @@ void encode(const KMatrix& v, Writer& w) {
 KMatrix decode(Reader& r) {
   KMatrix v;
   v.classes = r.pod<int>(), v.averaging = r.text(), v.residual = r.pod<double>();
-  if (v.classes < 1 || v.classes > 4096) throw Error("damaged", "the stored K matrix has an impossible size");
+  if (v.classes < 1 || v.classes > 4096) throw Error("damaged", "the stored K matrix has an invalid size");
   v.shapes.resize(r.count(40 + sizeof(double) * v.classes * v.classes));
   for (auto& e : v.shapes) {
     e.probability = r.pod<double>(), e.mean_caliper = r.pod<double>(), e.max_section_area = r.pod<double>();
@@ -59,7 +59,7 @@ nlohmann::json describe(const KMatrix& v) {
 template <>
 const ValueType& value_type<KMatrix>() {
   static const ValueType type = make_value_type<KMatrix>(
-      "KMatrix", "How often a particle of each size class shows a profile of each class", encode, decode,
+      "KMatrix", "Frequency of profiles of each size class from particles of each size class", encode, decode,
       describe);
   return type;
 }

@@ -36,7 +36,7 @@ nlohmann::json describe(const Labels& v) {
 template <>
 const ValueType& value_type<Labels>() {
   static const ValueType type = make_value_type<Labels>(
-      "Labels", "Which particle's profile each pixel belongs to", encode, decode, describe);
+      "Labels", "Profile number of each pixel, 0 for the binder", encode, decode, describe);
   return type;
 }
 

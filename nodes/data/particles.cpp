@@ -27,7 +27,7 @@ Particles decode(Reader& r) {
   const std::size_t n = v.count();
   if (v.shape.size() != n || v.cls.size() != n || v.orientation.size() != n || v.scale.size() != n ||
       v.size.size() != n || v.color.size() != n || (!v.voids.empty() && v.voids.size() != n))
-    throw Error("damaged", "the stored particles' lists differ in length");
+    throw Error("damaged", "the lists of the stored particles differ in length");
   return v;
 }
 

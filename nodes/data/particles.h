@@ -11,16 +11,16 @@
 namespace terrazzo {
 
 struct Particles {
-  Vec3 box = Vec3::Zero();             // edges, mm
+  Vec3 box = Vec3::Zero();             // edge lengths, mm
   std::vector<std::int32_t> shape;     // index into Shapes
-  std::vector<std::int32_t> cls;       // colour or particle class
+  std::vector<std::int32_t> cls;       // color or particle class
   std::vector<Vec3> position;          // of the shape's origin, mm, inside the box
-  std::vector<Quat> orientation;       // unit
-  std::vector<double> scale;           // of the mesh
+  std::vector<Quat> orientation;       // unit quaternions
+  std::vector<double> scale;           // factor of the mesh
   std::vector<double> size;            // √(4·A_max/π), mm
   std::vector<Vec3f> color;            // scene-linear
   Vec3f binder_color = Vec3f::Zero();  // scene-linear
-  std::vector<std::uint8_t> voids;     // of each particle: 1 where it is without matter; empty: none is
+  std::vector<std::uint8_t> voids;     // 1 for each particle that is a void; empty: there are no voids
 
   std::size_t count() const { return position.size(); }
   bool is_void(std::size_t i) const { return !voids.empty() && voids[i] != 0; }

@@ -67,7 +67,7 @@ nlohmann::json describe(const Profiles& v) {
 template <>
 const ValueType& value_type<Profiles>() {
   static const ValueType type = make_value_type<Profiles>(
-      "Profiles", "What plane sections show of the particles", encode, decode, describe);
+      "Profiles", "Profiles of particles in plane sections", encode, decode, describe);
   return type;
 }
 

@@ -33,7 +33,7 @@ Shapes decode(Reader& r) {
     for (const auto& t : s.mesh.triangles)
       for (const auto i : t)
         if (i < 0 || static_cast<std::size_t>(i) >= s.mesh.vertices.size())
-          throw Error("damaged", "a stored triangle names a vertex that is not there");
+          throw Error("damaged", "a stored triangle refers to a missing vertex");
   }
   return v;
 }
@@ -59,7 +59,7 @@ nlohmann::json describe(const Shapes& v) {
 template <>
 const ValueType& value_type<Shapes>() {
   static const ValueType type = make_value_type<Shapes>(
-      "Shapes", "The particles' forms: watertight meshes with probabilities", encode, decode, describe);
+      "Shapes", "Particle shapes: watertight meshes with probabilities", encode, decode, describe);
   return type;
 }
 

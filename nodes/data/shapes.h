@@ -1,4 +1,4 @@
-// Shapes: the particles' forms, watertight triangle meshes with probabilities.
+// Shapes: particle shapes as watertight triangle meshes with probabilities.
 #pragma once
 
 #include <array>
@@ -15,21 +15,21 @@ using Triangle = std::array<std::int32_t, 3>;
 
 struct Mesh {
   std::vector<Vec3> vertices;       // mm
-  std::vector<Triangle> triangles;  // counter-clockwise seen from outside
+  std::vector<Triangle> triangles;  // counterclockwise seen from outside
 };
 
-// Size and section measures of a mesh at scale 1; `measure_shape` (nodes/common/shape_measures.h) fills them.
+// A mesh with its measures at scale 1, computed by `measure_shape` (nodes/common/shape_measures.h).
 struct Shape {
   std::string name;
-  double probability = 1;       // by number; a set sums to 1
+  double probability = 1;       // by number; the probabilities of a set sum to 1
   Mesh mesh;                    // centroid at the origin
   double volume = 0;            // mm³
   double surface_area = 0;      // mm²
-  double mean_caliper = 0;      // mm, mean distance of parallel tangent planes over all directions
-  double max_section_area = 0;  // mm², over all planes
-  bool smooth = false;          // shade with interpolated normals
+  double mean_caliper = 0;      // mm; mean distance of parallel tangent planes over all directions
+  double max_section_area = 0;  // mm², maximum over all planes
+  bool smooth = false;          // render with interpolated normals
 
-  // A particle's size: √(4·A_max/π), mm; a sphere's diameter.
+  // A particle's size in mm: √(4·A_max/π), the diameter of a sphere.
   double size() const;
 };
 

@@ -45,7 +45,7 @@ nlohmann::json describe(const SizeDistribution& v) {
 template <>
 const ValueType& value_type<SizeDistribution>() {
   static const ValueType type = make_value_type<SizeDistribution>(
-      "SizeDistribution", "Particles per volume by size class", encode, decode, describe);
+      "SizeDistribution", "Number of particles per volume in each size class", encode, decode, describe);
   return type;
 }
 

@@ -11,21 +11,21 @@ namespace terrazzo {
 void check_stroke(const Stroke& s) {
   const auto bad = [](const std::string& what) {
     return Error("bad-stroke", what,
-                 "a stroke has points in pixels and a radius above 0, or outlines of an area");
+                 "a stroke needs points in pixels and a radius above 0, or outlines of an area");
   };
   constexpr double kMost = 1e6;
-  if (!(s.radius >= 0 && s.radius <= kMost)) throw bad(fmt::format("a stroke has the radius {}", s.radius));
-  if (!s.area && s.radius <= 0) throw bad("a line has the radius 0");
+  if (!(s.radius >= 0 && s.radius <= kMost)) throw bad(fmt::format("the radius of a stroke is {}", s.radius));
+  if (!s.area && s.radius <= 0) throw bad("the radius of a line is 0");
   if (s.parts.empty()) throw bad("a stroke has no points");
   if (!s.area && s.parts.size() != 1)
     throw bad(fmt::format("a line has {} parts instead of one", s.parts.size()));
   for (const auto& part : s.parts) {
     if (part.empty()) throw bad("a stroke has no points");
     if (s.area && part.size() < 3)
-      throw bad(fmt::format("an area's outline has {} points, 3 at least are needed", part.size()));
+      throw bad(fmt::format("the outline of an area has {} points; it needs at least 3", part.size()));
     for (const auto& p : part)
       if (!(std::abs(p.x()) <= kMost && std::abs(p.y()) <= kMost))
-        throw bad(fmt::format("a stroke has the point ({}, {})", p.x(), p.y()));
+        throw bad(fmt::format("a stroke has the invalid point ({}, {})", p.x(), p.y()));
   }
 }
 
@@ -76,8 +76,8 @@ nlohmann::json describe(const Strokes& v) {
 
 template <>
 const ValueType& value_type<Strokes>() {
-  static const ValueType type = make_value_type<Strokes>(
-      "Strokes", "Where a nib or brush went over a picture", encode, decode, describe);
+  static const ValueType type =
+      make_value_type<Strokes>("Strokes", "Strokes of a nib or brush on an image", encode, decode, describe);
   return type;
 }
 

@@ -15,7 +15,7 @@ double Table::number(std::size_t row, const std::string& name) const {
   if (c < 0) throw Error("no-column", "the table has no column '" + name + "'");
   if (row >= rows.size()) throw Error("no-row", "the table has no row " + std::to_string(row));
   if (const auto* v = std::get_if<double>(&rows[row].at(static_cast<std::size_t>(c)))) return *v;
-  throw Error("not-a-number", "row " + std::to_string(row) + " of column '" + name + "' is no number");
+  throw Error("not-a-number", "row " + std::to_string(row) + " of column '" + name + "' is not a number");
 }
 
 namespace {
@@ -26,7 +26,7 @@ void encode(const Table& v, Writer& w) {
   w.pod<std::uint64_t>(v.rows.size());
   for (const auto& row : v.rows) {
     if (row.size() != v.columns.size())
-      throw Error("bad-table", "a row of the table has another length than its header");
+      throw Error("bad-table", "a row of the table differs in length from the header");
     for (const auto& cell : row) {
       w.pod<std::uint8_t>(cell.index() == 0 ? 0 : 1);
       if (cell.index() == 0)
@@ -69,7 +69,7 @@ nlohmann::json describe(const Table& v) {
 template <>
 const ValueType& value_type<Table>() {
   static const ValueType type =
-      make_value_type<Table>("Table", "Named columns of numbers or words", encode, decode, describe);
+      make_value_type<Table>("Table", "Named columns of numbers or text", encode, decode, describe);
   return type;
 }
 

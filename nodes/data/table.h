@@ -1,4 +1,4 @@
-// Table: named columns of numbers or words.
+// Table: named columns of numbers or text.
 #pragma once
 
 #include <string>
@@ -11,11 +11,12 @@ namespace terrazzo {
 
 struct Table {
   using Cell = std::variant<double, std::string>;
-  std::vector<std::string> columns;  // units in the name: "area mm²"
+  std::vector<std::string> columns;  // with the unit in the name: "area mm²"
   std::vector<std::vector<Cell>> rows;
 
-  int column(const std::string& name) const;                      // −1 where there is none
-  double number(std::size_t row, const std::string& name) const;  // throws Error where it is no number
+  int column(const std::string& name) const;  // −1 if there is none
+  double number(std::size_t row,
+                const std::string& name) const;  // throws Error "no-column", "no-row", "not-a-number"
 };
 
 template <>

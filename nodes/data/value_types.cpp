@@ -11,7 +11,7 @@
 
 namespace terrazzo {
 
-struct Volume;  // declared alone: volume.h would bring in OpenVDB
+struct Volume;  // only declared, since volume.h would include OpenVDB
 template <>
 const ValueType& value_type<Volume>();
 

@@ -19,7 +19,8 @@ template <class... Grids, class Op>
 bool with_one_of(const std::string& type, Op& op) {
   return ((Grids::gridType() == type ? (op.template operator()<Grids>(), true) : false) || ...);
 }
-// Calls op.operator()<Grid>() with the type of that name; false where no volume may hold it.
+// Calls op.operator()<Grid>() for the grid type of that name; returns false if a volume cannot contain that
+// type.
 template <class Op>
 bool with_grid_type(const std::string& type, Op&& op) {
   return with_one_of<openvdb::FloatGrid, openvdb::Vec3SGrid, openvdb::Int32Grid, openvdb::DoubleGrid,
@@ -27,11 +28,11 @@ bool with_grid_type(const std::string& type, Op&& op) {
 }
 
 Error unsupported(const std::string& name, const std::string& type) {
-  return Error("unsupported-grid", "grid '" + name + "' has the type " + type,
+  return Error("unsupported-grid", "grid '" + name + "' has the unsupported type " + type,
                "convert it to float, double, vec3s, int32 or bool");
 }
 
-// --- metadata: what was set by hand; OpenVDB's own notes on a file are no part of the value.
+// --- metadata, except OpenVDB's own metadata about a file
 
 bool is_file_note(const std::string& name) { return name.starts_with("file_"); }
 
@@ -39,7 +40,7 @@ void encode_metadata(const GridBase& grid, Writer& w) {
   std::uint64_t count = 0;
   for (auto it = grid.beginMeta(); it != grid.endMeta(); ++it) count += !is_file_note(it->first);
   w.pod(count);
-  for (auto it = grid.beginMeta(); it != grid.endMeta(); ++it) {  // a std::map: in order of names
+  for (auto it = grid.beginMeta(); it != grid.endMeta(); ++it) {  // a std::map, so ordered by name
     if (is_file_note(it->first)) continue;
     std::ostringstream bytes(std::ios::binary);
     it->second->write(bytes);
@@ -69,9 +70,9 @@ void decode_metadata(GridBase& grid, Reader& r) {
   }
 }
 
-// --- transforms: affine ones, as their matrix.
+// --- transforms: only affine ones, as their matrix
 
-// The matrix in OpenVDB's order (row vectors). Scales are taken as given: getAffineMap() changes their last
+// The matrix in OpenVDB's order (row vectors). Reads scales directly, since getAffineMap() changes their last
 // bits.
 openvdb::math::Mat4d affine(const openvdb::math::Transform& transform) {
   using namespace openvdb::math;
@@ -90,9 +91,9 @@ openvdb::math::Mat4d affine(const openvdb::math::Transform& transform) {
 void encode_transform(const GridBase& grid, Writer& w) {
   if (!grid.transform().isLinear())
     throw Error("unsupported-grid", "grid '" + grid.getName() + "' has a frustum transform",
-                "resample it to equal voxels");
+                "resample it to uniform voxels");
   const auto m = affine(grid.transform());
-  for (int i = 0; i < 16; ++i) w.pod<double>(m.asPointer()[i] + 0.0);  // no −0
+  for (int i = 0; i < 16; ++i) w.pod<double>(m.asPointer()[i] + 0.0);  // replaces −0 by 0
 }
 
 openvdb::math::Transform::Ptr decode_transform(Reader& r) {
@@ -100,12 +101,12 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
   double m[16];
   for (double& v : m) {
     v = r.pod<double>();
-    if (!std::isfinite(v)) throw Error("damaged", "the stored volume has no valid transform");
+    if (!std::isfinite(v)) throw Error("damaged", "the stored volume has an invalid transform");
   }
   const Mat4d matrix(m);
   if (matrix.det() == 0 || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
-    throw Error("damaged", "the stored volume has no valid transform");
-  // OpenVDB's tools are faster on the special maps.
+    throw Error("damaged", "the stored volume has an invalid transform");
+  // OpenVDB's tools are faster on the specialized maps.
   const Vec3d scale(m[0], m[5], m[10]), shift(m[12], m[13], m[14]);
   const bool diagonal = m[1] == 0 && m[2] == 0 && m[4] == 0 && m[6] == 0 && m[8] == 0 && m[9] == 0;
   const bool even = m[0] == m[5] && m[0] == m[10];
@@ -118,9 +119,9 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
     else
       map = std::make_shared<ScaleTranslateMap>(scale, shift);
   } catch (const openvdb::Exception&) {
-    throw Error("damaged", "the stored volume has no valid transform");
+    throw Error("damaged", "the stored volume has an invalid transform");
   }
-  // By way of OpenVDB's reader: its constructors take a map apart and change the last bits of the scale.
+  // Use OpenVDB's reader: its constructors decompose a map and change the last bits of the scale.
   std::stringstream stream(std::ios::in | std::ios::out | std::ios::binary);
   openvdb::io::setCurrentVersion(stream);
   openvdb::writeString(stream, map->type());
@@ -130,7 +131,7 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
   return transform;
 }
 
-// --- the value
+// --- volumes
 
 void encode(const Volume& v, Writer& w) {
   for (int i = 0; i < 3; ++i) w.pod<std::int32_t>(v.resolution[i]);
@@ -152,19 +153,21 @@ Volume decode(Reader& r) {
   Volume v;
   for (int i = 0; i < 3; ++i) {
     v.resolution[i] = r.pod<std::int32_t>();
-    if (v.resolution[i] < 0) throw Error("damaged", "the stored volume has a negative size");
+    if (v.resolution[i] < 0) throw Error("damaged", "the stored volume has a negative resolution");
   }
   const std::size_t count = r.count(3 * sizeof(std::uint64_t));
   std::set<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
     const std::string name = r.text(), type = r.text();
-    if (!names.insert(name).second) throw Error("damaged", "the stored volume has two grids of one name");
+    if (!names.insert(name).second)
+      throw Error("damaged", "the stored volume has two grids with the same name");
     GridBase::Ptr grid;
     with_grid_type(type, [&]<class Grid>() { grid = Grid::create(); });
     if (!grid) throw Error("damaged", "the stored volume has a grid of unknown type");
     grid->clearMetadata();
     decode_metadata(*grid, r);
-    if (grid->getName() != name) throw Error("damaged", "the stored volume has a grid without its name");
+    if (grid->getName() != name)
+      throw Error("damaged", "the stored volume has a grid whose name does not match its metadata");
     grid->setTransform(decode_transform(r));
     with_grid_type(type, [&]<class Grid>() {
       static_cast<Grid&>(*grid).setTree(TreeCodec<typename Grid::TreeType>::decode(r));
@@ -176,7 +179,7 @@ Volume decode(Reader& r) {
 
 // --- description
 
-// Smallest and largest active value, per component; null where no voxel is active.
+// Smallest and largest active value, per component; null if no voxel is active.
 template <class Grid>
 nlohmann::json range_of(const Grid& grid) {
   using T = typename Grid::ValueType;
@@ -234,7 +237,7 @@ nlohmann::json describe(const Volume& v) {
 template <>
 const ValueType& value_type<Volume>() {
   static const ValueType type =
-      make_value_type<Volume>("Volume", "Named OpenVDB grids over one box.", encode, decode, describe);
+      make_value_type<Volume>("Volume", "Named OpenVDB grids in one box", encode, decode, describe);
   return type;
 }
 

@@ -1,5 +1,4 @@
-// Volume: named OpenVDB grids over one box. Include it only where grids are touched: OpenVDB is slow to
-// compile.
+// Volume: named OpenVDB grids in one box. Include only if grids are used, since OpenVDB is slow to compile.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -13,12 +12,13 @@
 namespace terrazzo {
 
 struct Volume {
-  // Voxels of the periodic box; voxel (0, 0, 0) to resolution − 1 hold one period. Zero where not periodic.
+  // Resolution of the periodic box in voxels: one period contains the voxels (0, 0, 0) to resolution − 1.
+  // Zero if not periodic.
   Vec3i resolution = Vec3i::Zero();
-  // Grids with unique names. All share one transform: voxel size in mm, voxel centres at (i + ½)·voxel.
+  // Grids with unique names. They share one transform: voxel size in mm, voxel centers at (i + ½)·voxel.
   std::vector<openvdb::GridBase::ConstPtr> grids;
 
-  // Null where there is none of that name and type.
+  // Returns null if there is no grid of that name and type.
   template <class Grid>
   typename Grid::ConstPtr find(const std::string& name) const {
     for (const auto& g : grids)
@@ -30,9 +30,9 @@ struct Volume {
 template <>
 const ValueType& value_type<Volume>();
 
-// openvdb::initialize() once; call before any grid is made or read.
+// Calls openvdb::initialize() once. Call it before creating or reading any grid.
 void initialize_openvdb();
-// Voxel (i, j, k) centred at (i + ½)·size, mm.
+// Transform with the center of voxel (i, j, k) at (i + ½)·size, mm.
 openvdb::math::Transform::Ptr voxel_transform(double size);
 
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// The canonical byte form of OpenVDB trees: equal voxels give equal bytes, however the tree came to be.
+// Canonical encoding of OpenVDB trees: equal voxels produce equal bytes, independent of the tree's history.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -15,9 +15,9 @@
 
 namespace terrazzo {
 
-// Nodes whose voxels all agree are written as tiles and background tiles not at all, so the bytes depend on
-// values and active states alone. OpenVDB's own stream is not used: it depends on the tree's history, and
-// trusts what it reads.
+// Nodes with identical voxels are written as tiles, and background tiles are omitted, so the bytes depend
+// only on values and active states. OpenVDB's own stream format is not used: it depends on the tree's
+// history, and its reader trusts its input.
 template <class Tree>
 class TreeCodec {
  public:
@@ -26,7 +26,7 @@ class TreeCodec {
   using Leaf = typename Tree::LeafNodeType;
   using T = typename Tree::ValueType;
   static_assert(std::is_same_v<typename Upper::ChildNodeType::ChildNodeType, Leaf>,
-                "trees of three levels only");
+                "only trees of three levels");
 
   static void encode(const Tree& tree, Writer& w) {
     const Root& root = tree.root();
@@ -56,7 +56,7 @@ class TreeCodec {
     }
   }
 
-  // Throws Error "damaged" where the bytes are no tree.
+  // Throws Error "damaged" if the bytes are not a valid tree.
   static typename Tree::Ptr decode(Reader& r) {
     auto tree = std::make_shared<Tree>(read_value(r));
     std::set<openvdb::Coord> taken;
@@ -91,14 +91,14 @@ class TreeCodec {
   template <class Node>
   static constexpr std::size_t mask_bytes = Node::NUM_VALUES / 8;
 
-  [[noreturn]] static void damaged() { throw Error("damaged", "the stored volume is no valid tree"); }
+  [[noreturn]] static void damaged() { throw Error("damaged", "the stored volume is not a valid tree"); }
   static bool same(const T& a, const T& b) { return std::memcmp(&a, &b, sizeof(T)) == 0; }
 
   static void add_tile(std::vector<RootTile>& tiles, const RootTile& t, const T& background) {
     if (t.tile.active || !same(t.tile.value, background)) tiles.push_back(t);
   }
 
-  // Whether all voxels of a node agree in value and state.
+  // Whether all voxels of a node have the same value and state.
   static bool uniform(const Leaf& leaf, Tile& out) {
     if (!leaf.getValueMask().isOn() && !leaf.getValueMask().isOff()) return false;
     out = {leaf.getValue(0), leaf.isValueOn(0)};
@@ -123,7 +123,7 @@ class TreeCodec {
     return true;
   }
 
-  // Runs of equal values, as (length, value): what lies outside the active voxels is mostly one value.
+  // Run-length encoding as (length, value), since inactive voxels mostly have one value.
   class Runs {
    public:
     void add(const T& v) {

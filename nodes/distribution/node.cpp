@@ -33,50 +33,54 @@ void compute(Context& c) {
 NodeType distribution_node() {
   return NodeType("Distribution", 1)
       .doc_(
-          "Particle sizes written in the graph: by class, or as a law of number or volume. Sizes are "
-          "√(4·A_max/π), a sphere's diameter.")
-      .optional_input("shapes", {"Shapes"}, "what volume a size has; without them that of a sphere")
-      .output("distribution", "SizeDistribution", "particles per mm³ by size class, for any shape")
+          "Defines a particle size distribution by hand: by class, or as a law by number or by volume. The "
+          "size of a particle is √(4·A_max/π), with A_max the area of its largest section; for a sphere it "
+          "is the diameter.")
+      .optional_input("shapes", {"Shapes"},
+                      "Shapes that determine the volume of a particle; without them, particles are spheres")
+      .output("distribution", "SizeDistribution", "Particles per mm³ by size class, for any shape")
       .parameter(Parameter::choice("kind", "lognormal",
                                    {"classes", "lognormal", "normal", "uniform", "rosin_rammler"})
-                     .doc_("classes takes class_edges and N_V; lognormal and normal take mean and sd; "
-                           "uniform min and max; rosin_rammler mean (63.2 % are smaller) and exponent"))
+                     .doc_("classes: uses class_edges and N_V. lognormal, normal: use mean and sd. uniform: "
+                           "uses min and max. rosin_rammler: uses mean (63.2 % are smaller) and exponent."))
       .parameter(Parameter::number("mean", 5).unit_("mm").above(0).doc_("Mean size"))
       .parameter(Parameter::number("sd", 1.5).unit_("mm").above(0).doc_("Standard deviation of the sizes"))
       .parameter(Parameter::number("exponent", 3)
                      .range(0.1, 100)
-                     .doc_("Spread of rosin_rammler: the larger the narrower"))
-      .parameter(Parameter::number("min", 0).unit_("mm").range(0, 1e9).doc_("Smaller sizes are cut off"))
+                     .doc_("Exponent of rosin_rammler. Larger values make the distribution narrower."))
+      .parameter(Parameter::number("min", 0).unit_("mm").range(0, 1e9).doc_(
+          "Smallest size; the law is cut off below it"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "max", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Larger sizes are cut off; auto: where 0.1 % are left"))
-      .parameter(
-          Parameter::choice("density_by", "number", {"number", "volume"})
-              .doc_("Whether the law tells how many particles, or how much volume, there is of a size"))
-      .parameter(
-          Parameter::integer("classes", 10).range(1, 1000).doc_("Equal classes that a law is cut into"))
+                     .doc_("Largest size; the law is cut off above it. auto: the size that 0.1 % exceed."))
+      .parameter(Parameter::choice("density_by", "number", {"number", "volume"})
+                     .doc_("Quantity that the law distributes. number: the share of particles of each size. "
+                           "volume: the share of particle volume of each size."))
+      .parameter(Parameter::integer("classes", 10)
+                     .range(1, 1000)
+                     .doc_("Number of equal classes that a law is divided into"))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "class_edges", "none")
                      .unit_("mm")
                      .range(0, 1e9)
                      .count(2, 1001)
-                     .doc_("Of classes: n + 1 sizes, rising"))
+                     .doc_("Class edges for kind: classes: n + 1 increasing sizes"))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "N_V", "none")
                      .unit_("mm⁻³")
                      .range(0, 1e18)
                      .count(1, 1000)
-                     .doc_("Of classes: particles per volume in each"))
+                     .doc_("Number density of each class, for kind: classes"))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "volume_fraction", "auto")
                      .range(0, 1)
-                     .doc_("Share of the volume that the particles fill; auto: 0.3, or as N_V says"))
+                     .doc_("Volume fraction of the particles. auto: 0.3, or the one that follows from N_V or "
+                           "number_density."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "number_density", "auto")
                      .unit_("mm⁻³")
                      .range(0, 1e18)
-                     .doc_("Particles per volume, all sizes together; auto: as volume_fraction says"))
-      .parameter(
-          Parameter::choice("types", "mixed", {"mixed", "by_class"})
-              .doc_("mixed: particles of any shape, by the shapes' probabilities. by_class: each shape is a "
-                    "class of its own, which sections and Unfold then tell apart"))
+                     .doc_("Number density over all sizes. auto: the one that follows from volume_fraction."))
+      .parameter(Parameter::choice("types", "mixed", {"mixed", "by_class"})
+                     .doc_("mixed: particles of any shape, by the shapes' probabilities. by_class: each "
+                           "shape is a separate class, which sections and Unfold distinguish."))
       .compute_(compute);
 }
 

@@ -29,7 +29,8 @@ double unit_volume(const Shapes* shapes) {
 std::vector<double> law_edges(const SizeLaw& law) {
   double lo = law.min, hi = law.max;
   if (law.kind == "uniform" && !(hi > lo))
-    throw Error("bad-range", fmt::format("sizes from {} to {} mm are no range", lo, hi), "set max above min")
+    throw Error("bad-range", fmt::format("max must be above min; min is {} mm and max {} mm", lo, hi),
+                "set max above min")
         .parameter("max");
   if (!(hi > 0)) {
     // Bisection for the size that 0.1 % exceed.
@@ -39,7 +40,8 @@ std::vector<double> law_edges(const SizeLaw& law) {
     for (int i = 0; i < 100; ++i) (law_cdf(law, (below + hi) / 2) < 0.999 ? below : hi) = (below + hi) / 2;
   }
   if (!(hi > lo))
-    throw Error("bad-range", fmt::format("sizes from {} to {} mm are no range", lo, hi), "set max above min")
+    throw Error("bad-range", fmt::format("max must be above min; min is {} mm and max {} mm", lo, hi),
+                "set max above min")
         .parameter("max");
   std::vector<double> edges;
   for (int i = 0; i <= law.classes; ++i) edges.push_back(lo + (hi - lo) * i / law.classes);
@@ -49,15 +51,19 @@ std::vector<double> law_edges(const SizeLaw& law) {
 void check_classes(const SizeLaw& law) {
   const auto& e = law.class_edges;
   if (e.size() < 2 || law.N_V.size() + 1 != e.size())
-    throw Error("bad-classes", fmt::format("{} edges and {} densities: n classes have n + 1 edges", e.size(),
-                                           law.N_V.size()))
+    throw Error(
+        "bad-classes",
+        fmt::format("n classes need n + 1 class_edges and n values of N_V; there are {} edges and {} values",
+                    e.size(), law.N_V.size()))
         .parameter("class_edges");
   for (std::size_t i = 0; i + 1 < e.size(); ++i)
     if (!(e[i] >= 0 && e[i + 1] > e[i]))
-      throw Error("bad-classes", fmt::format("the edges {} and {} do not rise from 0 on", e[i], e[i + 1]))
+      throw Error(
+          "bad-classes",
+          fmt::format("class_edges must be 0 or more and increase; {} is followed by {}", e[i], e[i + 1]))
           .parameter("class_edges");
   if (!std::any_of(law.N_V.begin(), law.N_V.end(), [](double v) { return v > 0; }))
-    throw Error("bad-classes", "no class has particles").parameter("N_V");
+    throw Error("bad-classes", "all values of N_V are zero; at least one must be positive").parameter("N_V");
 }
 
 }  // namespace
@@ -73,10 +79,10 @@ double law_cdf(const SizeLaw& law, double d) {
 
 SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   if (law.volume_fraction >= 0 && law.number_density >= 0)
-    throw Error("both-given", "volume_fraction and number_density are both set", "set one of them")
+    throw Error("both-given", "volume_fraction and number_density are both set", "set only one of them")
         .parameter("number_density");
   if (law.volume_fraction >= 1)
-    throw Error("too-full", fmt::format("particles cannot fill {} of a volume", law.volume_fraction))
+    throw Error("too-full", fmt::format("volume_fraction must be below 1; it is {}", law.volume_fraction))
         .parameter("volume_fraction");
   SizeDistribution out;
   SizeDistribution::Entry e;
@@ -97,7 +103,8 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   double number = 0, volume = 0;
   for (std::size_t i = 0; i < e.N_V.size(); ++i)
     number += e.N_V[i], volume += e.N_V[i] * unit * mean_cube(out.class_edges[i], out.class_edges[i + 1]);
-  if (!(number > 0)) throw Error("bad-range", "the law has nothing between min and max").parameter("min");
+  if (!(number > 0))
+    throw Error("bad-range", "the law has no particles between min and max").parameter("min");
   double factor = 1;
   if (law.number_density >= 0)
     factor = law.number_density / number;
@@ -118,7 +125,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
     return out;
   }
   if (!shapes || shapes->shapes.empty())
-    throw Error("no-shapes", "types: by_class needs the shapes, which are not connected", "connect shapes")
+    throw Error("no-shapes", "types: by_class needs shapes, but none are connected", "connect shapes")
         .parameter("types");
   double probability = 0;
   for (const Shape& s : shapes->shapes) probability += s.probability;

@@ -1,4 +1,4 @@
-// Size distributions written down: laws of the particles' sizes, cut into classes.
+// Size distributions defined by hand: laws of particle size, divided into classes.
 #pragma once
 
 #include <string>
@@ -10,26 +10,27 @@
 namespace terrazzo {
 
 struct SizeLaw {
-  std::string kind = "lognormal";  // classes, lognormal, normal, uniform, rosin_rammler
-  double mean = 5;                 // mm; of rosin_rammler the size that 63.2 % are below
-  double sd = 1.5;                 // mm
-  double exponent = 3;             // of rosin_rammler
-  double min = 0, max = 0;         // mm, where the law is cut off; max 0: where 0.1 % are left
-  bool of_volume = false;          // the law tells volume by size, not number
-  int classes = 10;
-  std::vector<double> class_edges;  // of `classes`: n + 1 sizes, mm, rising
-  std::vector<double> N_V;          // of `classes`: n densities, per mm³
-  double volume_fraction = -1;      // < 0: not given
-  double number_density = -1;       // per mm³; < 0: not given
-  bool by_class = false;            // each shape is a class of its own, with its probability's share
+  std::string kind = "lognormal";   // classes, lognormal, normal, uniform, rosin_rammler
+  double mean = 5;                  // mm; for rosin_rammler, 63.2 % of the sizes are smaller
+  double sd = 1.5;                  // mm
+  double exponent = 3;              // of rosin_rammler
+  double min = 0, max = 0;          // mm, where the law is cut off; max 0: the size that 0.1 % exceed
+  bool of_volume = false;           // the law is by volume, not by number
+  int classes = 10;                 // number of equal classes of a law
+  std::vector<double> class_edges;  // for `classes`: n + 1 increasing sizes, mm
+  std::vector<double> N_V;          // for `classes`: n densities, per mm³
+  double volume_fraction = -1;      // < 0: not set
+  double number_density = -1;       // per mm³; < 0: not set
+  bool by_class = false;            // each shape is a separate class with the share of its probability
 };
 
-// Share of the law below a size: closed forms.
+// Share of the law below a size, in closed form.
 double law_cdf(const SizeLaw&, double size);
 
-// Classes of equal width between min and max, each with the law's share; `shapes` (may be null: spheres) tell
-// what volume a size has. Where neither fraction nor density is given a law fills 0.3, and classes stay as
-// they are. Throws Error "bad-classes", "bad-range", "both-given", "too-full".
+// Divides the law into classes of equal width between min and max. `shapes` determine the volume of a
+// particle of a given size (null: spheres). If neither volume_fraction nor number_density is set, a law has
+// volume fraction 0.3, and kind "classes" keeps its N_V. Throws Error "bad-classes", "bad-range",
+// "both-given", "too-full", "no-shapes", "unmeasured-shape".
 SizeDistribution make_distribution(const SizeLaw&, const Shapes* shapes);
 
 }  // namespace terrazzo

@@ -40,15 +40,16 @@ void compute(Context& c) {
 NodeType draw_strokes_node() {
   return NodeType("DrawStrokes", 1)
       .doc_(
-          "Draws strokes on a picture in plain colours, and their mask: to mark a region, or to have "
+          "Draws strokes on a picture in plain colors and makes a mask of them, to mark a region or to have "
           "something to erase")
-      .input("image", "Image", "the picture")
-      .input("strokes", "Strokes", "what is drawn, in order")
-      .output("image", "Image", "the picture with the strokes on all sections, their edges hard")
-      .output("mask", "Image", "white where a stroke is, else black")
+      .input("image", "Image", "Picture to draw on")
+      .input("strokes", "Strokes", "Strokes, drawn in order")
+      .output("image", "Image", "Picture with the strokes on all sections, with hard edges")
+      .output("mask", "Image", "White where a stroke is, else black")
       .parameter(Parameter::texts("colors", {"#c02020"})
                      .count(1, 4096)
-                     .doc_("Of the strokes in turn, \"#rrggbb\" in sRGB; the last one of all further ones"))
+                     .doc_("Colors of the strokes in turn, \"#rrggbb\" in sRGB. The last one applies to all "
+                           "remaining strokes."))
       .compute_(compute);
 }
 

@@ -1,5 +1,5 @@
-// Values as comma-separated columns (RFC 4180, '\n' at line ends, a header first). Numbers are the shortest
-// text that reads back as the same number.
+// Values as comma-separated text (RFC 4180, lines end with '\n', header first). Numbers are written as the
+// shortest text that reads back to the same value.
 #pragma once
 
 #include <string>
@@ -17,11 +17,11 @@ std::string csv_of(const Table&);
 // section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g,
 // color_b
 std::string csv_of(const Profiles&);
-// id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b
+// id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1)
 std::string csv_of(const Particles&);
-// shape, class, size_low, size_high (mm), N_V, low, high (per mm³): a row per shape and size class
+// shape, class, size_low, size_high (mm), N_V, low, high (per mm³); one row per shape and size class
 std::string csv_of(const SizeDistribution&);
-// shape, profile_class, size_1 … size_n: a row of K a line; classes count from 1
+// shape, profile_class, size_1 … size_n; one line per row of K; classes count from 1
 std::string csv_of(const KMatrix&);
 // name, probability, vertices, triangles, volume (mm³), surface_area (mm²), mean_caliper (mm),
 // max_section_area (mm²)

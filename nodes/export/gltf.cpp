@@ -12,7 +12,7 @@ namespace terrazzo {
 namespace {
 
 constexpr double metres_per_mm = 0.001;
-constexpr std::size_t largest_buffer = 0xfff00000u;  // the lengths in a .glb are 32 bit
+constexpr std::size_t largest_buffer = 0xfff00000u;  // lengths in a .glb have 32 bits
 
 Vec3 y_up(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }
 
@@ -45,7 +45,7 @@ tinygltf::Value gltf_value(const nlohmann::json& j) {
   }
 }
 
-// Fills the one buffer of a model and hands out accessors to it.
+// Fills the single buffer of a model and creates accessors to it.
 class Packer {
  public:
   Packer() {
@@ -62,7 +62,7 @@ class Packer {
     model.defaultScene = 0;
   }
 
-  // `components` floats per element. `target`: TINYGLTF_TARGET_ARRAY_BUFFER, or 0 for instances' data.
+  // `components` floats per element. `target`: TINYGLTF_TARGET_ARRAY_BUFFER, or 0 for instance data.
   int floats(const std::vector<float>& data, int components, int target, bool bounds = false) {
     tinygltf::Accessor a;
     a.bufferView = view(data.data(), data.size() * sizeof(float), target);
@@ -131,7 +131,7 @@ class Packer {
     file.guard([&](std::ostream& out) {
       tinygltf::TinyGLTF writer;
       if (!writer.WriteGltfSceneToStream(&model, out, false, true))
-        throw Error("write-failed", "the glTF could not be put together");
+        throw Error("write-failed", "the glTF file could not be serialized");
     });
   }
 
@@ -142,7 +142,7 @@ class Packer {
     auto& bytes = model.buffers[0].data;
     bytes.resize((bytes.size() + 3) / 4 * 4);
     if (size > largest_buffer - bytes.size())
-      throw Error("too-large", "the particles need more than the 4 GiB that a .glb can hold",
+      throw Error("too-large", "the data exceeds 4 GiB, the limit of a .glb file",
                   "use fewer triangles per shape or fewer particles");
     tinygltf::BufferView v;
     v.buffer = 0;
@@ -164,19 +164,19 @@ void check(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0) throw Error("no-particles", "there are no particles to write");
   if (particles.void_count() == particles.count())
     throw Error("no-particles", "all particles are voids: there is nothing to write",
-                "export a volume: Voxelize has the holes in its grid void");
+                "export the grid void of Voxelize instead");
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const std::string who = "particle " + std::to_string(i);
     const auto s = particles.shape[i];
     if (s < 0 || static_cast<std::size_t>(s) >= shapes.shapes.size())
       throw Error("no-such-shape",
-                  who + " has shape " + std::to_string(s) + ", but there are " +
+                  who + " has shape " + std::to_string(s) + ", but there are only " +
                       std::to_string(shapes.shapes.size()) + " shapes",
-                  "connect the shapes that the particles were packed with");
+                  "connect the shapes used in the packing");
     if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) ||
         !particles.orientation[i].coeffs().allFinite() || !particles.color[i].allFinite() ||
         particles.orientation[i].norm() < 1e-9)
-      throw Error("bad-number", who + " has a position, orientation, scale or colour that is no number");
+      throw Error("bad-number", who + " has an invalid position, orientation, scale or color");
   }
 }
 
@@ -187,7 +187,7 @@ void write_glb(const std::filesystem::path& path, const Particles& particles, co
   check(particles, shapes);
   Packer pack;
   pack.model.extensionsUsed = {"EXT_mesh_gpu_instancing"};
-  // Without it a reader would show one particle at the origin: better that it says so.
+  // A reader without the extension must report an error, not show one particle at the origin.
   pack.model.extensionsRequired = {"EXT_mesh_gpu_instancing"};
   std::vector<std::vector<std::size_t>> members(shapes.shapes.size());
   for (std::size_t i = 0; i < particles.count(); ++i)
@@ -232,7 +232,7 @@ void write_glb(const std::filesystem::path& path, const Shapes& shapes, const st
                const Work& work) {
   if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to write");
   Packer pack;
-  double x = 0;  // mm, where the next shape begins
+  double x = 0;  // mm, start of the next shape
   for (const Shape& shape : shapes.shapes) {
     work.check();
     tinygltf::Node node;

@@ -1,4 +1,4 @@
-// Shapes as triangle meshes for other programs, in mm and with z up as here.
+// Shapes as triangle meshes for other programs, in mm with z up.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,8 @@
 
 namespace terrazzo {
 
-// By extension: .obj (one object a shape), .ply (binary, one shape), .stl (binary, one shape).
+// The extension selects the format: .obj (one object per shape), .ply (binary, one shape), .stl (binary, one
+// shape).
 // Throws Error "no-shapes", "one-shape-only" (.ply and .stl hold one mesh), "write-failed".
 void write_mesh(const std::filesystem::path&, const Shapes&);
 

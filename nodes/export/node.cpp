@@ -20,18 +20,18 @@ struct Input {
   const char *name, *type, *doc;
 };
 constexpr std::array<Input, 9> inputs = {{
-    {"image", "Image", "A picture, or a stack of them"},
-    {"labels", "Labels", "Ids of the profiles' pixels"},
+    {"image", "Image", "Image or stack of images"},
+    {"labels", "Labels", "Profile id of each pixel"},
     {"profiles", "Profiles", "Profiles of plane sections"},
-    {"shapes", "Shapes", "The particles' forms"},
-    {"kmatrix", "KMatrix", "Probabilities of profile sizes"},
-    {"distribution", "SizeDistribution", "Particles per volume by size"},
-    {"particles", "Particles", "A packing; a .glb also needs its shapes"},
-    {"volume", "Volume", "Named grids"},
-    {"table", "Table", "Named columns"},
+    {"shapes", "Shapes", "Shapes of the particles"},
+    {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
+    {"distribution", "SizeDistribution", "Number of particles per volume by size"},
+    {"particles", "Particles", "Packing. A .glb file also needs shapes"},
+    {"volume", "Volume", "Volume of named grids"},
+    {"table", "Table", "Table of named columns"},
 }};
 
-// Extensions and the types that each can hold, for dispatch and for the message where nothing fits.
+// Extensions and the types that each can hold, used for dispatch and for error messages.
 struct Format {
   const char* extension;
   std::vector<std::string> types;
@@ -61,7 +61,7 @@ std::string joined(const std::vector<std::string>& words, const char* last) {
   return out;
 }
 
-// What is connected, by type name.
+// The connected values, by type name.
 std::map<std::string, Value> connected(const Context& c) {
   std::map<std::string, Value> values;
   for (const Input& in : inputs)
@@ -69,10 +69,10 @@ std::map<std::string, Value> connected(const Context& c) {
   if (c.has("value")) {
     const Value& v = c.value("value");
     if (!values.emplace(v.type().name, v).second)
-      throw Error("two-inputs", "both 'value' and its own input give a " + v.type().name,
-                  "connect one of them");
+      throw Error("two-inputs", "both 'value' and another input have type " + v.type().name,
+                  "connect only one of them");
   }
-  if (values.empty()) throw Error("no-input", "nothing is connected", "connect what is to be written");
+  if (values.empty()) throw Error("no-input", "nothing is connected", "connect the value to write");
   return values;
 }
 
@@ -82,10 +82,10 @@ const Format& format_of(const std::string& path) {
     if (extension == f.extension) return f;
   std::vector<std::string> known;
   for (const Format& f : formats()) known.push_back(f.extension);
-  throw Error(
-      "unknown-format",
-      extension.empty() ? "the file name has no extension" : "no format is known for '" + extension + "'",
-      "use " + joined(known, "or"))
+  throw Error("unknown-format",
+              extension.empty() ? "the file name has no extension"
+                                : "the file extension '" + extension + "' is unknown",
+              "use " + joined(known, "or"))
       .parameter("path");
 }
 
@@ -102,11 +102,12 @@ void check_fit(const Format& format, const std::map<std::string, Value>& values)
                 "change the extension or the input")
         .parameter("path");
   if (values.size() > 1 && extension != ".glb")
-    throw Error("format-does-not-fit", holds + ", one of them a file", "use one Export for each")
+    throw Error("format-does-not-fit", holds + ", but only one of them", "use one Export node for each")
         .parameter("path");
   if (extension == ".glb" && !values.count("Shapes"))
-    throw Error("no-shapes", "particles are written as instances of their shapes, which are not connected",
-                "connect 'shapes' too");
+    throw Error("no-shapes",
+                "particles are written as instances of their shapes, but 'shapes' is not connected",
+                "connect the shapes used in the packing");
 }
 
 std::string csv_of_value(const Value& v) {
@@ -131,7 +132,7 @@ std::string json_of(const std::map<std::string, Value>& values) {
   return json_text(all, 2) + "\n";
 }
 
-// Writers know the temporary name only: failures of the disk are told with the name that the user wrote.
+// Writers know only the temporary name. Errors of the disk are reported with the path that the user gave.
 void write_named(Context& c, const std::string& path,
                  const std::function<void(const std::filesystem::path&)>& write) {
   c.write_file(path, [&](const std::filesystem::path& file) {
@@ -147,11 +148,11 @@ void write_named(Context& c, const std::string& path,
   });
 }
 
-// One file a section.
+// Writes one file per section.
 template <class Picture, class Write>
 void write_sections(Context& c, const std::string& path, const Picture& picture, Write&& write) {
   const std::string made_by = c.provenance();
-  if (picture.sections < 1) throw Error("empty-image", "the picture has no sections");
+  if (picture.sections < 1) throw Error("empty-image", "the image has no sections");
   for (int s = 0; s < picture.sections; ++s) {
     c.work().check();
     c.work().progress(double(s) / picture.sections);
@@ -194,15 +195,17 @@ void compute(Context& c) {
 
 NodeType export_node() {
   NodeType type("Export", 2);
-  type.doc_("Writes what is connected to a file below the output folder, its format by the extension")
+  type.doc_(
+          "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_("glTF 2.0 with EXT_mesh_gpu_instancing; OpenVDB; OpenImageIO; RFC 4180");
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
-  return type.optional_input("value", {}, "A value of any of these types, in the place of its own input")
-      .parameter(Parameter::output_path("path").doc_(
-          "The file: .glb (particles and shapes, or shapes), .vdb (volume), .png, .jpg, .tif, .exr, .hdr "
-          "(images; a "
-          "stack as name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv (tables, profiles, "
-          "particles, distributions, K, shapes), .json (anything), .obj, .ply, .stl (shapes)"))
+  return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
+      .parameter(Parameter::output_path("path").doc_("File to write: .glb (particles with shapes, or "
+                                                     "shapes), .vdb (volume), .png, .jpg, .tif, .exr, .hdr "
+                                                     "(images; a stack becomes name_000, name_001, …), .png, "
+                                                     ".tif, .exr (labels, as exact ids), .csv (tables, "
+                                                     "profiles, particles, distributions, K matrices, "
+                                                     "shapes), .json (any type), .obj, .ply, .stl (shapes)."))
       .writes_files_()
       .compute_(compute);
 }

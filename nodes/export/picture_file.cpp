@@ -14,11 +14,11 @@ namespace {
 
 Error incomplete(std::string why) {
   while (!why.empty() && (why.back() == '\n' || why.back() == ' ')) why.pop_back();
-  return Error("write-failed", "the picture is not whole" + (why.empty() ? "" : ": " + why),
-               "check the folder and the free space");
+  return Error("write-failed", "the image file is incomplete" + (why.empty() ? "" : ": " + why),
+               "check the output folder and the free disk space");
 }
 
-// Decodes the whole file.
+// Decodes the whole file to check that it is complete.
 void verify(const std::filesystem::path& path) {
   auto in = OIIO::ImageInput::open(path.string());
   if (!in) throw incomplete(OIIO::geterror());
@@ -41,20 +41,20 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
   if (count == 0 || section < 0 || section >= labels.sections ||
       labels.ids.size() != count * static_cast<std::size_t>(labels.sections))
     throw Error("empty-labels",
-                fmt::format("there is no section {} in labels of {} × {} pixels and {} sections", section,
-                            labels.width, labels.height, labels.sections));
+                fmt::format("the labels have no section {}: they have {} × {} pixels and {} sections",
+                            section, labels.width, labels.height, labels.sections));
   const std::int32_t* ids = labels.ids.data() + count * static_cast<std::size_t>(section);
   const auto [low, high] = std::minmax_element(ids, ids + count);
-  if (*low < 0) throw Error("bad-labels", fmt::format("the labels hold the negative id {}", *low));
+  if (*low < 0) throw Error("bad-labels", fmt::format("label ids must not be negative; one is {}", *low));
   const bool png = path.extension() == ".png";
   if (png && *high > 65535)
     throw Error("too-many-labels", fmt::format("id {} does not fit the 16 bits of a .png", *high),
-                "write .tif or .exr");
+                "use .tif or .exr");
 
   auto out = OIIO::ImageOutput::create(path.string());
   if (!out) throw incomplete(OIIO::geterror());
   OIIO::ImageSpec spec(labels.width, labels.height, 1, png ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT32);
-  spec.attribute("oiio:ColorSpace", "Raw");  // no gamma chunk: these are names, not intensities
+  spec.attribute("oiio:ColorSpace", "Raw");  // no gamma chunk: these are ids, not intensities
   if (!png) spec.attribute("compression", "zip");
   if (!provenance.empty()) spec.attribute("ImageDescription", provenance);
   OIIO::Filesystem::IOVecOutput memory;  // as in write_image

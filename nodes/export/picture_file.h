@@ -1,4 +1,4 @@
-// Pictures and label pictures as files, checked to be whole.
+// Writes images and labels to files and checks that the files are complete.
 #pragma once
 
 #include <filesystem>
@@ -9,17 +9,19 @@
 
 namespace terrazzo {
 
-// write_image (nodes/common/image_file.h), then read back: on a full disk some formats' writers report
-// success. Throws Error "write-failed" where the file is not whole, and what write_image throws.
+// Calls write_image (nodes/common/image_file.h) and reads the file back, since the writers of some formats
+// report success on a full disk. Throws Error "write-failed" if the file is incomplete, and the errors of
+// write_image.
 void write_picture(const std::filesystem::path&, const Image&, int section,
                    const std::string& provenance = {});
 
-// The ids of one section as exact integers, no colour space: .png 16 bit, .tif and .exr 32 bit, one channel.
-// Throws Error "too-many-labels" (an id above 65535 in a .png), "write-failed".
+// Writes the ids of one section as exact integers in one channel, without color space: .png 16 bit, .tif and
+// .exr 32 bit. Throws Error "too-many-labels" (an id above 65535 in a .png), "empty-labels", "bad-labels" (a
+// negative id), "write-failed".
 void write_labels(const std::filesystem::path&, const Labels&, int section = 0,
                   const std::string& provenance = {});
 
-// "masks.png" → "masks_007.png" for section 7 of a stack; with more than 1000 sections more digits.
+// "masks.png" → "masks_007.png" for section 7 of a stack. More than 1000 sections use more digits.
 std::string section_name(const std::string& path, int section, int sections);
 
 }  // namespace terrazzo

@@ -7,8 +7,7 @@
 namespace terrazzo {
 namespace {
 
-// The bytes that openvdb::io::File writes, to a stream of ours: File itself does not look whether the disk
-// took them.
+// Writes the same bytes as openvdb::io::File to a checked stream, because File ignores write errors.
 class StreamArchive : public openvdb::io::Archive {
  public:
   void write_to(std::ostream& out, const openvdb::GridCPtrVec& grids,

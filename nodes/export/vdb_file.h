@@ -1,4 +1,4 @@
-// OpenVDB files: a volume's grids as they are, with what made them as the file's metadata.
+// OpenVDB files: a volume's grids unchanged, with their provenance as file metadata.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace terrazzo {
 
-// Metadata of the file: "creator", "provenance" (the JSON given, where not empty) and "period" (voxels, where
-// the volume is periodic). Grids keep name, class, transform (mm) and their own metadata. Throws Error
+// The file has the metadata "creator", "provenance" (the given JSON, if not empty) and "period" (voxels, if
+// the volume is periodic). Grids keep their name, class, transform (mm) and metadata. Throws Error
 // "no-grids", "write-failed".
 void write_vdb(const std::filesystem::path&, const Volume&, const std::string& provenance = {});
 

@@ -75,7 +75,7 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
   if (image.pixels.empty()) throw Error("empty-image", "the picture has no pixels");
   if (labels &&
       (labels->width != image.width || labels->height != image.height || labels->sections != image.sections))
-    throw Error("size-mismatch", "labels and picture differ in size");
+    throw Error("size-mismatch", "labels and picture have different sizes");
   Image out = image;
   const double per_mm = image.pixel_size / g.scale;
   work.part(0, 0.5).parallel(
@@ -85,7 +85,7 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
             const std::size_t i = r * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
             const auto id = static_cast<std::uint64_t>(labels ? labels->ids[i] : 0);
             const double y = static_cast<double>(r % static_cast<std::size_t>(image.height));
-            // Each body has a pattern of its own, turned by its own angle.
+            // Each body has its own pattern and direction.
             Random own(g.seed, 1, id);
             const double turn = own.uniform(0, 6.283185307179586), c = std::cos(turn), s = std::sin(turn);
             const double m =

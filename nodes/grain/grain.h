@@ -11,15 +11,15 @@ namespace terrazzo {
 
 struct GrainSettings {
   double mottle = 0.15;  // standard deviation of the brightness within a particle, relative
-  double vary = 0.05;    // of one particle's colour channels against another's, relative
+  double vary = 0.05;    // standard deviation of the color channels between particles, relative
   double scale = 1;      // mm, size of the largest mottles
-  double blur = 0.7;     // pixels, standard deviation of the lens
-  double noise = 0.01;   // standard deviation of a pixel, linear, at mid grey; grows as √brightness
+  double blur = 0.7;     // pixels, standard deviation of the lens blur
+  double noise = 0.01;   // standard deviation of a pixel, linear, at mid gray; grows as √brightness
   std::uint64_t seed = 1;
 };
 
-// Every label gets mottles of its own (no pattern runs across an edge); without labels the picture is one
-// body. `labels`, where given, are of the image's size.
+// Every label gets its own mottles, so no pattern continues across an edge. Without labels the picture is one
+// body. `labels`, if given, must have the image's size. Throws Error "empty-image", "size-mismatch".
 Image add_grain(const Image&, const Labels* labels, const GrainSettings&, const Work&);
 
 }  // namespace terrazzo

@@ -15,26 +15,26 @@ void compute(Context& c) {
 
 NodeType grain_node() {
   return NodeType("Grain", 1)
-      .doc_(
-          "Mottles particles and adds a camera's blur and noise, so that a drawn section looks photographed")
-      .input("image", "Image", "picture of a section")
-      .optional_input("labels", {"Labels"}, "the particle of each pixel: each gets a pattern of its own")
-      .output("image", "Image", "picture of the same size")
+      .doc_("Makes a drawn section look photographed: mottles particles and adds a camera's blur and noise")
+      .input("image", "Image", "Picture of a section")
+      .optional_input("labels", {"Labels"}, "Particle of each pixel. Each particle gets its own pattern.")
+      .output("image", "Image", "Picture of the same size")
       .parameter(Parameter::number("mottle", 0.15)
                      .range(0, 1)
-                     .doc_("Standard deviation of the brightness within a particle, relative"))
+                     .doc_("Relative standard deviation of the brightness within a particle"))
       .parameter(Parameter::number("vary", 0.05)
                      .range(0, 1)
-                     .doc_("Standard deviation of a particle's colour channels, relative"))
+                     .doc_("Relative standard deviation of the color channels between particles"))
       .parameter(Parameter::number("scale", 1).unit_("mm").above(0).doc_("Size of the largest mottles"))
       .parameter(Parameter::number("blur", 0.7)
                      .unit_("pixels")
                      .range(0, 50)
-                     .doc_("Standard deviation of the lens's blur"))
+                     .doc_("Standard deviation of the lens blur"))
       .parameter(Parameter::number("noise", 0.01)
                      .range(0, 1)
-                     .doc_("Standard deviation of a pixel's noise at mid grey, linear; grows as √brightness"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of mottles and noise"))
+                     .doc_("Standard deviation of a pixel's noise at mid gray, in linear values. It grows as "
+                           "√brightness."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

@@ -16,8 +16,8 @@ SectionStatistics ellipsoid_statistics(const Vec3& semi_axes) {
   const auto [a, b, c] = axis;
   using std::numbers::pi;
 
-  // The distribution of the half caliper w(u), w² = (a²cos²φ + b²sin²φ)(1 − z²) + c²z², which falls steadily
-  // with z: exact in z, midpoints in φ over the symmetric quarter.
+  // The distribution of the half caliper w(u), w² = (a²cos²φ + b²sin²φ)(1 − z²) + c²z², which decreases
+  // monotonically with z: exact in z, midpoint rule in φ over the symmetric quarter.
   constexpr int kBins = 4096, kAngles = 512;
   const bool sphere = a - c <= 1e-9 * a;
   const int bins = sphere ? 1 : kBins;
@@ -59,8 +59,8 @@ SectionStatistics ellipsoid_statistics(const Vec3& semi_axes) {
 Vec3 fit_ellipsoid(const Shape& shape) {
   const auto refuse = [&](const std::string& why) {
     return Error("not-an-ellipsoid",
-                 fmt::format("\"{}\" is no sphere, spheroid or ellipsoid: {}", shape.name, why),
-                 "use method: slice, which takes any mesh");
+                 fmt::format("\"{}\" is not a sphere, spheroid or ellipsoid: {}", shape.name, why),
+                 "use method: slice, which accepts any mesh");
   };
   const auto& v = shape.mesh.vertices;
   if (v.size() < 12) throw refuse(fmt::format("it has only {} vertices", v.size()));
@@ -82,22 +82,23 @@ Vec3 fit_ellipsoid(const Shape& shape) {
   M << q[0], q[3], q[4], q[3], q[1], q[5], q[4], q[5], q[2];
   const Vec3 g(q[6], q[7], q[8]);
   if (!M.allFinite() || std::abs(M.determinant()) < 1e-12)
-    throw refuse("its vertices lie on no closed quadric");
+    throw refuse("its vertices do not lie on a closed quadric");
   const Vec3 center = -0.5 * M.ldlt().solve(g);
   const double level = 1 + center.dot(M * center);
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(M / level);
-  if (!(eigen.eigenvalues().minCoeff() > 0)) throw refuse("its vertices lie on no ellipsoid");
+  if (!(eigen.eigenvalues().minCoeff() > 0)) throw refuse("its vertices do not lie on an ellipsoid");
   double worst = 0;
   for (const Vec3& x : v) {
     const Vec3 p = x / scale - center;
     worst = std::max(worst, std::abs(std::sqrt(p.dot(M * p) / level) - 1));
   }
-  if (!(worst <= 1e-3)) throw refuse(fmt::format("a vertex is {:.2g} % off the closest one", 100 * worst));
+  if (!(worst <= 1e-3))
+    throw refuse(fmt::format("a vertex is {:.2g} % off the best-fitting ellipsoid", 100 * worst));
   const Vec3 axes =
-      scale * eigen.eigenvalues().cwiseInverse().cwiseSqrt();  // rising eigenvalues: falling axes
+      scale * eigen.eigenvalues().cwiseInverse().cwiseSqrt();  // increasing eigenvalues: decreasing axes
   const double filled = shape.volume / (4 * std::numbers::pi / 3 * axes.prod());
   if (!(filled >= 0.9))
-    throw refuse(fmt::format("it fills {:.0f} % of the one through its vertices", 100 * filled));
+    throw refuse(fmt::format("it fills only {:.0f} % of the ellipsoid through its vertices", 100 * filled));
   return axes * std::cbrt(filled);
 }
 

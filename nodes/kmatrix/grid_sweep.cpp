@@ -14,7 +14,7 @@ GridSweep::GridSweep(const Mesh& mesh)
     : place_(mesh.vertices.size()), node_depth_(kNodes), node_area_(kNodes), ranges_(kRanges) {
   Vec3 low = mesh.vertices.at(0), high = low;
   for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  const Vec3 middle = (low + high) / 2;  // areas of a body far from the origin would lose digits
+  const Vec3 middle = (low + high) / 2;  // areas of a body far from the origin would lose precision
   for (const Vec3& v : mesh.vertices) vertex_.push_back(v - middle);
   for (const Triangle& t : mesh.triangles) {
     const Vec3 &a = vertex_[t[0]], &b = vertex_[t[1]], &c = vertex_[t[2]];

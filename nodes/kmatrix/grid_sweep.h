@@ -1,4 +1,4 @@
-// The section area of a convex mesh of many triangles, at chosen depths of one direction.
+// The section area of a convex mesh with many triangles, at chosen depths along one direction.
 #pragma once
 
 #include <vector>
@@ -7,17 +7,17 @@
 
 namespace terrazzo {
 
-// Cheaper than DepthSweep where there are far more vertices than depths: nothing is sorted, and areas need no
-// coordinates but heights. By the divergence theorem in the plane a section's area is half the sum of its
-// chords' lengths times their distances from the origin; a triangle of area T, unit normal n and vertices'
-// heights z₀ ≤ z₁ ≤ z₂ thus adds T·(n·x − z·n_z)·hat(z)/(z₂ − z₀), hat rising from 0 at z₀ to 1 at z₁ and
-// falling to 0 at z₂.
+// Cheaper than DepthSweep if there are far more vertices than depths: it sorts nothing, and areas need only
+// heights instead of coordinates. By the divergence theorem in the plane, the area of a section is half the
+// sum over its chords of length times distance from the origin. A triangle of area T, unit normal n and
+// vertex heights z₀ ≤ z₁ ≤ z₂ thus adds T·(n·x − z·n_z)·hat(z)/(z₂ − z₀), where hat rises from 0 at z₀ to 1
+// at z₁ and falls to 0 at z₂.
 class GridSweep {
  public:
   explicit GridSweep(const Mesh& mesh);
-  // Exact at the ends and the middle of every range, a quadratic in between; valid until the next call.
-  // Ranges thin out as squares towards both tangent planes, where small profiles come from. Convex bodies
-  // only: others would have several profiles added up.
+  // Exact at the ends and the middle of every range, quadratic in between; valid until the next call. Range
+  // widths shrink quadratically towards both tangent planes, where small profiles come from. Convex bodies
+  // only: for others, the areas of several profiles would be added up.
   const std::vector<AreaRange>& sweep(const Vec3& direction);
 
  private:
@@ -28,12 +28,12 @@ class GridSweep {
   };
   struct Place {
     double depth;    // share of the height above the lowest vertex
-    double ordinal;  // of the range that it lies in, with the way through it
+    double ordinal;  // index of its range plus the fraction of the way through it
   };
   std::vector<Vec3> vertex_;
   std::vector<Facet> facets_;
   std::vector<Place> place_;
-  std::vector<double> node_depth_, node_area_;  // ends and middles of the ranges, in turn
+  std::vector<double> node_depth_, node_area_;  // ends and middles of the ranges, alternating
   std::vector<AreaRange> ranges_;
 };
 

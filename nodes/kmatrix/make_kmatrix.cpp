@@ -18,15 +18,18 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   double total = 0;
   for (const Shape& s : shapes.shapes) {
     if (!(s.probability >= 0) || !std::isfinite(s.probability))
-      throw Error("bad-probabilities", fmt::format("\"{}\" has the probability {}", s.name, s.probability),
-                  "give each shape a probability of zero or more");
+      throw Error("bad-probabilities",
+                  fmt::format("the probability of \"{}\" must be 0 or more; it is {}", s.name, s.probability),
+                  "correct the probability");
     if (!(s.max_section_area > 0) || !(s.mean_caliper > 0) || !(s.volume > 0) || s.mesh.triangles.empty())
-      throw Error("unmeasured-shape", fmt::format("\"{}\" has no volume, caliper or largest section", s.name),
-                  "make shapes with nodes that measure them");
+      throw Error("unmeasured-shape",
+                  fmt::format("\"{}\" has no mesh, volume, mean caliper diameter or largest section", s.name),
+                  "create shapes with nodes that measure them");
     total += s.probability;
   }
   if (!(total > 0))
-    throw Error("bad-probabilities", "the probabilities of the shapes are all zero", "make one positive");
+    throw Error("bad-probabilities", "the probabilities of the shapes are all zero",
+                "make at least one positive");
 
   KMatrix k;
   k.classes = options.classes;

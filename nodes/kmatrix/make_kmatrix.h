@@ -1,4 +1,4 @@
-// A KMatrix from shapes.
+// Computes a KMatrix from shapes.
 #pragma once
 
 #include <string>
@@ -13,14 +13,15 @@ namespace terrazzo {
 struct KMatrixOptions {
   std::string method = "slice";  // "analytic", "slice" or "stencil"
   int classes = 10;              // equal classes of √(A/A_max)
-  std::string averaging =
-      "uniform";  // sizes within a column's class, or "upper_edge" (Jagnow et al. 2004, eq. 3)
-  std::size_t orientations =
-      0;  // of `slice`, 0: until 0.1 % per class is reached; planes of `stencil`, 0: 16384
+  // Sizes within a column's class: "uniform", or "upper_edge" (Jagnow et al. 2004, eq. 3).
+  std::string averaging = "uniform";
+  // Directions of `slice`, 0: until no class changes by more than 0.1 % (see slice_statistics). Planes
+  // of `stencil`, 0: 16384.
+  std::size_t orientations = 0;
   GlDevice device = GlDevice::Cpu;  // of `stencil`
 };
 
-// `orientations_used` gets the most directions that any shape took (0 for `analytic`).
+// `orientations_used` receives the largest number of directions used for any shape (0 for `analytic`).
 // Throws Error "no-shapes", "bad-probabilities", "unmeasured-shape", "not-an-ellipsoid", "no-gl".
 KMatrix make_kmatrix(const Shapes&, const KMatrixOptions&, const Work& = {},
                      std::size_t* orientations_used = nullptr);

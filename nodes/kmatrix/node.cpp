@@ -16,8 +16,8 @@ std::string name_of(const Shapes& shapes, std::size_t i) {
   return shapes.shapes[i].name.empty() ? fmt::format("shape {}", i + 1) : shapes.shapes[i].name;
 }
 
-// How likely a plane that meets a particle of the largest size shows a profile of each class: K's last column
-// with every particle at its upper edge, the curves of figure 4.
+// The probability that a plane that meets a particle of the largest size shows a profile of each class: K's
+// last column with every particle at its upper edge, the curves of figure 4.
 Table table_of(const KMatrix& k, const Shapes& shapes) {
   Table t;
   t.columns = {"shape", "probability", "mean caliper mm", "largest section mm²", "profiles per caliper"};
@@ -63,7 +63,7 @@ void compute(Context& c) {
   KMatrix k = make_kmatrix(c.input<Shapes>("shapes"), options, c.work(), &used);
   if (automatic && options.method == "slice" && k.residual > 4e-3)
     c.warn(fmt::format(
-        "after {} directions a class still changed by {:.2g} %; use fewer classes or set orientations", used,
+        "after {} directions a class still changed by {:.2g} %; use fewer classes, or set orientations", used,
         100 * k.residual));
   double caliper = 0, profiles = 0;
   for (const auto& e : k.shapes)
@@ -76,7 +76,7 @@ void compute(Context& c) {
   double sum = 0;
   for (const Shape& s : shapes.shapes) sum += s.probability;
   if (std::abs(sum - 1) > 1e-6)
-    c.warn(fmt::format("the shapes' probabilities sum to {:.4g}, not 1: each was divided by that", sum));
+    c.warn(fmt::format("the shapes' probabilities sum to {:.4g}, not 1; they were normalized", sum));
   c.output("table", table_of(k, shapes));
   c.output("figure", figure_of(k, shapes));
   c.output("kmatrix", std::move(k));
@@ -87,42 +87,36 @@ void compute(Context& c) {
 NodeType kmatrix_node() {
   return NodeType("KMatrix", 2)
       .doc_(
-          "How often a particle of each size shows a profile of each size in a random plane, for every "
-          "shape: the "
-          "matrix that Unfold inverts. Classes are equal bins of √(A/A_max), A_max being the largest section "
-          "over "
-          "all planes.")
+          "Computes how often a particle of each size shows a profile of each size in a random plane, for "
+          "each shape. Unfold inverts this matrix. Classes are equal bins of √(A/A_max), where A_max is the "
+          "area of the largest section over all planes.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 3, 5, 6, 10")
-      .input("shapes", "Shapes", "The particles' forms with their probabilities")
+      .input("shapes", "Shapes", "Particle shapes with their probabilities")
       .output("kmatrix", "KMatrix",
-              "One matrix per shape, with mean caliper, largest section and profiles per caliper")
-      .output("table", "Table", "For each shape its measures and how likely profiles of each class are")
-      .output("figure", "Image", "The same as curves, as in figure 4")
+              "One matrix per shape, with mean caliper diameter, largest section and profiles per caliper")
+      .output("table", "Table", "Measures of each shape and the probability of profiles of each class")
+      .output("figure", "Image", "Curves of the probability of profile sizes, as in figure 4")
       .parameter(
           Parameter::choice("method", "slice", {"slice", "analytic", "stencil"})
-              .doc_("slice cuts any closed mesh: quasi-random directions, all depths of each integrated "
-                    "exactly, disjoint profiles counted apart. analytic is the closed form for spheres, "
-                    "spheroids and ellipsoids, and refuses a mesh that is not the tessellation of one "
-                    "(vertices "
-                    "within 0.1 %, 90 % of its volume filled). stencil is the paper's: one plane at a time, "
-                    "its "
-                    "pixels counted by OpenGL's stencil buffer; slower and coarser."))
+              .doc_("slice: cuts any closed mesh in quasi-random directions, integrates all depths exactly "
+                    "and counts disjoint profiles separately. analytic: closed form for spheres, spheroids "
+                    "and ellipsoids; fails if the mesh is not a tessellation of one (vertices within 0.1 %, "
+                    "at least 90 % of the volume filled). stencil: the paper's method, which cuts one plane "
+                    "at a time and counts pixels with OpenGL's stencil buffer; slower and coarser."))
       .parameter(
           Parameter::integer("classes", 10).range(1, 200).doc_("Number of equal classes of √(A/A_max)"))
-      .parameter(
-          Parameter::choice("averaging", "uniform", {"uniform", "upper_edge"})
-              .doc_("Sizes within a column's class: uniform, or all at its upper edge as in the paper's "
-                    "equation 3, which biases what is unfolded with it."))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "orientations", "auto")
-              .range(2, 10000000)
-              .doc_("Directions that slice uses; auto doubles them until no class changes by more "
-                    "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), at most 65536. "
-                    "Planes that stencil cuts; auto is 16384."))
-      .parameter(
-          Parameter::choice("device", "cpu", {"cpu", "gpu"})
-              .doc_("Where stencil draws: cpu is Mesa's software renderer, gpu the first GPU with EGL. The "
-                    "two may differ by pixels at edges."))
+      .parameter(Parameter::choice("averaging", "uniform", {"uniform", "upper_edge"})
+                     .doc_("Sizes within the class of a column. uniform: evenly distributed over the class. "
+                           "upper_edge: all at the upper edge, as in the paper's equation 3, which biases "
+                           "the unfolding."))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "orientations", "auto")
+                     .range(2, 10000000)
+                     .doc_("Number of directions of slice. auto: doubles them until no class changes by more "
+                           "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), up to "
+                           "65536. For stencil, the number of planes; auto: 16384."))
+      .parameter(Parameter::choice("device", "cpu", {"cpu", "gpu"})
+                     .doc_("Device on which stencil renders. cpu: Mesa's software renderer. gpu: the first "
+                           "GPU with EGL. The results may differ by pixels at edges."))
       .compute_(compute);
 }
 

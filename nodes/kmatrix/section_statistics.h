@@ -1,4 +1,4 @@
-// How large the random sections of a body are: what K is made of.
+// Statistics of the random sections of a body, from which K is computed.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace terrazzo {
 
-constexpr int kSectionBins = 1000;  // knots of the cdf of √(A/A_max)
+constexpr int kSectionBins = 1000;  // bins of the cdf of √(A/A_max)
 
 struct SectionStatistics {
   double mean_caliper = 0;          // mm
@@ -18,32 +18,32 @@ struct SectionStatistics {
   double profiles_per_caliper = 1;  // expected profiles of a random plane that meets the hull
   std::vector<double> cdf;          // as KMatrix::Entry::cdf, kSectionBins long
   double residual = 0;           // largest relative change of a class between half and all of the directions
-  std::size_t orientations = 0;  // directions used
+  std::size_t orientations = 0;  // number of directions used
 };
 
 // Isotropic uniform random sections of any closed mesh: quasi-random directions (an R2 sequence), each
-// integrated over all depths exactly (between 97 exact depths where a convex body has a thousand triangles or
-// more); disjoint profiles count apart. With `orientations` 0, directions are doubled until no class of
-// `classes` equal ones of √(A/A_max) changes by more than 1e-3 relative (4e-3 for those many triangles), at
-// most 65536; otherwise as many as asked for.
+// integrated exactly over all depths (between 97 exact depths if a convex body has a thousand triangles or
+// more). Disjoint profiles are counted separately. If `orientations` is 0, the number of directions doubles
+// until no class of `classes` equal ones of √(A/A_max) changes by more than 1e-3 relative (4e-3 for convex
+// bodies of a thousand triangles or more), up to 65536; otherwise it is `orientations`.
 SectionStatistics slice_statistics(const Shape&, int classes, std::size_t orientations, const Work& = {});
 
-// The same by counting pixels of a stencil buffer (Jagnow et al. 2004, section 3.2), a plane at a time but
-// many per draw: quasi-random directions and depths, `slices` of them (0: 16384). Profiles are told apart by
-// their pixels, 256 to the body's diameter. Throws Error "no-gl".
+// The same by counting pixels of a stencil buffer (Jagnow et al. 2004, section 3.2), one plane at a time but
+// many per draw: `slices` planes (0: 16384) with quasi-random directions and depths, at 256 pixels per body
+// diameter. Connected pixels form a profile. Throws Error "no-gl".
 SectionStatistics stencil_statistics(const Shape&, int classes, std::size_t slices, GlDevice,
                                      const Work& = {});
 
 // The largest relative change of a class's share between two histograms of kSectionBins.
 double largest_change(const std::vector<double>& before, const std::vector<double>& after, int classes);
 
-// Closed form for ellipsoids (spheres and spheroids among them): A₀(u) = πabc/w(u), P(A ≤ t | u) = 1 − √(1 −
-// t/A₀), directions by quadrature. Semi-axes, mm, in any order.
+// Closed form for ellipsoids, including spheres and spheroids: A₀(u) = πabc/w(u), P(A ≤ t | u) = 1 − √(1 −
+// t/A₀), directions by quadrature. Semi-axes in mm, in any order.
 SectionStatistics ellipsoid_statistics(const Vec3& semi_axes);
 
-// The semi-axes of the ellipsoid that a mesh is a tessellation of, largest first, scaled to the shape's
-// volume: all vertices lie within 0.1 % of it, and it is filled to 90 % or more (which a cube or an
-// icosahedron, whose corners lie on a sphere too, are not). Throws Error "not-an-ellipsoid" otherwise.
+// The semi-axes of the ellipsoid that a mesh tessellates, largest first, scaled to the shape's volume. All
+// vertices must lie within 0.1 % of the ellipsoid, and the mesh must fill 90 % of it or more (a cube and an
+// icosahedron do not, although their corners lie on a sphere). Otherwise throws Error "not-an-ellipsoid".
 Vec3 fit_ellipsoid(const Shape&);
 
 }  // namespace terrazzo

@@ -13,14 +13,15 @@ namespace {
 
 constexpr std::size_t kMostOrientations = 65536;
 constexpr double kTolerance = 1e-3, kManyTolerance = 4e-3;
-// From here on a convex body is smooth between GridSweep's depths, which are exact; and a direction costs so
-// much that the last half percent is not waited for (what is left is about a third of the last change).
+// From this number of triangles on, a convex body is smooth between the exact depths of GridSweep, and
+// a direction is so expensive that the search stops at a change of 0.4 % (the remaining error is about
+// a third of it).
 constexpr std::size_t kManyTriangles = 1000;
 
 // R2 sequence (Roberts 2018) on the half sphere: any prefix is evenly spread, so that directions can be
-// added. `folded` at the pole and the equator (baker's transformation), across which a half sphere has no
-// period: better by a factor of three for a thousand directions of a rounded body, worse for many of a sharp
-// one.
+// added. `folded` folds it at the pole and the equator (baker's transformation), because a half sphere is not
+// periodic across them. That is better by a factor of three for a thousand directions of a rounded body, and
+// worse for many directions of a sharp one.
 Vec3 direction(std::size_t i, bool folded) {
   const auto k = static_cast<double>(i + 1);
   const double t = std::fmod(0.5 + 0.7548776662466927 * k, 1.0), x = folded ? std::abs(2 * t - 1) : t,
@@ -37,8 +38,7 @@ struct Histogram {
   }
 };
 
-// Adds the depths between t0 and t1 (shares of a range) over which the area rises or falls steadily as a +
-// b·t + c·t².
+// Adds the depths between t0 and t1 (fractions of a range), over which the area a + b·t + c·t² is monotonic.
 void add_monotone(Histogram& out, double thickness, double t0, double t1, double a, double b, double c,
                   double max_area) {
   const double area0 = a + t0 * (b + t0 * c), area1 = a + t1 * (b + t1 * c);
@@ -53,12 +53,12 @@ void add_monotone(Histogram& out, double thickness, double t0, double t1, double
     out.depth[k] += thickness * (t1 - t0);
     return;
   }
-  // Where the area passes a bin's upper edge: the root of the quadratic within [t0, t1], stable for small c.
+  // Where the area crosses a bin's upper edge: the root of the quadratic within [t0, t1], stable for small c.
   double t = rising ? t0 : t1;
   for (; k < last; ++k) {
     const double s = static_cast<double>(k + 1) / kSectionBins, d = a - s * s * max_area;
     const double root = std::sqrt(std::max(0.0, b * b - 4 * c * d));
-    // The branch on which the derivative b + 2ct has the sign of the motion: b + 2ct = ±root.
+    // The branch on which the derivative b + 2ct has the sign of the change: b + 2ct = ±root.
     const double slope = rising ? root : -root;
     const double q = -(b + (b >= 0 ? root : -root)) / 2;
     double next = (b >= 0) == (slope >= 0) ? (q != 0 ? d / q : t) : (c != 0 ? q / c : t);
@@ -133,7 +133,7 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
 
   SectionStatistics s;
   const bool adaptive = orientations == 0;
-  // The fewer the triangles, the sharper the peaks over directions, and the cheaper each direction.
+  // Fewer triangles mean sharper peaks over the directions, and cheaper directions.
   const std::size_t first =
       many ? 512
            : std::clamp<std::size_t>(8192 * 500 / std::max<std::size_t>(1, shape.mesh.triangles.size()), 256,

@@ -14,16 +14,16 @@ namespace terrazzo {
 namespace {
 
 constexpr std::size_t kDefaultSlices = 16384;
-constexpr std::int64_t kSpeck =
-    3;  // pixels; smaller pieces beside larger ones are seams of clipped triangles
+// Smaller pieces, in pixels, next to larger ones are seams of clipped triangles.
+constexpr std::int64_t kSpeck = 3;
 
 struct Planned {
   SlicePlane plane;
-  double width;  // of the body along the plane's normal, mm: planes are met in proportion
+  double width;  // of the body along the plane's normal, mm: the sampling weight of the plane
 };
 
-// Directions and depths from one quasi-random sequence in three dimensions (Roberts 2018), the turn about the
-// view axis at random, so that pixels lie in no fixed way to the body.
+// Directions and depths come from one quasi-random sequence in three dimensions (Roberts 2018). The rotation
+// about the view axis is random, so that the pixels have no fixed alignment with the body.
 Planned plan(const Mesh& mesh, std::size_t i) {
   const auto at = [i](double step, double start) {
     return std::fmod(start + step * static_cast<double>(i + 1), 1.0);
@@ -39,7 +39,7 @@ Planned plan(const Mesh& mesh, std::size_t i) {
   return {{rotation, lo + (hi - lo) * at(0.5497004779019703, 0.5)}, hi - lo};
 }
 
-// Whether every plane between the tangent planes meets the surface.
+// Whether the surface is connected, so that every plane between the tangent planes meets it.
 bool in_one_piece(const Mesh& mesh) {
   std::vector<std::int32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -58,7 +58,7 @@ struct Body {
   bool convex, one_piece;
 };
 
-// Pixels of each disjoint profile in a tile.
+// Number of pixels of each disjoint profile in a tile.
 std::vector<std::int64_t> profiles_of(const StencilSlicer& slicer, int slice, const Body& body) {
   const bool convex = body.convex;
   constexpr int n = StencilSlicer::kTile;
@@ -71,14 +71,14 @@ std::vector<std::int64_t> profiles_of(const StencilSlicer& slicer, int slice, co
       for (int x = 0; x < n; ++x) raster[static_cast<std::size_t>(y) * n + x] = row[x] & 1;
   }
   if (inside == 0 && !body.one_piece) return {};
-  if (convex || inside == 0) return {inside};  // the plane meets the body, be it between pixels
+  if (convex || inside == 0) return {inside};  // the plane meets the body, possibly between pixels
   std::vector<std::int64_t> sizes = connected_components(raster, n, n, true).sizes;
   const std::int64_t most = *std::max_element(sizes.begin(), sizes.end());
   std::erase_if(sizes, [most](std::int64_t s) { return s < kSpeck && s < most; });
   return sizes;
 }
 
-using Histogram = std::vector<double>;  // mm of width by bin of √(A/A_max)
+using Histogram = std::vector<double>;  // width in mm per bin of √(A/A_max)
 
 }  // namespace
 

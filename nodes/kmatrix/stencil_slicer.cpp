@@ -15,7 +15,7 @@ struct Instance {
 
 }  // namespace
 
-// Functions by name, and the objects; all go with the context.
+// OpenGL functions and objects. All are released with the context.
 struct StencilSlicer::Gl {
   EglContext context;
   GLuint program = 0, instances = 0;
@@ -62,7 +62,7 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
   gl.program = make_gl_program(gl.context, "stencil_slice.vert", "stencil_slice.frag",
                                "use method: slice, or a newer driver");
   gl.UseProgram(gl.program);
-  // Two pixels of margin, so that no body reaches into the next tile.
+  // Two pixels of margin on each side, so that no body reaches into the next tile.
   const double radius = mesh_bounding_radius(mesh) * kTile / (kTile - 4);
   pixel_area_ = 4 * radius * radius / (static_cast<double>(kTile) * kTile);
   gl.Uniform1f(gl.GetUniformLocation(gl.program, "radius"), static_cast<float>(radius));
@@ -103,12 +103,12 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil);
   gl.DrawBuffer(GL_NONE), gl.ReadBuffer(GL_NONE);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error("no-gl", "the driver " + gl.context.renderer() + " has no stencil buffer to draw into",
+    throw Error("no-gl", "the driver " + gl.context.renderer() + " cannot render to a stencil buffer",
                 "use method: slice");
   gl.Viewport(0, 0, side, side);
   gl.Enable(GL_STENCIL_TEST);
   gl.StencilFunc(GL_ALWAYS, 0, 0xff);
-  gl.StencilOp(GL_INVERT, GL_INVERT, GL_INVERT);  // odd and even are all that is asked for
+  gl.StencilOp(GL_INVERT, GL_INVERT, GL_INVERT);  // only the parity is needed
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
 }
 
@@ -132,7 +132,8 @@ void StencilSlicer::draw(const std::vector<SlicePlane>& planes) {
   const GLsizei side = kColumns * kTile;
   gl.ReadPixels(0, 0, side, side, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil_.data());
   if (const GLenum code = gl.GetError(); code != GL_NO_ERROR)
-    throw Error("no-gl", "the driver " + gl.context.renderer() + " failed with error " + std::to_string(code),
+    throw Error("no-gl",
+                "the driver " + gl.context.renderer() + " failed with OpenGL error " + std::to_string(code),
                 "use method: slice");
 }
 

@@ -1,4 +1,4 @@
-// Plane sections of a mesh as pixels, many per draw.
+// Rasterizes plane sections of a mesh, many per draw.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +13,24 @@
 namespace terrazzo {
 
 struct SlicePlane {
-  Quat rotation;  // the plane z = depth cuts the body turned by it
+  Quat rotation;  // the plane z = depth cuts the rotated body
   double depth;   // mm from the mesh's origin
 };
 
-// Jagnow et al. 2004, section 3.2: an orthographic camera's near plane cuts the body, and the stencil buffer
-// counts the surfaces left behind each pixel; where they are odd the pixel lies inside. Each plane gets a
-// tile of one large stencil buffer, an instance of one draw. Lives on the thread that made it.
+// Jagnow et al. 2004, section 3.2: the near plane of an orthographic camera cuts the body, and the
+// stencil buffer counts the remaining surfaces behind each pixel; an odd count means inside. Each
+// plane is one instance of a draw and has its own tile of one large stencil buffer. Use only on the
+// thread that created it.
 class StencilSlicer {
  public:
-  static constexpr int kTile = 256;                    // pixels a side
-  static constexpr int kColumns = 8;                   // tiles a side of the buffer
-  static constexpr int kSlices = kColumns * kColumns;  // per draw
+  static constexpr int kTile = 256;                    // pixels per side
+  static constexpr int kColumns = 8;                   // tiles per side of the buffer
+  static constexpr int kSlices = kColumns * kColumns;  // slices per draw
   // Throws Error "no-gl".
   StencilSlicer(const Mesh&, GlDevice);
   ~StencilSlicer();
 
-  // At most kSlices planes. Pixel (x, y) of slice s is odd() [s][y · kTile + x]: 0 outside, 255 inside. Valid
+  // Draws at most kSlices planes. Pixel (x, y) of slice s is row(s, y)[x]: 0 outside, 255 inside. Valid
   // until the next call.
   void draw(const std::vector<SlicePlane>&);
   const std::uint8_t* row(int slice, int y) const;

@@ -8,11 +8,11 @@ namespace {
 
 void compute(Context& c) {
   if (c.text("color_config") != color_config_id())
-    throw Error(
-        "color-config",
-        "the colour configuration is '" + color_config_id() + "', not '" + c.text("color_config") + "'",
-        "set the variable OCIO to the configuration that the graph was written for, or leave color_config "
-        "out")
+    throw Error("color-config",
+                "the color configuration is '" + color_config_id() + "', but the graph asks for '" +
+                    c.text("color_config") + "'",
+                "set the environment variable OCIO to the configuration that the graph was written for, or "
+                "remove color_config from the graph")
         .parameter("color_config");
   const auto& files = c.files("path");
   const std::string colorspace = c.text("colorspace");
@@ -24,15 +24,15 @@ void compute(Context& c) {
       stack = std::move(section);
       require_memory(
           static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()),
-          c.memory(), std::to_string(files.size()) + " pictures");
+          c.memory(), std::to_string(files.size()) + " images");
       stack.pixels.reserve(stack.pixels.size() * files.size());
     } else {
       if (section.width != stack.width || section.height != stack.height)
         throw Error("unequal-sections",
                     "'" + files[i].string() + "' is " + std::to_string(section.width) + " × " +
-                        std::to_string(section.height) + " pixels, '" + files[0].string() + "' " +
+                        std::to_string(section.height) + " pixels, but '" + files[0].string() + "' " +
                         std::to_string(stack.width) + " × " + std::to_string(stack.height),
-                    "sections of one stack must have one size and scale")
+                    "all sections of a stack must have the same size and scale")
             .parameter("path");
       stack.pixels.insert(stack.pixels.end(), section.pixels.begin(), section.pixels.end());
       ++stack.sections;
@@ -50,23 +50,20 @@ void compute(Context& c) {
 NodeType load_image_node() {
   return NodeType("LoadImage", 2)
       .doc_(
-          "Reads a photograph, or a stack of them, as scene-linear Rec. 709: JPEG, PNG, TIFF, OpenEXR, "
-          "Radiance HDR, "
-          "BMP or PNM, with color spaces through OpenColorIO. A file that was cut short is an error; what "
-          "its decoder "
-          "complains about is a warning.")
-      .output("image", "Image", "one section a file, in the order of the names")
+          "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
+          "PNG, TIFF, OpenEXR, Radiance HDR, BMP and PNM; color spaces are converted through OpenColorIO. A "
+          "truncated file is an error; other complaints of the decoder are warnings.")
+      .output("image", "Image", "One section per file, in file name order")
       .parameter(Parameter::input_path("path").doc_(
-          "Picture; a glob names a stack of sections of equal size and scale"))
-      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge of a pixel"))
+          "Image file. A glob names a stack of sections of equal size and scale."))
+      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
       .parameter(Parameter::text("colorspace", "auto")
-                     .doc_("OpenColorIO name of the files' colour space; auto: sRGB for integer formats, "
-                           "scene-linear for "
-                           "float ones. Looked up in $OCIO where set, then in the built-in configuration"))
+                     .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
+                           "$OCIO if set, then in the built-in one. auto: sRGB for integer formats, "
+                           "scene-linear for float formats."))
       .parameter(Parameter::text("color_config", color_config_id())
-                     .doc_("Identity of the colour configuration in force, so that a changed $OCIO is a "
-                           "changed input. "
-                           "Write it only to insist on one"))
+                     .doc_("Identity of the OpenColorIO configuration in use. It makes a change of $OCIO a "
+                           "change of input. Set it only to require a certain configuration."))
       .compute_(compute);
 }
 

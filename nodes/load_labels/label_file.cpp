@@ -1,5 +1,7 @@
 #include "nodes/load_labels/label_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,19 +14,19 @@
 namespace terrazzo {
 namespace {
 
-// Reads in the file's own type, so that no value is scaled, and checks that each is a whole number.
+// Reads samples in the file's own type, so that no value is scaled, and checks that each is a whole number.
 template <class T>
 std::vector<std::uint32_t> read_as(PictureInput& in, const std::filesystem::path& path, OIIO::TypeDesc type) {
-  // A whole number for each sample, and one for each pixel.
+  // The memory estimate covers one integer per sample and one per pixel.
   const auto samples = in.samples<T>(type, 4.0 * in.spec().nchannels + 4);
   std::vector<std::uint32_t> out(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double v = static_cast<double>(samples[i]);
     if (!(v >= 0 && v <= 4294967294.0 && v == std::floor(v)))
-      throw Error(
-          "bad-labels",
-          "'" + path.string() + "' holds the value " + std::to_string(v) + " where a label is expected",
-          "labels are whole numbers from 0, the background")
+      throw Error("bad-labels",
+                  "'" + path.string() + "' contains the value " + fmt::format("{:g}", v) +
+                      " where a label is expected",
+                  "labels must be whole numbers; 0 is the background")
           .parameter("path");
     out[i] = static_cast<std::uint32_t>(v);
   }
@@ -39,10 +41,10 @@ Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
   for (const auto& m : masks)
     if (m.width != labels.width || m.height != labels.height)
       throw Error("unequal-sections",
-                  "masks of one stack are " + std::to_string(m.width) + " × " + std::to_string(m.height) +
+                  "the masks of one stack are " + std::to_string(m.width) + " × " + std::to_string(m.height) +
                       " and " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
                       " pixels",
-                  "sections of one stack must have one size and scale")
+                  "all sections of a stack must have the same size and scale")
           .parameter("path");
   labels.ids.reserve(masks.size() * labels.width * labels.height);
   return labels;
@@ -50,7 +52,8 @@ Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
 
 Labels with_any(Labels labels) {
   if (labels.classes.empty())
-    throw Error("no-particles", "the mask is background everywhere", "background is 0 or black")
+    throw Error("no-particles", "the mask is all background",
+                "use a mask with values other than 0 and black, which are background")
         .parameter("path");
   return labels;
 }
@@ -62,7 +65,8 @@ RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
   hints.attribute("oiio:UnassociatedAlpha", 1);
   PictureInput in(path, reading, hints);
   const OIIO::ImageSpec s = in.spec();
-  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0) throw in.unreadable("it is no plain picture");
+  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
+    throw in.unreadable("it is not a plain 2D image");
   const bool alpha = s.alpha_channel >= 0 && s.nchannels > 1;
   const int colours = s.nchannels - (alpha ? 1 : 0);
 
@@ -89,8 +93,8 @@ RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
       mask.values[p] = v[0];
     } else {
       if (s.format != OIIO::TypeDesc::UINT8)
-        throw Error("bad-labels", "'" + path.string() + "' has colours of more than 8 bit",
-                    "save the mask as grey numbers, or as 8 bit colours")
+        throw Error("bad-labels", "'" + path.string() + "' has colors of more than 8 bits per channel",
+                    "save the mask as gray numbers or as 8-bit colors")
             .parameter("path");
       mask.values[p] = (v[0] << 16 | v[1] << 8 | v[2]) + 1;
     }
@@ -119,8 +123,8 @@ Labels labels_from_classes(const std::vector<RawMask>& masks, double pixel_size)
   for (const auto& m : masks) values.insert(m.values.begin(), m.values.end());
   values.erase(0);
   if (values.size() > 64)
-    throw Error("too-many-classes", "the mask holds " + std::to_string(values.size()) + " classes",
-                "use kind: instances, or save the mask without antialiasing and JPEG")
+    throw Error("too-many-classes", "the mask contains " + std::to_string(values.size()) + " classes",
+                "set kind: instances, or save the mask without antialiasing and without JPEG compression")
         .parameter("kind");
   for (const auto& m : masks) {
     std::vector<std::int32_t> raster(m.values.size());

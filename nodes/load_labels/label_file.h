@@ -1,4 +1,4 @@
-// Masks from files: instances or classes, by pixel value or by colour.
+// Masks from files: instances or classes, identified by pixel value or by color.
 #pragma once
 
 #include <filesystem>
@@ -9,24 +9,24 @@
 
 namespace terrazzo {
 
-// One mask's pixels: 0 where background (0, black or transparent), else a number for each distinct value, or
-// each distinct colour as 0xRRGGBB + 1. Values are those of the file, never scaled.
+// The pixels of one mask: 0 for background (0, black or transparent), otherwise the pixel's value, or for a
+// color 0xRRGGBB + 1. Values are those of the file, never scaled.
 struct RawMask {
   int width = 0, height = 0;
   std::vector<std::uint32_t> values;
 };
 
-// 8, 16 and 32 bit, integer or float with whole numbers; grey, or 8 bit colour. Throws Error
-// "unreadable-image", "too-large", and "bad-labels" if a value is no whole number from 0.
+// Reads 8, 16 and 32 bit integers, floats with whole numbers, gray images, and 8-bit colors. Throws Error
+// "unreadable-image", "too-large", and "bad-labels" if a value is not a whole number ≥ 0.
 RawMask read_mask(const std::filesystem::path&, const Reading& = {});
 
-// Each value is one profile in its section, whether in one piece or several. Ids follow section, then rising
-// value. Throws Error "unequal-sections", "no-particles".
+// Each value is one profile of its section, connected or not. Profiles are numbered by section, then by
+// increasing value. Throws Error "unequal-sections", "no-particles".
 Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 
-// Each value is a class; its connected components (8 neighbours) are the profiles. Classes are numbered by
-// rising value over all sections. Throws Error "too-many-classes" above 64: then the mask holds instances, or
-// was blurred.
+// Each value is a class; its 8-connected components are the profiles. Classes are numbered by increasing
+// value over all sections. Throws Error "unequal-sections", "no-particles", and "too-many-classes" above 64
+// classes: such a mask contains instances, or was blurred.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 
 }  // namespace terrazzo

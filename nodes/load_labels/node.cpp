@@ -12,7 +12,7 @@ void compute(Context& c) {
   std::uint64_t held = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
-    // Masks stay until the last is read.
+    // All masks stay in memory until the last one is read.
     Reading reading = reading_of(c);
     reading.memory -= std::min(reading.memory, held);
     masks.push_back(read_mask(file, reading));
@@ -30,15 +30,15 @@ void compute(Context& c) {
 
 NodeType load_labels_node() {
   return NodeType("LoadLabels", 2)
-      .doc_("Reads masks made elsewhere, in the place of Segment's own segmentation.")
-      .output("labels", "Labels", "one section a file, in the order of the names")
-      .parameter(
-          Parameter::input_path("path").doc_("Mask: 8, 16 or 32 bit numbers, or one 8 bit colour a class; 0 "
-                                             "and black are background. A glob names a stack"))
+      .doc_("Reads existing masks as labels, to be measured by Segment instead of its own segmentation.")
+      .output("labels", "Labels", "One section per file, in file name order")
+      .parameter(Parameter::input_path("path").doc_(
+          "Mask of 8, 16 or 32 bit numbers, or with one 8-bit color per class. 0 and black are background. A "
+          "glob names a stack of sections."))
       .parameter(Parameter::choice("kind", "instances", {"instances", "classes"})
-                     .doc_("instances: a value is a profile; classes: the connected parts of a class are its "
-                           "profiles"))
-      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge of a pixel"))
+                     .doc_("instances: each value is one profile. classes: each value is a class, and its "
+                           "connected components are the profiles."))
+      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
       .compute_(compute);
 }
 

@@ -1,4 +1,4 @@
-// Triangulations of closed polygons in space.
+// Triangulation of closed polygons in space.
 #pragma once
 
 #include <functional>
@@ -8,11 +8,11 @@
 
 namespace terrazzo {
 
-inline constexpr std::size_t kLargestPolygon = 250;  // corners; the search below is cubic in them
+inline constexpr std::size_t kLargestPolygon = 250;  // corners; the search is cubic in their number
 
-// Triangles (indices into `polygon`'s own points, in its direction) of least total area (Barequet, Sharir
-// 1995). `forbidden(i, j)` tells diagonals that must not be used. Empty where none is possible or for too
-// many corners.
+// Returns the triangulation of least total area (Barequet, Sharir 1995), as indices into `polygon`, in its
+// orientation. `forbidden(i, j)` excludes a diagonal. Returns nothing if no triangulation exists or `polygon`
+// has more than kLargestPolygon corners.
 std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
                                                const std::function<bool(int, int)>& forbidden = {});
 

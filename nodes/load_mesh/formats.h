@@ -1,5 +1,5 @@
-// The readers of single formats, from a file's content. Each throws Error "unreadable-mesh"; read_mesh checks
-// what they give and names the file.
+// Readers of the single formats. Each takes a file's content and throws Error "unreadable-mesh" or
+// "bad-mesh"; read_mesh validates the result and adds the file name.
 #pragma once
 
 #include <string_view>

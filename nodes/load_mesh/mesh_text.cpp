@@ -11,7 +11,7 @@
 namespace terrazzo::mesh_files {
 
 void damaged(const std::string& what) {
-  throw Error("unreadable-mesh", what, "the file is damaged: write it again");
+  throw Error("unreadable-mesh", what, "the file is damaged: export it again");
 }
 
 void require_corners(std::size_t f, std::size_t corners) {
@@ -43,7 +43,7 @@ std::string_view Words::word() {
 std::string_view Words::word_anywhere(char comment) {
   while (true) {
     if (const auto found = word(); !found.empty()) return found;
-    if (!next_line(comment)) damaged("it ends before all that its header promises");
+    if (!next_line(comment)) damaged("the file ends before all elements that its header lists");
   }
 }
 
@@ -54,7 +54,7 @@ double coordinate(std::string_view word, int line) {
   const bool whole = end == digits.data() + digits.size() && !digits.empty();
   if (error == std::errc::result_out_of_range && whole &&
       digits.find_first_of("eE") != std::string_view::npos && digits[digits.find_first_of("eE") + 1] == '-')
-    return 0;  // below the smallest number
+    return 0;  // underflow
   if (error != std::errc() || !whole || !(std::abs(v) <= std::numeric_limits<float>::max()))
     damaged(fmt::format("line {}: \"{}\" is not a number", line, printable(word)));
   return static_cast<float>(v);

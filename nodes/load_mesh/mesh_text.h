@@ -1,4 +1,4 @@
-// The words and numbers of a mesh file.
+// Words and numbers of a mesh file.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace terrazzo::mesh_files {
 
-// Throws Error "unreadable-mesh" with `what`; the caller adds the name of the file.
+// Throws Error "unreadable-mesh" with the message `what`; the caller adds the file name.
 [[noreturn]] void damaged(const std::string& what);
 
-// Throws Error "bad-mesh" if face `f` has too few corners to be a face.
+// Throws Error "bad-mesh" if face `f` has fewer than three corners.
 void require_corners(std::size_t f, std::size_t corners);
 
-// Walks through text line by line and word by word. No word crosses the end of a line.
+// Iterates over text by lines and words. A word never spans two lines.
 class Words {
  public:
   explicit Words(std::string_view text) : rest_(text) {}
 
-  // Goes to the next line; false at the end of the text. `comment` starts a remark that is left out ('\0':
-  // none).
+  // Advances to the next line; returns false at the end of the text. `comment` is the character that starts a
+  // comment ('\0': none).
   bool next_line(char comment = '\0');
   // The next word of the line, or "" at its end.
   std::string_view word();
-  // The next word of the line or of a later one. Throws if there is none.
+  // The next word of this or a later line. Throws if there is none.
   std::string_view word_anywhere(char comment = '\0');
 
   int line() const { return number_; }
-  // What follows the current line.
+  // The text after the current line.
   std::string_view rest() const { return rest_; }
 
  private:
@@ -37,10 +37,11 @@ class Words {
   int number_ = 0;
 };
 
-// A finite number in the range of single precision, rounded to it. Throws otherwise: "line 7: "nan" is not a
+// A finite number in the range of single precision, rounded to it. Otherwise throws: "line 7: "nan" is not a
 // number".
 double coordinate(std::string_view word, int line);
-// A whole number from 0. Throws if it is anything else or exceeds `most`.
+// A whole number ≥ 0. Throws for anything else and for numbers above `most`. `what` names the number in the
+// message.
 std::uint64_t count(std::string_view word, std::uint64_t most, int line, const char* what);
 
 }  // namespace terrazzo::mesh_files

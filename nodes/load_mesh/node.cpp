@@ -23,8 +23,8 @@ Mesh solid_from(Context& c, const std::filesystem::path& path, const Work& work)
   const std::string name = path.filename().string();
   const bool mend = c.boolean("repair");
   Mesh mesh = triangles_of(read_mesh(path, reading_of(c)), work);
-  // Files that give each face corners of its own (texture seams, some STL writers) need no more than joining
-  // equals.
+  // Some files repeat the vertices for each face (texture seams, some STL writers). Joining equal positions
+  // closes them without a repair.
   if (!mesh_faults(mesh).empty() || mesh_volume(mesh) <= 0) {
     Mesh welded = mesh;
     weld(welded, 0);
@@ -35,12 +35,12 @@ Mesh solid_from(Context& c, const std::filesystem::path& path, const Work& work)
   const auto faults = mesh_faults(mesh);
   if (!faults.empty())
     throw Error("open-mesh", fmt::format("{} is not watertight: {}", name, joined(faults)),
-                mend ? "repair could not mend it: close it in a mesh editor"
+                mend ? "repair could not close it: close it in a mesh editor"
                      : "set repair: true, or close it in a mesh editor")
         .parameter("path");
   if (!(mesh_volume(mesh) > 0))
-    throw Error("inside-out", name + " has its inside out, or encloses nothing",
-                mend ? "give a mesh with an extent in all three directions" : "set repair: true to turn it")
+    throw Error("inside-out", name + " is inside out or encloses no volume",
+                mend ? "use a mesh with a volume" : "set repair: true to flip it")
         .parameter("path");
   if (c.keyword("max_triangles").empty())
     reduce_triangles(mesh, static_cast<std::size_t>(c.integer("max_triangles")), work);
@@ -62,7 +62,7 @@ void compute(Context& c) {
     }
     for (auto& v : mesh.vertices) v *= scale;
     const std::string stem = files[i].stem().string(), name = valid_utf8(stem);
-    if (name != stem) c.warn("a file's name is not UTF-8: its shape is called " + name);
+    if (name != stem) c.warn("a file name is not UTF-8: its shape is called " + name);
     Shape shape = measure_shape(name, std::move(mesh), 1.0 / files.size(), work);
     triangles += shape.mesh.triangles.size();
     volume += shape.volume / files.size();
@@ -79,24 +79,21 @@ void compute(Context& c) {
 NodeType load_mesh_node() {
   return NodeType("LoadMesh", 2)
       .doc_(
-          "Particle shapes from OBJ, PLY, STL or OFF files. A mesh must be watertight; what is not is "
-          "refused with the "
-          "places of its faults, or mended.")
-      .output("shapes", "Shapes", "one shape a file, of equal probabilities, centred at its centroid")
-      .parameter(Parameter::input_path("path").doc_("mesh file; a glob gives several shapes"))
-      .parameter(Parameter::number("scale", 1).unit_("mm").above(0).doc_("length of the file's unit"))
-      .parameter(
-          Parameter::boolean("repair", false)
-              .doc_(
-                  "join close vertices, drop degenerate and doubled triangles, turn all to face outwards and "
-                  "fill holes; tells what it did"))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "max_triangles", "all")
-              .range(4, 1e8)
-              .doc_("reduce a mesh with more triangles to this many, by collapsing the edges that move its "
-                    "surface least; all: keep the mesh as it is"))
-      // A shape is called after its file. Companions enter the key by name, so a renamed file gives another
-      // key.
+          "Reads particle shapes from OBJ, PLY, STL or OFF files. A mesh must be watertight. Otherwise the "
+          "node fails and lists the open or faulty edges, or closes the mesh if repair is true.")
+      .output("shapes", "Shapes",
+              "One shape per file, all with equal probability, with the centroid at the origin")
+      .parameter(Parameter::input_path("path").doc_("Mesh file. A glob loads several shapes."))
+      .parameter(Parameter::number("scale", 1).unit_("mm").above(0).doc_("Length of the file's unit"))
+      .parameter(Parameter::boolean("repair", false)
+                     .doc_("Joins close vertices, drops degenerate and duplicate triangles, makes all "
+                           "triangles face outward and fills holes. A warning lists the changes."))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "max_triangles", "all")
+                     .range(4, 1e8)
+                     .doc_("Simplifies a mesh with more triangles to this number by collapsing edges, those "
+                           "first that change the surface least. all: keeps the mesh as it is."))
+      // A shape is named after its file. The action key includes the names of companion files, so renaming a
+      // file changes the key.
       .companion_files_([](const std::filesystem::path& path) { return std::vector{path}; })
       .compute_(compute);
 }

@@ -15,12 +15,12 @@ int corner(std::string_view word, std::size_t vertices, int line) {
   std::int64_t n = 0;
   const auto [end, error] = std::from_chars(first.data(), first.data() + first.size(), n);
   if (error != std::errc() || end != first.data() + first.size() || n == 0)
-    damaged(fmt::format("line {}: \"{}\" does not name a vertex", line, printable(word)));
+    damaged(fmt::format("line {}: \"{}\" is not a vertex reference", line, printable(word)));
   const std::int64_t at = n > 0 ? n - 1 : static_cast<std::int64_t>(vertices) + n;
-  // Vertices may follow the faces that name them, so that the upper end is checked once all are there.
+  // Vertices may follow the faces that use them, so read_mesh checks the upper bound at the end.
   if (at < 0 || at > std::numeric_limits<int>::max())
-    throw Error("bad-mesh", fmt::format("line {}: the face names vertex {} of {}", line, n, vertices),
-                "the file is damaged: write it again");
+    throw Error("bad-mesh", fmt::format("line {}: the face refers to vertex {} of {}", line, n, vertices),
+                "the file is damaged: export it again");
   return static_cast<int>(at);
 }
 

@@ -5,18 +5,17 @@
 
 namespace terrazzo::mesh_files {
 
-// Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex and one face a
-// line. What follows the three coordinates or the corners on a line (normals, colors) is of no use here.
+// Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex or face per line.
+// Everything after the three coordinates or the corners (normals, colors) is ignored.
 PolygonSoup read_off(std::string_view text) {
   Words words(text);
   const std::string header(words.word_anywhere('#'));
   if (!header.ends_with("OFF")) damaged("does not begin as an OFF file");
   if (header.find_first_of("4n") != std::string::npos)
-    damaged("its vertices have other than three coordinates (" + printable(header) + ")");
+    damaged("its vertices do not have three coordinates (" + printable(header) + ")");
   const std::string_view first = words.word_anywhere('#');
   if (first == "BINARY")
-    throw Error("unreadable-mesh", "it is a binary OFF file, which is not read",
-                "save it as ASCII OFF, or as PLY");
+    throw Error("unreadable-mesh", "binary OFF is not supported", "save it as ASCII OFF or as PLY");
   const std::uint64_t vertices = count(first, text.size(), words.line(), "the number of vertices");
   const std::uint64_t faces =
       count(words.word_anywhere('#'), text.size(), words.line(), "the number of faces");
@@ -38,7 +37,7 @@ PolygonSoup read_off(std::string_view text) {
         if (n < 3) p[static_cast<int>(n)] = v;
       }
       if (n < numbers)
-        damaged(fmt::format("line {}: the vertex has {} numbers of {}", words.line(), n, numbers));
+        damaged(fmt::format("line {}: the vertex has {} of {} numbers", words.line(), n, numbers));
       soup.vertices.push_back(p);
     } else {
       const std::uint64_t corners = count(w, text.size(), words.line(), "the number of corners");
@@ -46,8 +45,8 @@ PolygonSoup read_off(std::string_view text) {
       for (std::uint64_t k = 0; k < corners; ++k) {
         w = words.word();
         if (w.empty())
-          damaged(fmt::format("line {}: the face has {} corners of {}", words.line(), k, corners));
-        polygon.push_back(static_cast<int>(count(w, 2147483647, words.line(), "a vertex's number")));
+          damaged(fmt::format("line {}: the face has {} of {} corners", words.line(), k, corners));
+        polygon.push_back(static_cast<int>(count(w, 2147483647, words.line(), "a vertex index")));
       }
       require_corners(soup.polygons.size(), polygon.size());
       soup.polygons.push_back(std::move(polygon));

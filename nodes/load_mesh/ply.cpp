@@ -28,8 +28,8 @@ std::optional<Type> type_named(std::string_view name) {
 
 struct Property {
   std::string name;
-  Type type;                   // of the value, or of a list's items
-  std::optional<Type> length;  // of a list
+  Type type;                   // of the value, or of the items of a list
+  std::optional<Type> length;  // type of the length, for lists only
 };
 struct Element {
   std::string name;
@@ -49,10 +49,10 @@ Header read_header(Words& words, std::size_t size) {
   while (words.next_line()) {
     const std::string_view key = words.word();
     const auto not_understood = [&] {
-      damaged(fmt::format("line {} of its header is not understood", words.line()));
+      damaged(fmt::format("line {} of the header is invalid", words.line()));
     };
     if (key == "end_header") {
-      if (!format) damaged("its header names no format");
+      if (!format) damaged("the header contains no format");
       return header;
     }
     if (key == "format") {
@@ -64,12 +64,13 @@ Header read_header(Words& words, std::size_t size) {
       else if (kind == "binary_big_endian")
         header.format = Format::Big;
       else
-        damaged("its format \"" + printable(kind) + "\" is unknown");
-      if (words.word() != "1.0") damaged("its format is of an unknown version");
+        damaged("the format \"" + printable(kind) + "\" is unknown");
+      if (words.word() != "1.0") damaged("the version of the format is unknown");
       format = true;
     } else if (key == "element") {
       const std::string name(words.word());
-      header.elements.push_back({name, count(words.word(), size, words.line(), "a number of elements"), {}});
+      header.elements.push_back(
+          {name, count(words.word(), size, words.line(), "the number of elements"), {}});
     } else if (key == "property") {
       if (header.elements.empty()) not_understood();
       Property p;
@@ -88,10 +89,10 @@ Header read_header(Words& words, std::size_t size) {
       not_understood();
     }
   }
-  damaged("its header does not end");
+  damaged("the header has no end");
 }
 
-// The numbers of the body, one after the other.
+// The numbers of the body, in file order.
 class Numbers {
  public:
   Numbers(Format format, Words& words) : format_(format), words_(words), bytes_(words.rest()) {}
@@ -131,7 +132,7 @@ class Numbers {
   }
   template <class T>
   T take() {
-    if (bytes_.size() < sizeof(T)) damaged("it ends before all that its header promises");
+    if (bytes_.size() < sizeof(T)) damaged("the file ends before all elements that its header lists");
     char raw[sizeof(T)];
     std::memcpy(raw, bytes_.data(), sizeof(T));
     if ((format_ == Format::Big) == (std::endian::native == std::endian::little))
@@ -147,14 +148,14 @@ class Numbers {
 };
 
 void read_vertices(const Element& element, Numbers& numbers, PolygonSoup& soup) {
-  std::vector<int> axis;  // of each property, or -1
+  std::vector<int> axis;  // for each property, or -1
   bool has[3] = {};
   for (const auto& p : element.properties) {
     axis.push_back(p.length || p.name.size() != 1 || p.name[0] < 'x' || p.name[0] > 'z' ? -1
                                                                                         : p.name[0] - 'x');
     if (axis.back() >= 0) has[axis.back()] = true;
   }
-  if (element.count > 0 && !(has[0] && has[1] && has[2])) damaged("its vertices lack x, y or z");
+  if (element.count > 0 && !(has[0] && has[1] && has[2])) damaged("the vertices lack x, y or z");
   for (std::uint64_t i = 0; i < element.count; ++i) {
     Vec3 point = Vec3::Zero();
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -186,8 +187,8 @@ void read_faces(const Element& element, Numbers& numbers, PolygonSoup& soup) {
         const double v = numbers.next(p.type);
         if (!corners) continue;
         if (!(v >= 0 && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
-          throw Error("bad-mesh", fmt::format("face {} names vertex {}", i, v),
-                      "the file is damaged: write it again");
+          throw Error("bad-mesh", fmt::format("face {} refers to vertex {}", i, v),
+                      "the file is damaged: export it again");
         polygon.push_back(static_cast<int>(v));
       }
       if (!corners) continue;
@@ -195,7 +196,7 @@ void read_faces(const Element& element, Numbers& numbers, PolygonSoup& soup) {
       soup.polygons.push_back(std::move(polygon));
       found = true;
     }
-    if (!found) damaged("its faces lack vertex_indices");
+    if (!found) damaged("the faces lack vertex_indices");
   }
 }
 

@@ -10,8 +10,8 @@
 namespace terrazzo {
 namespace {
 
-// Bytes of a mesh for each byte of its file, at most: a triangle takes 4 bytes in a binary PLY file, and up
-// to 104 in memory while the list of faces grows.
+// Upper bound of memory per byte of file: a triangle has at least 4 bytes in a binary PLY file, and up to 104
+// bytes in memory while the list of faces grows.
 constexpr double kBytesPerByte = 30;
 
 using Format = PolygonSoup (*)(std::string_view);
@@ -24,10 +24,9 @@ Format format_of(const std::filesystem::path& path) {
   if (extension == ".ply") return mesh_files::read_ply;
   if (extension == ".stl") return mesh_files::read_stl;
   if (extension == ".off") return mesh_files::read_off;
-  throw Error(
-      "unknown-format",
-      fmt::format("{}: no mesh format is known by the extension \"{}\"", path.filename().string(), extension),
-      "give an .obj, .ply, .stl or .off file");
+  throw Error("unknown-format",
+              fmt::format("{}: unknown mesh file extension \"{}\"", path.filename().string(), extension),
+              "use an .obj, .ply, .stl or .off file");
 }
 
 PolygonSoup read_named(const std::filesystem::path& path, Format format, const std::string& content) {
@@ -54,18 +53,18 @@ PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading)
   require_memory(kBytesPerByte * static_cast<double>(content.size()), reading.memory, "the mesh of " + name);
   const PolygonSoup soup = read_named(path, format, content);
   if (soup.polygons.empty())
-    throw Error("unreadable-mesh", name + ": holds no faces",
-                "check that the file is whole and in the format that its extension says");
+    throw Error("unreadable-mesh", name + ": contains no faces",
+                "check that the file is complete and that its extension matches its format");
   const int n = static_cast<int>(soup.vertices.size());
   for (std::size_t f = 0; f < soup.polygons.size(); ++f)
     for (const int v : soup.polygons[f])
       if (v < 0 || v >= n)
-        throw Error("bad-mesh", fmt::format("{}: face {} names vertex {} of {}", name, f, v, n),
-                    "the file is damaged: write it again");
+        throw Error("bad-mesh", fmt::format("{}: face {} refers to vertex {} of {}", name, f, v, n),
+                    "the file is damaged: export it again");
   for (int v = 0; v < n; ++v)
     if (!soup.vertices[v].allFinite())
-      throw Error("bad-mesh", fmt::format("{}: vertex {} is not a finite number", name, v),
-                  "the file is damaged: write it again");
+      throw Error("bad-mesh", fmt::format("{}: vertex {} is not finite", name, v),
+                  "the file is damaged: export it again");
   return soup;
 }
 

@@ -1,4 +1,4 @@
-// Triangle and polygon meshes from files, exactly as written: nothing joined, nothing dropped.
+// Polygon meshes from files, exactly as stored: no vertices joined, nothing dropped.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,13 @@ namespace terrazzo {
 
 struct PolygonSoup {
   std::vector<Vec3> vertices;              // in the file's unit, rounded to single precision
-  std::vector<std::vector<int>> polygons;  // three indices or more
+  std::vector<std::vector<int>> polygons;  // at least three indices each
 };
 
-// Reads OBJ, PLY, STL or OFF, by extension. STL vertices of equal position are one. Throws Error
-// "unknown-format", "unreadable-mesh" if the file is damaged, "bad-mesh" if an index names no vertex or a
-// coordinate is not finite, and "too-large" if the mesh would exceed the budget. Time and memory are bounded
-// by the size of the file: whatever a header promises, nothing is made before its bytes were read.
+// Reads OBJ, PLY, STL or OFF, selected by extension. Equal positions in an STL file become one vertex. Throws
+// Error "unknown-format", "unreadable-mesh" if the file is damaged, "bad-mesh" if an index is out of range or
+// a coordinate is not finite, and "too-large" if the mesh would exceed the memory budget. Time and memory are
+// bounded by the file size: counts in a header allocate nothing until their bytes are read.
 PolygonSoup read_mesh(const std::filesystem::path&, const Reading& = {});
 
 }  // namespace terrazzo

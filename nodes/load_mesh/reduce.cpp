@@ -26,8 +26,8 @@ void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& work) {
   for (const Vec3& v : mesh.vertices) corners.push_back(edges.add_vertex({v.x(), v.y(), v.z()}));
   for (const Triangle& t : mesh.triangles)
     if (!edges.add_face(corners[t[0]], corners[t[1]], corners[t[2]]).is_valid())
-      throw Error("bad-mesh", "surfaces touch along an edge, so the mesh cannot be reduced",
-                  "separate the parts that touch, or leave max_triangles out");
+      throw Error("bad-mesh", "surfaces touch along an edge or at a vertex, so the mesh cannot be reduced",
+                  "separate the touching parts, or remove max_triangles");
   work.check();
   edges.request_face_normals();
   edges.update_face_normals();

@@ -1,4 +1,4 @@
-// Scanned meshes with fewer triangles.
+// Simplification of scanned meshes.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace terrazzo {
 
-// Collapses edges until at most `triangles` are left, those first that move the surface least (Garland and
-// Heckbert 1997, by OpenMesh). The mesh stays closed; collapses that would fold it are left out, so a few
-// triangles more may remain. `mesh` must be closed and consistently oriented. Throws Error "bad-mesh" if
-// surfaces touch along an edge or at a vertex.
+// Collapses edges until at most `triangles` remain, those first that change the surface least (Garland and
+// Heckbert 1997, by OpenMesh). The mesh stays closed. Collapses that would fold the surface are skipped, so
+// slightly more triangles may remain. `mesh` must be closed and consistently oriented. Throws Error
+// "bad-mesh" if surfaces touch along an edge or at a vertex.
 void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& = {});
 
 }  // namespace terrazzo

@@ -20,7 +20,7 @@ using Edge = std::pair<int, int>;
 
 Edge edge_of(int a, int b) { return std::minmax(a, b); }
 
-// The triangles along each undirected edge.
+// The triangles at each undirected edge.
 std::map<Edge, std::vector<int>> edge_triangles(const Mesh& mesh) {
   std::map<Edge, std::vector<int>> edges;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -62,9 +62,9 @@ std::size_t drop_unused_vertices(Mesh& mesh) {
   return dropped;
 }
 
-// Makes each connected part agree with its first triangle, then turns a part that is inside out. Parts that
-// agreed from the start keep their side, since one may be the cavity of another, unless the whole encloses a
-// negative volume.
+// Orients each connected part like its first triangle, then flips a part that is inside out. Parts that were
+// consistent from the start keep their orientation, since one may be a cavity of another, unless the mesh as
+// a whole encloses a negative volume.
 std::size_t orient(Mesh& mesh, const Work& work) {
   const auto edges = edge_triangles(mesh);
   const auto before = mesh.triangles;
@@ -115,7 +115,7 @@ std::size_t orient(Mesh& mesh, const Work& work) {
   return turned;
 }
 
-// Loops of edges that one triangle has, in the direction in which triangles that fill them run.
+// Loops of edges with a single triangle, in the direction of the triangles that would fill them.
 std::vector<std::vector<int>> holes(const Mesh& mesh) {
   std::map<int, std::vector<int>> next;
   for (const auto& [edge, two] : edge_triangles(mesh)) {
@@ -130,7 +130,7 @@ std::vector<std::vector<int>> holes(const Mesh& mesh) {
     std::map<int, std::size_t> seen{{path[0], 0}};
     for (;;) {
       const auto found = next.find(path.back());
-      if (found == next.end()) break;  // not a loop: edges of three triangles are near
+      if (found == next.end()) break;  // not a loop: there are non-manifold edges nearby
       const int to = found->second.back();
       found->second.pop_back();
       if (found->second.empty()) next.erase(found);
@@ -140,7 +140,7 @@ std::vector<std::vector<int>> holes(const Mesh& mesh) {
         path.push_back(to);
         continue;
       }
-      // A vertex met twice closes a loop of its own; what led to it goes on.
+      // A vertex reached twice closes a loop. Continue with the path that led to it.
       loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(again->second), path.end());
       for (std::size_t i = again->second + 1; i < path.size(); ++i) seen.erase(path[i]);
       path.resize(again->second + 1);
@@ -168,7 +168,7 @@ Mesh triangles_of(const PolygonSoup& soup, const Work& work) {
     for (std::size_t i = 1; i + 1 < at.size(); ++i) normal += (at[i] - at[0]).cross(at[i + 1] - at[0]);
     for (std::size_t i = 1; i + 1 < at.size(); ++i) {
       if ((at[i] - at[0]).cross(at[i + 1] - at[0]).dot(normal) < 0)
-        throw Error("bad-mesh", fmt::format("face {} is not convex and has {} corners", f, p.size()),
+        throw Error("bad-mesh", fmt::format("face {} has {} corners and is not convex", f, p.size()),
                     "triangulate the mesh in the program that wrote it");
       mesh.triangles.push_back({p[0], p[i], p[i + 1]});
     }
@@ -186,7 +186,7 @@ std::size_t weld(Mesh& mesh, double distance) {
       name[v] = at.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, v).first->second;  // −0 + 0 is 0
     }
   } else {
-    // The first vertex of a neighbourhood stands for those after it; cells of the distance's size hold
+    // The first vertex of a neighborhood replaces the later ones. Grid cells as wide as the distance hold the
     // candidates.
     std::map<std::array<std::int64_t, 3>, std::vector<int>> cells;
     const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / distance)); };
@@ -227,12 +227,12 @@ std::vector<std::string> repair(Mesh& mesh, const Work& work) {
   if (!mesh.vertices.empty()) low = high = mesh.vertices[0];
   for (const auto& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
   const auto triangles = mesh.triangles.size();
-  tell(weld(mesh, 1e-6 * (high - low).norm()), "joined {} vertex with its twin",
-       "joined {} vertices with their twins");
+  tell(weld(mesh, 1e-6 * (high - low).norm()), "joined {} vertex with its duplicate",
+       "joined {} vertices with their duplicates");
   drop_vanished_triangles(mesh);
   tell(triangles - mesh.triangles.size(), "dropped {} degenerate triangle",
        "dropped {} degenerate triangles");
-  tell(drop_doubles(mesh), "dropped {} doubled triangle", "dropped {} doubled triangles");
+  tell(drop_doubles(mesh), "dropped {} duplicate triangle", "dropped {} duplicate triangles");
   drop_unused_vertices(mesh);
   std::size_t turned = orient(mesh, work);
 
@@ -253,12 +253,12 @@ std::vector<std::string> repair(Mesh& mesh, const Work& work) {
     ++filled;
     added += cover.size();
   }
-  // With its holes closed a surface's volume is its own, and so is the side that faces out.
+  // Only once the holes are closed does the sign of the volume tell which side faces out.
   if (mesh_volume(mesh) < 0) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     turned = mesh.triangles.size() - added - std::min(turned, mesh.triangles.size() - added);
   }
-  tell(turned, "turned {} triangle round", "turned {} triangles round");
+  tell(turned, "flipped {} triangle", "flipped {} triangles");
   if (filled)
     done.push_back(fmt::format("filled {} hole{} with {} triangle{}", filled, filled == 1 ? "" : "s", added,
                                added == 1 ? "" : "s"));

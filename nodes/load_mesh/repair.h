@@ -1,4 +1,4 @@
-// From polygons as a file has them to a mesh that bounds a solid.
+// Converts polygons from a file to a mesh that bounds a solid.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace terrazzo {
 
-// Polygons become triangles: of all triangulations of a polygon the one of least area (Barequet, Sharir
-// 1995), so that bent and non-convex ones are covered too. Throws Error "bad-mesh" for polygons of more than
-// 250 corners that are not convex and flat.
+// Triangulates each polygon with the least total area (Barequet, Sharir 1995), which also covers bent and
+// non-convex polygons. Throws Error "bad-mesh" for polygons with more than 250 corners that are not convex
+// and flat.
 Mesh triangles_of(const PolygonSoup&, const Work& = {});
 
-// Joins vertices closer than `distance` (0: of equal position) and drops triangles that vanish by it. Returns
-// how many vertices went.
+// Joins vertices within `distance` of each other (0: of equal position) and drops triangles that become
+// degenerate. Returns the number of vertices removed.
 std::size_t weld(Mesh&, double distance);
 
-// What was done, in words ("filled 2 holes with 14 triangles"), for the user to judge; empty where nothing
-// had to be. Welds within 1e-6 of the extent, drops degenerate and doubled triangles and unused vertices,
-// turns triangles to one orientation with the outside out, fills holes of at most 250 edges by the
-// triangulation of least area. What it cannot mend (edges of three and more triangles, one-sided surfaces)
-// stays for mesh_faults to tell.
+// Joins vertices within 1e-6 of the extent, drops degenerate and duplicate triangles and unused vertices,
+// orients all triangles outward, and fills holes of up to 250 edges with the triangulation of least area.
+// Returns a description of each change for the user ("filled 2 holes with 14 triangles"), nothing if nothing
+// changed. Edges of three or more triangles and one-sided surfaces cannot be repaired; mesh_faults reports
+// them.
 std::vector<std::string> repair(Mesh&, const Work& = {});
 
 }  // namespace terrazzo

@@ -11,12 +11,12 @@
 namespace terrazzo::mesh_files {
 namespace {
 
-// Gives equal positions one vertex, numbered by first use.
+// Assigns one vertex to equal positions, numbered by first use.
 class Corners {
  public:
   explicit Corners(PolygonSoup& soup) : soup_(soup) {}
   int operator()(const Vec3& p) {
-    // −0 + 0 is 0, and those are one place.
+    // −0 + 0 is 0, so both become the same key.
     const auto [it, fresh] =
         at_.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(at_.size()));
     if (fresh) soup_.vertices.push_back(p);
@@ -40,7 +40,7 @@ PolygonSoup read_binary(std::string_view bytes) {
   if (bytes.size() < kHeader) damaged("is not an STL file");
   const std::uint32_t n = promised(bytes);
   if ((bytes.size() - kHeader) / kTriangle < n)
-    damaged(fmt::format("its header promises {} triangles, but it ends after {}", n,
+    damaged(fmt::format("its header says {} triangles, but the file ends after {}", n,
                         (bytes.size() - kHeader) / kTriangle));
   PolygonSoup soup;
   Corners corner(soup);
@@ -52,7 +52,7 @@ PolygonSoup read_binary(std::string_view bytes) {
       const Vec3 p(f[3 * k], f[3 * k + 1], f[3 * k + 2]);
       if (!p.allFinite())
         throw Error("bad-mesh", fmt::format("triangle {} has a corner that is not finite", t),
-                    "the file is damaged: write it again");
+                    "the file is damaged: export it again");
       polygon[k] = corner(p);
     }
     soup.polygons.push_back(std::move(polygon));
@@ -85,16 +85,16 @@ PolygonSoup read_ascii(std::string_view text) {
     } else if (w == "endsolid") {
       ended = !open;
     } else if (!w.empty() && w != "outer" && w != "endloop") {
-      damaged(fmt::format("line {}: \"{}\" is not understood", words.line(), printable(w)));
+      damaged(fmt::format("line {}: unknown keyword \"{}\"", words.line(), printable(w)));
     }
   }
-  if (!ended) damaged("it ends without \"endsolid\"");
+  if (!ended) damaged("the file ends without \"endsolid\"");
   return soup;
 }
 
 }  // namespace
 
-// Binary files may begin with "solid" too, so that their size decides first.
+// Binary files may also begin with "solid", so check the file size first.
 PolygonSoup read_stl(std::string_view bytes) {
   const auto first = bytes.find_first_not_of(" \t\r\n");
   const bool solid = first != std::string_view::npos && bytes.substr(first).starts_with("solid");

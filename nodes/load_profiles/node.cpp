@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "graph/node_type.h"
@@ -9,7 +11,8 @@
 namespace terrazzo {
 namespace {
 
-// A row takes two characters, and in memory its text and its profile, each up to twice while the lists grow.
+// A row has at least two characters. In memory it needs its text and its profile, each up to twice while the
+// lists grow.
 std::string file_of(const std::filesystem::path& file, Context& c) {
   try {
     std::string text = read_whole(file, reading_of(c));
@@ -30,7 +33,7 @@ void compute(Context& c) {
     c.work().check();
     const std::string text = file_of(file, c), read = valid_utf8(text);
     if (read != text)
-      c.warn("'" + file.filename().string() + "' is not UTF-8: bytes that are not are read as U+FFFD");
+      c.warn("'" + file.filename().string() + "' is not UTF-8: invalid bytes are read as U+FFFD");
     Profiles one = read_profiles(read, file.string(), unit);
     for (auto& p : one.profiles) {
       p.section += all.sections;
@@ -46,9 +49,10 @@ void compute(Context& c) {
     all.area_fraction = sum / all.observed_area;
     if (all.area_fraction > 1)
       throw Error("area-too-small",
-                  "the profiles cover " + std::to_string(sum) + " mm², more than the observed area of " +
-                      std::to_string(all.observed_area) + " mm²",
-                  "check unit and observed_area (mm², all sections together)")
+                  "the profiles cover " + fmt::format("{:g}", sum) +
+                      " mm², which exceeds the observed area of " + fmt::format("{:g}", all.observed_area) +
+                      " mm²",
+                  "check unit and observed_area (mm², total of all sections)")
           .parameter("observed_area");
   }
   c.metric("profiles", static_cast<double>(all.profiles.size()));
@@ -61,19 +65,18 @@ void compute(Context& c) {
 NodeType load_profiles_node() {
   return NodeType("LoadProfiles", 1)
       .doc_(
-          "Reads areas or diameters of sections measured elsewhere, as ImageJ and GrainSizeTools write them.")
-      .output("profiles", "Profiles", "sizes, without outlines")
-      .parameter(Parameter::input_path("path").doc_(
-          "CSV or TSV with a column area or diameter; a glob joins several, each its own sections"))
+          "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools.")
+      .output("profiles", "Profiles", "Profile sizes, without outlines")
+      .parameter(Parameter::input_path("path").doc_("CSV or TSV file with a column area or diameter. A glob "
+                                                    "joins several files, each with its own sections."))
       .parameter(Parameter::number("observed_area", 0)
                      .unit_("mm²")
                      .range(0, 1e18)
-                     .doc_("Area in which the profiles were counted, all sections together; 0: unknown, "
-                           "densities are then "
-                           "relative"))
+                     .doc_("Total area, over all sections, in which the profiles were counted. 0: unknown; "
+                           "densities are then relative."))
       .parameter(
           Parameter::choice("unit", "mm", {"mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})
-              .doc_("Unit of length in the file; areas are in its square"))
+              .doc_("Unit of length in the file. Areas are in its square."))
       .compute_(compute);
 }
 

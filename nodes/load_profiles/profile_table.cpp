@@ -21,7 +21,7 @@ std::string trimmed(const std::string& s) {
   return first == std::string::npos ? "" : s.substr(first, last - first + 1);
 }
 
-// Splits at the delimiter outside of double quotes; a blank stands for any run of blanks.
+// Splits at delimiters outside double quotes. A blank as delimiter matches any run of blanks.
 Cells split(const std::string& line, char delimiter) {
   Cells cells(1);
   bool quoted = false;
@@ -48,7 +48,7 @@ char delimiter_of(const std::string& line) {
   return ' ';
 }
 
-// Where commas do not part cells they may be decimal marks.
+// A comma may be a decimal mark unless it separates the cells.
 std::optional<double> number_in(std::string cell, char delimiter) {
   if (delimiter != ',' && cell.find('.') == std::string::npos &&
       std::count(cell.begin(), cell.end(), ',') == 1)
@@ -97,24 +97,23 @@ std::vector<Line> lines_of(const std::string& text) {
 class Table {
  public:
   Table(const std::string& text, std::string file) : file_(std::move(file)), lines_(lines_of(text)) {
-    if (lines_.empty()) throw Error("no-particles", "'" + file_ + "' holds no rows").parameter("path");
+    if (lines_.empty()) throw Error("no-particles", "'" + file_ + "' contains no rows").parameter("path");
     delimiter_ = delimiter_of(trimmed(lines_[0].text));
     Cells header = split(without_end(lines_[0].text), delimiter_);
     bool numbers = true;
     for (const auto& c : header) numbers = numbers && number_in(c, delimiter_).has_value();
     if (numbers) {
       if (header.size() != 1)
-        throw Error(
-            "no-column",
-            "'" + file_ + "' has " + std::to_string(header.size()) + " columns but no line with their names",
-            "write a first line that names a column area or diameter")
+        throw Error("no-column",
+                    "'" + file_ + "' has " + std::to_string(header.size()) + " columns but no header line",
+                    "add a header line that names a column area or diameter")
             .parameter("path");
       header = {"area"};
     } else {
       first_ = 1;
     }
     columns_ = header.size();
-    // Some programs number the rows without naming that column.
+    // Some programs number the rows without a header for that column.
     if (first_ < lines_.size() && split(without_end(lines_[first_].text), delimiter_).size() == columns_ + 1)
       shift_ = 1;
     for (std::size_t i = 0; i < header.size(); ++i) index_.emplace(plain_name(header[i]), i + shift_);
@@ -130,26 +129,26 @@ class Table {
   Cells row(std::size_t i) const {
     Cells cells = split(without_end(lines_[first_ + i].text), delimiter_);
     if (cells.size() != columns_ + shift_)
-      malformed(i, std::to_string(cells.size()) + " cells where " + std::to_string(columns_ + shift_) +
-                       " are expected");
+      malformed(
+          i, std::to_string(cells.size()) + " cells; " + std::to_string(columns_ + shift_) + " are expected");
     return cells;
   }
   double number(const Cells& cells, std::size_t i, std::size_t column) const {
     const auto v = number_in(cells[column], delimiter_);
     if (!v || !std::isfinite(*v))
-      malformed(i, "'" + printable(cells[column]) + "' is no number (column " + name(column) + ")");
+      malformed(i, "'" + printable(cells[column]) + "' is not a number (column " + name(column) + ")");
     return *v;
   }
   int whole(const Cells& cells, std::size_t i, std::size_t column) const {
     const double v = number(cells, i, column);
     if (v < 0 || v != std::floor(v) || v > 1e9)
       malformed(i,
-                "'" + printable(cells[column]) + "' is no whole number from 0 (column " + name(column) + ")");
+                "'" + printable(cells[column]) + "' is not a whole number ≥ 0 (column " + name(column) + ")");
     return static_cast<int>(v);
   }
   [[noreturn]] void malformed(std::size_t i, const std::string& what) const {
     throw Error("malformed-row", file_ + ":" + std::to_string(lines_[first_ + i].number) + ": " + what,
-                "correct the row or remove it")
+                "correct or remove the row")
         .parameter("path");
   }
   std::string name(std::size_t column) const {
@@ -185,8 +184,8 @@ ProfileUnit profile_unit(const std::string& name) {
                                             {"nm", 1e-6}, {"cm", 10},   {"m", 1000}};
   const auto found = mm.find(length);
   if (found == mm.end())
-    throw Error("unknown-unit", "there is no unit '" + name + "'",
-                "known are mm, µm, um, nm, cm, m and their squares")
+    throw Error("unknown-unit", "unknown unit '" + name + "'",
+                "use mm, µm, um, nm, cm, m or one of their squares")
         .parameter("unit");
   return {found->second, found->second * found->second};
 }
@@ -197,11 +196,12 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
   const auto diameter =
       table.column({"diameter", "diameters", "ecd", "equivalentdiameter", "equivdiameter", "eqdiameter"});
   if (!area && !diameter)
-    throw Error("no-column", "'" + file + "' has no column area or diameter, only " + table.names(),
-                "name one of the columns area or diameter")
+    throw Error("no-column",
+                "'" + file + "' has no column area or diameter; its columns are " + table.names(),
+                "name one column area or diameter")
         .parameter("path");
   if (table.rows() == 0)
-    throw Error("no-particles", "'" + file + "' holds no rows below its header").parameter("path");
+    throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");
   const auto section = table.column({"section"}), slice = table.column({"slice"}),
              cls = table.column({"class", "cls"});
   const auto weight = table.column({"weight"}), border = table.column({"touchesborder"});
@@ -214,15 +214,15 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     Profile p;
     const double size = table.number(cells, i, area ? *area : *diameter);
     if (size <= 0)
-      table.malformed(
-          i, "an area or diameter must be above 0, not '" + printable(cells[area ? *area : *diameter]) + "'");
+      table.malformed(i, "an area or diameter must be above 0; it is '" +
+                             printable(cells[area ? *area : *diameter]) + "'");
     p.area = area ? size * unit.area : std::numbers::pi / 4 * size * unit.length * size * unit.length;
     if (section) p.section = table.whole(cells, i, *section);
     if (!section && slice)
       p.section = std::max(0, table.whole(cells, i, *slice) - 1);  // ImageJ counts from 1
     if (cls) p.cls = table.whole(cells, i, *cls);
     if (weight) p.weight = table.number(cells, i, *weight);
-    if (p.weight < 0) table.malformed(i, "a weight must not be below 0");
+    if (p.weight < 0) table.malformed(i, "a weight must be at least 0");
     if (border) p.touches_border = table.whole(cells, i, *border) != 0;
     if (x && y) p.centroid = unit.length * Vec2(table.number(cells, i, *x), table.number(cells, i, *y));
     if (r && g && b)

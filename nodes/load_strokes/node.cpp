@@ -10,12 +10,13 @@ namespace {
 void compute(Context& c) {
   const auto& files = c.files("path");
   if (files.size() != 1)
-    throw Error("several-files", fmt::format("{} files match", files.size()), "name one file")
+    throw Error("several-files", fmt::format("path matches {} files", files.size()), "name a single file")
         .parameter("path");
   const std::string extension = files[0].extension().string();
   const bool svg = extension == ".svg" || extension == ".SVG";
   if (!svg && extension != ".yaml" && extension != ".yml")
-    throw Error("unknown-format", "strokes are read from .svg, .yaml and .yml, not from '" + extension + "'")
+    throw Error("unknown-format",
+                "strokes are read from .svg, .yaml and .yml files, not from '" + extension + "'")
         .parameter("path");
   Strokes out;
   try {
@@ -30,7 +31,7 @@ void compute(Context& c) {
     for (auto& part : s.parts)
       for (auto& p : part) p *= scale;
   }
-  if (out.strokes.empty()) c.warn("the file holds no strokes");
+  if (out.strokes.empty()) c.warn("the file contains no strokes");
   c.metric("strokes", static_cast<double>(out.strokes.size()));
   c.output("strokes", std::move(out));
 }
@@ -39,18 +40,18 @@ void compute(Context& c) {
 
 NodeType load_strokes_node() {
   return NodeType("LoadStrokes", 1)
-      .doc_("Strokes for TextureNib from an SVG drawing or a YAML list")
+      .doc_("Reads strokes for TextureNib from an SVG drawing or a YAML list.")
       .source_("SVG 1.1, sections 7 to 9 and F.6")
-      .output("strokes", "Strokes", "in the order of the file")
-      .parameter(
-          Parameter::input_path("path").doc_("An .svg drawing: lines of half their stroke's width, filled "
-                                             "shapes without a stroke as areas; or a .yaml list of "
-                                             "{radius, points} and {area: true, points}"))
+      .output("strokes", "Strokes", "Strokes, in file order")
+      .parameter(Parameter::input_path("path").doc_(
+          "An .svg drawing or a .yaml list. SVG shapes with a stroke become lines with a nib radius of half "
+          "the stroke width; shapes with only a fill become areas. A .yaml file lists {radius, points} and "
+          "{area: true, points}."))
       .parameter(Parameter::number("scale", 1)
                      .above(0)
                      .range(1e-6, 1e6)
                      .unit_("pixels")
-                     .doc_("Of one unit in the file"))
+                     .doc_("Size of one unit of the file"))
       .compute_(compute);
 }
 

@@ -1,4 +1,4 @@
-// Strokes from files. Both readers throw Error "too-large" if the strokes would exceed the budget.
+// Strokes from files. Both readers throw Error "too-large" if the strokes would exceed the memory budget.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,15 @@
 
 namespace terrazzo::load_strokes {
 
-// A list `strokes` of {radius, points} and {area: true, points} or {area: true, parts}, points as [x, y]; or
-// of words as in the Strokes node. Throws Error "bad-strokes-file" with the line, "unreadable-file".
+// Reads a list `strokes` of {radius, points}, {area: true, points} or {area: true, parts}, with points as [x,
+// y], or of text entries as in the Strokes node. Throws Error "bad-strokes-file" with the line,
+// "unreadable-file".
 Strokes read_yaml(const std::filesystem::path&, const Reading& = {});
 
-// Paths, polylines, polygons, lines, rectangles, circles and ellipses, in the order of the file, transforms
-// and viewBox applied. What has a stroke is a line of half the stroke's width for each of its subpaths
-// (curves as chords no farther than 0.1 units off), else what is filled is an area; what has neither, or is
-// not displayed, is left out, and so are text, pictures and what stands in <defs>. Throws Error
+// Reads paths, polylines, polygons, lines, rectangles, circles and ellipses in file order, with transforms
+// and viewBox applied. A shape with a stroke becomes one line per subpath, with half the stroke's width as
+// radius; curves become chords within 0.1 units of the curve. A shape with only a fill becomes an area.
+// Shapes with neither, hidden shapes, text, images and the content of <defs> are ignored. Throws Error
 // "bad-strokes-file", "unreadable-file".
 Strokes read_svg(const std::filesystem::path&, const Reading& = {});
 

@@ -17,7 +17,8 @@ Error bad(const std::string& what) {
   return Error("bad-strokes-file", what, "save the drawing as plain SVG with paths in pixels");
 }
 
-// A length in user units; units other than px by SVG's 96 to the inch. Percentages and nonsense: `none`.
+// A length in user units; units other than px are converted at SVG's 96 px per inch. Returns `none` for
+// percentages and invalid text.
 double length(const std::string& text, double none) {
   try {
     std::size_t used = 0;
@@ -67,7 +68,7 @@ Affine transform_of(const std::string& text) {
     else if (name == "skewY" && !v.empty())
       t.matrix()(1, 0) = std::tan(deg(v[0]));
     else
-      throw bad(fmt::format("the transform '{}' cannot be read", printable(text)));
+      throw bad(fmt::format("cannot read the transform '{}'", printable(text)));
     out = out * t;
     at = close + 1;
   }
@@ -102,7 +103,7 @@ Style style_of(Style s, const pugi::xml_node& n) {
   return s;
 }
 
-// The subpaths of one element in its own units.
+// The subpaths of one element, in the element's own units.
 std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double tolerance, std::size_t most) {
   const std::string name = n.name();
   const auto value = [&](const char* a) { return length(n.attribute(a).value(), 0); };
@@ -140,7 +141,7 @@ std::vector<std::vector<Vec2>> outlines_of(const pugi::xml_node& n, double toler
 
 void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inherited, int depth,
              std::size_t& left, Strokes& out) {
-  if (depth > 200) throw bad("groups are nested more than 200 deep");
+  if (depth > 200) throw bad("groups are nested more than 200 levels deep");
   for (const auto& n : parent.children()) {
     const std::string name = n.name();
     if (n.type() != pugi::node_element || name == "defs" || name == "symbol" || name == "clipPath" ||
@@ -154,7 +155,7 @@ void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inh
     std::size_t points = 0;
     for (const auto& line : outlines) points += line.size();
     if (points > left)
-      throw Error("too-large", "the drawing has more points than memory holds", "simplify it");
+      throw Error("too-large", "the drawing has more points than fit in memory", "simplify the drawing");
     left -= points;
     for (auto& line : outlines)
       for (auto& p : line) p = t * p;
@@ -178,21 +179,21 @@ void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inh
 }  // namespace
 
 Strokes read_svg(const std::filesystem::path& file, const Reading& reading) {
-  // The text, and the document, whose smallest element is four characters and 64 bytes.
+  // Covers the text and the document, whose smallest element has four characters and uses 64 bytes.
   const std::string text = read_whole(file, reading);
   require_memory(20.0 * static_cast<double>(text.size()), reading.memory,
                  "the drawing '" + file.string() + "'");
   pugi::xml_document document;
   const auto result = document.load_buffer(text.data(), text.size());
-  if (!result) throw bad(fmt::format("no XML: {} at byte {}", result.description(), result.offset));
+  if (!result) throw bad(fmt::format("not valid XML: {} at byte {}", result.description(), result.offset));
   const pugi::xml_node svg = document.child("svg");
-  if (!svg) throw bad("the file holds no <svg>");
+  if (!svg) throw bad("the file contains no <svg> element");
   Affine view = Affine::Identity();
   const auto box = numbers(svg.attribute("viewBox").value());
   if (box.size() == 4 && box[2] > 0 && box[3] > 0) {
     const double w = length(svg.attribute("width").value(), box[2]),
                  h = length(svg.attribute("height").value(), box[3]);
-    // preserveAspectRatio's default: as large as fits, in the middle.
+    // The default of preserveAspectRatio: as large as fits, centered.
     const double by = std::min(w / box[2], h / box[3]);
     view.translate(Vec2((w - by * box[2]) / 2, (h - by * box[3]) / 2))
         .scale(by)

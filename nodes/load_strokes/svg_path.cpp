@@ -25,7 +25,7 @@ class Scanner {
     return at_ >= end_;
   }
   std::size_t position() const { return static_cast<std::size_t>(at_ - begin_); }
-  // The next letter, or 0 where a number follows.
+  // The next letter, or 0 if a number follows.
   char letter() {
     skip();
     return at_ < end_ && std::isalpha(static_cast<unsigned char>(*at_)) ? *at_++ : '\0';
@@ -38,7 +38,7 @@ class Scanner {
     at_ = r.ptr;
     return true;
   }
-  bool flag(bool& out) {  // may stand against the next number
+  bool flag(bool& out) {  // needs no separator from the next number
     skip();
     if (at_ >= end_ || (*at_ != '0' && *at_ != '1')) return false;
     out = *at_++ == '1';
@@ -49,14 +49,14 @@ class Scanner {
   const char *at_, *begin_, *end_;
 };
 
-// At least 1 and at most `most`, whatever infinite or undefined number comes of huge coordinates.
+// At least 1 and at most `most`, even if huge coordinates make `wanted` infinite or NaN.
 int steps(double wanted, int most) {
   return wanted > 1 ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : 1;
 }
 
 void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d,
            double tolerance) {
-  // Chords of a curve with |second derivative| ≤ m in n steps are off by m / (8 n²) at most.
+  // n chords of a curve with |second derivative| ≤ m deviate by at most m / (8 n²).
   const double m = 6 * std::max((a - 2 * b + c).norm(), (b - 2 * c + d).norm());
   const int n = steps(std::sqrt(m / (8 * tolerance)), 1000);
   for (int i = 1; i <= n; ++i) {
@@ -133,7 +133,7 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
     Vec2 a, b, c;
     switch (kind) {
       case 'M':
-        if (!point(a)) return fail("no point");
+        if (!point(a)) return fail("a point is missing");
         at = first = a, open = false;
         line();
         break;
@@ -142,7 +142,7 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
       case 'V': {
         a = at;
         double d = 0;
-        if (kind == 'L' ? !point(a) : !in.number(d)) return fail("no point");
+        if (kind == 'L' ? !point(a) : !in.number(d)) return fail("a coordinate is missing");
         if (kind == 'H') a.x() = origin.x() + d;
         if (kind == 'V') a.y() = origin.y() + d;
         line().push_back(a), at = a;
@@ -151,13 +151,13 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
       case 'C':
       case 'S':
         a = kind == 'S' && (before == 'C' || before == 'S') ? Vec2(2 * at - control) : at;
-        if ((kind == 'C' && !point(a)) || !point(b) || !point(c)) return fail("no point");
+        if ((kind == 'C' && !point(a)) || !point(b) || !point(c)) return fail("a point is missing");
         cubic(line(), at, a, b, c, tolerance), control = b, at = c;
         break;
       case 'Q':
       case 'T':
         a = kind == 'T' && (before == 'Q' || before == 'T') ? Vec2(2 * at - control) : at;
-        if ((kind == 'Q' && !point(a)) || !point(c)) return fail("no point");
+        if ((kind == 'Q' && !point(a)) || !point(c)) return fail("a point is missing");
         cubic(line(), at, at + 2.0 / 3 * (a - at), c + 2.0 / 3 * (a - c), c, tolerance), control = a, at = c;
         break;
       case 'A': {
@@ -166,7 +166,7 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
         bool large = false, sweep = false;
         if (!in.number(radii.x()) || !in.number(radii.y()) || !in.number(turn) || !in.flag(large) ||
             !in.flag(sweep) || !point(c))
-          return fail("no arc");
+          return fail("an arc is incomplete");
         auto& points = line();
         for (const auto& p : arc_points(at, radii, turn, large, sweep, c, tolerance)) points.push_back(p);
         at = c;

@@ -11,18 +11,18 @@ std::string where(const YAML::Node& n) { return fmt::format("line {}", n.Mark().
 
 Error bad(const std::string& what) {
   return Error("bad-strokes-file", what,
-               "each entry is {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
+               "write each entry as {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
 
-// `left`: how many points may still be made. A list may be named and repeated, so that a small file can hold
-// any number.
+// `left` is the number of points that may still be created. YAML aliases can repeat a list, so a small file
+// can contain any number.
 std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
-  if (!n.IsSequence()) throw bad(where(n) + ": points are a list of [x, y]");
+  if (!n.IsSequence()) throw bad(where(n) + ": points must be a list of [x, y]");
   std::vector<Vec2> out;
   for (const auto& p : n) {
     if (left-- == 0)
-      throw Error("too-large", "the strokes have more points than memory holds", "leave some out");
-    if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point is [x, y]");
+      throw Error("too-large", "the strokes have more points than fit in memory", "remove some strokes");
+    if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point must be [x, y]");
     out.emplace_back(p[0].as<double>(), p[1].as<double>());
   }
   return out;
@@ -30,7 +30,7 @@ std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
 
 Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
   if (n.IsScalar()) return strokes::read_stroke(n.Scalar());
-  if (!n.IsMap()) throw bad(where(n) + ": a stroke is a map or a line of words");
+  if (!n.IsMap()) throw bad(where(n) + ": a stroke must be a map or a line of text");
   Stroke s;
   for (const auto& entry : n) {
     const auto key = entry.first.as<std::string>();
@@ -42,10 +42,10 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
       s.parts.push_back(points_of(entry.second, left));
     else if (key == "parts") {
       if (!entry.second.IsSequence())
-        throw bad(where(entry.second) + ": parts are a list of lists of points");
+        throw bad(where(entry.second) + ": parts must be a list of lists of points");
       for (const auto& part : entry.second) s.parts.push_back(points_of(part, left));
     } else {
-      throw bad(fmt::format("{}: a stroke has no '{}'", where(entry.first), printable(key)));
+      throw bad(fmt::format("{}: unknown stroke field '{}'", where(entry.first), printable(key)));
     }
   }
   try {
@@ -59,7 +59,7 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
 }  // namespace
 
 Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
-  // A node of the document takes two characters and some 300 bytes.
+  // A node of the document has at least two characters and uses about 300 bytes.
   const std::string text = read_whole(file, reading);
   require_memory(200.0 * static_cast<double>(text.size()), reading.memory,
                  "the strokes in '" + file.string() + "'");
@@ -67,7 +67,7 @@ Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   try {
     const YAML::Node root = YAML::Load(text);
     const YAML::Node list = root.IsMap() ? root["strokes"] : root;
-    if (!list || !list.IsSequence()) throw bad("there is no list 'strokes'");
+    if (!list || !list.IsSequence()) throw bad("the list 'strokes' is missing");
     Strokes out;
     for (const auto& n : list) out.strokes.push_back(stroke_of(n, left));
     return out;

@@ -20,7 +20,7 @@ namespace {
 struct Slice {
   std::filesystem::path path;
   int width = 0, height = 0, frames = 1;
-  Vec3 origin, across, down;  // patient's coordinates: to the left, to the back, to the head; mm
+  Vec3 origin, across, down;  // patient coordinates: to the left, to the back, to the head; mm
   double dx = 0, dy = 0, dz = 0;
   bool has_rescale = false, has_place = false;
   double slope = 1, intercept = 0;
@@ -28,7 +28,7 @@ struct Slice {
   std::vector<float> values;
 };
 
-// DCMTK's decoders of compressed pixels, taken back at the program's end.
+// DCMTK's decoders for compressed pixels, unregistered at program exit.
 struct Decoders {
   Decoders() {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
@@ -45,7 +45,7 @@ struct Decoders {
 
 Error unreadable(const std::filesystem::path& path, const std::string& why) {
   return Error("unreadable-volume", "'" + path.string() + "' cannot be read as DICOM: " + why,
-               "check that the file is whole");
+               "check that the file is complete");
 }
 
 std::string text_of(DcmItem& set, const DcmTagKey& tag) {
@@ -53,7 +53,7 @@ std::string text_of(DcmItem& set, const DcmTagKey& tag) {
   return set.findAndGetOFStringArray(tag, value, OFTrue).good() ? std::string(value.c_str()) : std::string();
 }
 
-// The first `count` numbers of an element, wherever it lies; false where there are fewer.
+// The first `count` numbers of an element at any nesting level. Returns false if there are fewer.
 bool numbers_of(DcmItem& set, const DcmTagKey& tag, int count, double* out) {
   for (int k = 0; k < count; ++k) {
     Float64 v = 0;
@@ -69,7 +69,7 @@ int whole_of(DcmItem& set, const DcmTagKey& tag, int otherwise) {
   return set.findAndGetUint16(tag, v).good() ? int(v) : otherwise;
 }
 
-// Stored numbers lie in the lower bits, the highest of them their sign where they have one.
+// The stored number is in the lower `count` bits; the highest of them is the sign if has_sign.
 float stored_number(std::uint32_t bits, int count, bool has_sign) {
   const std::uint32_t mask = count >= 32 ? ~0u : (1u << count) - 1;
   bits &= mask;
@@ -82,10 +82,10 @@ void read_pixels(DcmDataset& set, Slice& s) {
             stored = whole_of(set, DCM_BitsStored, allocated);
   const bool has_sign = whole_of(set, DCM_PixelRepresentation, 0) == 1;
   if ((allocated != 8 && allocated != 16) || stored < 1 || stored > allocated)
-    throw Error("not-a-volume", fmt::format("'{}' holds pixels of {} bits, {} of them used", s.path.string(),
-                                            allocated, stored));
+    throw Error("not-a-volume", fmt::format("'{}' contains pixels of {} bits, {} of them used",
+                                            s.path.string(), allocated, stored));
   if (set.chooseRepresentation(EXS_LittleEndianExplicit, nullptr).bad())
-    throw unreadable(s.path, "its pixels are compressed in a way that is not known here");
+    throw unreadable(s.path, "its pixel compression is not supported");
   unsigned long count = 0;
   const Uint8* bytes = nullptr;
   const Uint16* words = nullptr;
@@ -94,12 +94,12 @@ void read_pixels(DcmDataset& set, Slice& s) {
   else
     set.findAndGetUint16Array(DCM_PixelData, words, &count);
   if ((!bytes && !words) || count < s.values.size())
-    throw unreadable(s.path, fmt::format("it holds {} of {} pixels", count, s.values.size()));
+    throw unreadable(s.path, fmt::format("it contains {} of {} pixels", count, s.values.size()));
   for (std::size_t i = 0; i < s.values.size(); ++i)
     s.values[i] = stored_number(bytes ? bytes[i] : words[i], stored, has_sign);
 }
 
-// DCMTK reads sequences by recursion, so that a file of sequences within sequences would exhaust the stack.
+// DCMTK reads sequences recursively, so a file of deeply nested sequences would exhaust the stack.
 void check_nesting(std::string_view content, const std::filesystem::path& path) {
   constexpr std::size_t deepest = 64;
   std::vector<std::size_t> ends;
@@ -119,7 +119,7 @@ void check_nesting(std::string_view content, const std::filesystem::path& path) 
   }
 }
 
-// What DCMTK takes for the file itself; a deflated one is unpacked as it is read.
+// Checks the memory that DCMTK needs for the file itself. A deflated file is decompressed as it is read.
 void check_file(const std::filesystem::path& path, const Reading& reading) {
   constexpr double deflate = 1032;
   const std::string content = read_whole(path, reading);
@@ -138,9 +138,9 @@ Slice read_slice(const std::filesystem::path& path, const Reading& reading) {
   Slice s;
   s.path = path;
   s.width = whole_of(set, DCM_Columns, 0), s.height = whole_of(set, DCM_Rows, 0);
-  if (s.width < 1 || s.height < 1) throw unreadable(path, "it holds no picture");
+  if (s.width < 1 || s.height < 1) throw unreadable(path, "it contains no image");
   if (whole_of(set, DCM_SamplesPerPixel, 1) != 1)
-    throw Error("not-a-volume", "'" + path.string() + "' is a colour picture, not a scan");
+    throw Error("not-a-volume", "'" + path.string() + "' is a color image, not a scan");
   if (Sint32 frames = 0; set.findAndGetSint32(DCM_NumberOfFrames, frames).good() && frames > 1)
     s.frames = frames;
   double place[3], cosines[6] = {1, 0, 0, 0, 1, 0}, spacing[2];
@@ -148,8 +148,9 @@ Slice read_slice(const std::filesystem::path& path, const Reading& reading) {
   numbers_of(set, DCM_ImageOrientationPatient, 6, cosines);
   for (int k = 0; k < 3; ++k)
     s.origin[k] = s.has_place ? place[k] : 0, s.across[k] = cosines[k], s.down[k] = cosines[k + 3];
-  if (s.across.cross(s.down).norm() < 0.5) throw unreadable(path, "its rows and columns have no direction");
-  // Rows' distance comes first.
+  if (s.across.cross(s.down).norm() < 0.5)
+    throw unreadable(path, "its row and column directions are invalid");
+  // The spacing of the rows comes first.
   if (numbers_of(set, DCM_PixelSpacing, 2, spacing)) s.dy = spacing[0], s.dx = spacing[1];
   if (!numbers_of(set, DCM_SpacingBetweenSlices, 1, &s.dz)) numbers_of(set, DCM_SliceThickness, 1, &s.dz);
   s.dz = std::abs(s.dz);
@@ -160,13 +161,13 @@ Slice read_slice(const std::filesystem::path& path, const Reading& reading) {
   if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
   check_plausible(2 * count, path);
   require_memory((sizeof(Uint16) + 2 * sizeof(float)) * count, reading.memory, "'" + path.string() + "'");
-  if (!set.tagExists(DCM_PixelData)) throw unreadable(path, "it holds no pixels");
+  if (!set.tagExists(DCM_PixelData)) throw unreadable(path, "it contains no pixels");
   s.values.resize(static_cast<std::size_t>(count));
   read_pixels(set, s);
   return s;
 }
 
-// Sorts by the place along the slices' normal and gives their distance; mm.
+// Sorts the slices by their position along the normal and returns their spacing in mm.
 double order(std::vector<Slice>& slices, const Vec3& normal, LoadedScan& scan) {
   std::stable_sort(slices.begin(), slices.end(), [&](const Slice& a, const Slice& b) {
     return a.origin.dot(normal) < b.origin.dot(normal);
@@ -175,22 +176,22 @@ double order(std::vector<Slice>& slices, const Vec3& normal, LoadedScan& scan) {
   for (const Slice& s : slices) at.push_back(s.origin.dot(normal));
   const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
   if (!(step > 1e-6))
-    throw Error("missing-slices", fmt::format("the {} slices all lie in one place", slices.size()),
-                "give the slices of one volume");
+    throw Error("missing-slices", fmt::format("all {} slices have the same position", slices.size()),
+                "use the slices of one volume");
   double worst = 0;
   for (std::size_t i = 1; i < at.size(); ++i) {
     const double gap = at[i] - at[i - 1];
     if (gap > 1.5 * step || gap < 0.5 * step)
       throw Error(
           "missing-slices",
-          fmt::format("between '{}' and '{}' lie {:.4g} mm, {:.4g} mm on average",
+          fmt::format("'{}' and '{}' are {:.4g} mm apart; the average spacing is {:.4g} mm",
                       slices[i - 1].path.filename().string(), slices[i].path.filename().string(), gap, step),
-          "give every slice of the series once");
+          "include every slice of the series exactly once");
     worst = std::max(worst, std::abs(gap - step));
   }
   if (worst > 0.02 * step)
-    scan.notes.push_back(
-        fmt::format("distances of slices differ by up to {:.2g} mm from {:.4g} mm", worst, step));
+    scan.notes.push_back(fmt::format(
+        "the slice spacing deviates by up to {:.2g} mm from its average of {:.4g} mm", worst, step));
   return step;
 }
 
@@ -211,7 +212,7 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     work.check();
     try {
       slices.push_back(read_slice(path, reading));
-      // A slice stays, and becomes part of the volume and of its turned copy.
+      // A slice stays in memory; its values are also in the volume and in the reoriented copy.
       reading.memory -=
           std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * slices.back().values.size());
     } catch (const Error&) {
@@ -222,15 +223,15 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     const Slice &first = slices.front(), &s = slices.back();
     if (s.series != first.series)
       throw Error("mixed-series",
-                  "'" + paths[0].string() + "' and '" + path.string() + "' are of different series",
-                  "name the files of one series");
+                  "'" + paths[0].string() + "' and '" + path.string() + "' belong to different series",
+                  "use the files of one series");
     if (s.width != first.width || s.height != first.height || (s.frames > 1 && paths.size() > 1) ||
         (s.across - first.across).norm() > 1e-3 || (s.down - first.down).norm() > 1e-3 ||
         std::abs(s.dx - first.dx) > 1e-4 || std::abs(s.dy - first.dy) > 1e-4)
       throw Error(
           "mixed-series",
-          "'" + path.string() + "' has another size, scale or direction than '" + paths[0].string() + "'",
-          "name the files of one series");
+          "'" + path.string() + "' differs in size, scale or direction from '" + paths[0].string() + "'",
+          "use the files of one series");
     work.progress(static_cast<double>(slices.size()) / static_cast<double>(paths.size()));
   }
   LoadedScan scan;
@@ -241,13 +242,13 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
   if (slices.size() > 1) {
     for (const Slice& s : slices)
       if (!s.has_place)
-        throw Error("missing-slices", "'" + s.path.string() + "' does not say where its slice lies",
-                    "convert the series with a program that knows its scanner");
+        throw Error("missing-slices", "'" + s.path.string() + "' contains no slice position",
+                    "convert the series with software that supports the scanner");
     const double step = order(slices, normal, scan);
     scan.spacing.z() = step;
   }
   allocate(scan, paths[0].string(), given);
-  // Each slice has a rescale of its own (as PET does); values leave here rescaled.
+  // Each slice may have its own rescale (as in PET), so the values are rescaled here.
   bool rescaled = true;
   std::size_t at = 0;
   for (const Slice& s : slices) {
@@ -255,7 +256,7 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     for (const float v : s.values) scan.values[at++] = static_cast<float>(s.slope * v + s.intercept);
   }
   if (rescaled) scan.slope = 1, scan.intercept = 0;
-  Mat3 axes;  // the patient's left and back are our −x and −y
+  Mat3 axes;  // the patient's left and back are −x and −y here
   const Vec3 to_ours(-1, -1, 1);
   axes << to_ours.cwiseProduct(first.across), to_ours.cwiseProduct(first.down), to_ours.cwiseProduct(normal);
   align_axes(scan, axes);

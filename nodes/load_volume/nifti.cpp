@@ -14,10 +14,10 @@ namespace {
 
 Error unreadable(const std::filesystem::path& path, const std::string& why) {
   return Error("unreadable-volume", "'" + path.string() + "' cannot be read as NIfTI: " + why,
-               "check that the file is whole");
+               "check that the file is complete");
 }
 
-// Stored numbers to float; false for types that are no single number.
+// Converts stored numbers to float. The converter is null for types that are not a single number.
 template <class T>
 void convert(const std::vector<char>& bytes, std::vector<float>& out, std::size_t first) {
   const std::size_t n = bytes.size() / sizeof(T);
@@ -62,10 +62,10 @@ struct Header {
   std::unique_ptr<void, void (*)(void*)> bytes;
 };
 
-// The library allocates what extensions ask for, up to where the voxels begin, so that place must lie in the
-// file.
+// The library allocates whatever the extensions claim, up to the offset of the voxels, so that offset must be
+// within the file.
 void check_header(const std::filesystem::path& path) {
-  constexpr double deflate = 1032;  // bytes that one compressed byte can stand for
+  constexpr double deflate = 1032;  // the most bytes that one compressed byte can expand to
   const Header header(path);
   if (!header.bytes) throw unreadable(path, "it has no valid header");
   if (header.version != 1 && header.version != 2) return;
@@ -73,11 +73,11 @@ void check_header(const std::filesystem::path& path) {
       header.version == 2
           ? static_cast<double>(static_cast<const nifti_2_header*>(header.bytes.get())->vox_offset)
           : static_cast<double>(static_cast<const nifti_1_header*>(header.bytes.get())->vox_offset);
-  // The library prints this to the terminal, whatever its debug level.
+  // Check the type here, since the library reports a bad one on the terminal at any debug level.
   const int type = header.version == 2 ? static_cast<const nifti_2_header*>(header.bytes.get())->datatype
                                        : static_cast<const nifti_1_header*>(header.bytes.get())->datatype;
   if (!nifti_is_valid_datatype(type) || type == DT_UNKNOWN || type == DT_BINARY)
-    throw unreadable(path, fmt::format("its numbers are of the unknown type {}", type));
+    throw unreadable(path, fmt::format("its data type {} is unknown", type));
   double size = 0;
   bool packed = false;
   auto files = nifti_companions(path);
@@ -90,7 +90,7 @@ void check_header(const std::filesystem::path& path) {
     throw unreadable(path, fmt::format("its voxels begin at byte {:.0f} of {:.0f}", begin, size));
 }
 
-// The library puts 1 if the header says nothing, so the header itself is asked.
+// The library returns 1 if the header has no spacing, so read the header itself.
 bool has_spacing(const std::filesystem::path& path) {
   const Header found(path);
   const int version = found.version;
@@ -111,7 +111,7 @@ Mat3 axes_of(const nifti_image& n) {
       m(i, j) = n.sform_code > 0   ? n.sto_xyz.m[i][j]
                 : n.qform_code > 0 ? n.qto_xyz.m[i][j]
                                    : (i == j ? 1.0 : 0.0);
-  // The space is right, front (anterior), head: NIfTI's own.
+  // The axes point right, to the front (anterior) and to the head, as in NIfTI.
   return m;
 }
 
@@ -119,7 +119,7 @@ Mat3 axes_of(const nifti_image& n) {
 
 namespace {
 
-// Whether it is one half of a pair, by its name.
+// Whether the name is that of one half of a pair.
 bool is_nifti_half(const std::filesystem::path& path) {
   std::string name = path.filename().string();
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -144,13 +144,13 @@ bool is_nifti(const std::filesystem::path& path) {
   if (ends(".nii", ".NII") || ends(".nii.gz", ".NII.GZ") || ends(".hdr.gz", ".HDR.GZ") ||
       ends(".img.gz", ".IMG.GZ"))
     return true;
-  // A Radiance picture may be called .hdr, and anything .img.
+  // A Radiance image may also be named .hdr, and any file .img.
   if (!ends(".hdr", ".HDR") && !ends(".img", ".IMG")) return false;
   return ends(".hdr", ".HDR") ? is_nifti_header(path) : !nifti_companions(path).empty();
 }
 
 std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path& path) {
-  nifti_set_debug_level(0);  // it would print
+  nifti_set_debug_level(0);  // otherwise it prints to the terminal
   using Name = std::unique_ptr<char, void (*)(void*)>;
   if (path.extension() == ".nii" || path.extension() == ".NII" || !is_nifti_half(path)) return {};
   const Name header(nifti_findhdrname(path.c_str()), free);
@@ -163,7 +163,7 @@ std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&
 }
 
 LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const Reading& reading) {
-  nifti_set_debug_level(0);  // it would print
+  nifti_set_debug_level(0);  // otherwise it prints to the terminal
   check_header(path);
   const std::unique_ptr<nifti_image, void (*)(nifti_image*)> image(nifti_image_read(path.c_str(), 0),
                                                                    nifti_image_free);
@@ -171,14 +171,14 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
   const nifti_image& n = *image;
   for (int k = 4; k <= 7; ++k)
     if (n.dim[0] >= k && n.dim[k] > 1)
-      throw Error("not-a-volume", fmt::format("'{}' holds {} volumes", path.string(), n.dim[k]),
+      throw Error("not-a-volume", fmt::format("'{}' contains {} volumes", path.string(), n.dim[k]),
                   "extract one of them");
   const Convert to_float = converter(n.datatype);
   if (!to_float)
     throw Error("not-a-volume",
-                fmt::format("'{}' holds {}, not one number a voxel", path.string(),
+                fmt::format("'{}' contains {}, not one number per voxel", path.string(),
                             nifti_datatype_to_string(n.datatype)),
-                "convert it");
+                "convert it to a scalar type");
   LoadedScan s;
   for (int k = 0; k < 3; ++k) {
     const auto edge = n.dim[0] > k ? n.dim[k + 1] : 1;
@@ -189,7 +189,7 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     check_plausible(s.size.cast<double>().prod() * n.nbyper, n.iname ? n.iname : path.c_str());
   allocate(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
 
-  // Not nifti_image_load: it would turn NaN into 0 without a word.
+  // Not nifti_image_load, which silently replaces NaN by 0.
   const auto close = [](znzptr* f) {
     znzFile open = f;
     Xznzclose(&open);
@@ -198,7 +198,7 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
       n.iname ? znzopen(n.iname, "rb", nifti_is_gzfile(n.iname)) : nullptr, close);
   if (!file || n.iname_offset < 0 ||
       znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
-    throw unreadable(path, "there are no voxels");
+    throw unreadable(path, "the file contains no voxels");
   std::vector<char> slab;
   const std::size_t plane = static_cast<std::size_t>(s.size.x()) * s.size.y();
   for (int z = 0; z < s.size.z(); ++z) {
@@ -211,16 +211,16 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     to_float(slab, s.values, plane * static_cast<std::size_t>(z));
     work.progress(static_cast<double>(z + 1) / s.size.z());
   }
-  // A compressed file ends with a checksum, which is compared once everything was read.
+  // A compressed file ends with a checksum, which zlib verifies only once all data is read.
   slab.resize(1 << 16);
   for (int block = 0; block < 16384; ++block) {
     const auto read = znzread(slab.data(), 1, slab.size(), file.get());
-    if (read > slab.size()) throw unreadable(path, "its compressed data is damaged or cut short");
+    if (read > slab.size()) throw unreadable(path, "its compressed data is damaged or truncated");
     if (read == 0) break;
     work.check();
   }
   znzFile last = file.release();
-  if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is cut short");
+  if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is truncated");
   if (n.scl_slope != 0) s.slope = n.scl_slope, s.intercept = n.scl_inter;
   const double unit = n.xyz_units == NIFTI_UNITS_METER ? 1000 : n.xyz_units == NIFTI_UNITS_MICRON ? 0.001 : 1;
   const Mat3 axes = axes_of(n);

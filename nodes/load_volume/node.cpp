@@ -19,8 +19,9 @@ using namespace load_volume;
 LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work, const Reading& reading) {
   if (is_nifti(files[0])) {
     if (files.size() > 1)
-      throw Error("several-files", fmt::format("{} NIfTI files, each a volume of its own", files.size()),
-                  "name one of them")
+      throw Error("several-files",
+                  fmt::format("path matches {} NIfTI files, each a separate volume", files.size()),
+                  "name a single file")
           .parameter("path");
     return read_nifti(files[0], work, reading);
   }
@@ -31,24 +32,23 @@ Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
   if (c.keyword("spacing").empty()) {
     const auto s = c.numbers("spacing");
     if (s.size() == 2)
-      throw Error("bad-spacing", "a spacing is one number, or one for each of x, y and z",
-                  "write 1 or 3 numbers")
+      throw Error("bad-spacing", "spacing has two numbers", "write one number, or three for x, y and z")
           .parameter("spacing");
     return s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
   }
   if (!scan.spacing.allFinite() || scan.spacing.minCoeff() <= 0)
-    throw Error("no-spacing", "the file does not say how large its voxels are", "write `spacing`, in mm")
+    throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
   return scan.spacing;
 }
 
-// Slope and intercept, from parameters where written, else from the file.
+// Applies slope and intercept from the parameters if set, else from the file.
 void rescale(Context& c, LoadedScan& scan) {
   const bool own_slope = c.keyword("slope").empty(), own_intercept = c.keyword("intercept").empty();
   const double slope = own_slope ? c.number("slope") : scan.slope.value_or(1);
   const double intercept = own_intercept ? c.number("intercept") : scan.intercept.value_or(0);
   if (!scan.slope && !own_slope && !own_intercept)
-    c.warn("the file says nothing of a rescale: stored numbers are taken for values as they are");
+    c.warn("the file contains no rescale: stored numbers are used unchanged");
   std::size_t bad = 0, first = 0;
   for (std::size_t i = 0; i < scan.values.size(); ++i) {
     if (i % (1u << 22) == 0) c.work().check();
@@ -66,17 +66,17 @@ void rescale(Context& c, LoadedScan& scan) {
       .parameter("path");
 }
 
-// Reports and glTF hold UTF-8 alone.
+// Reports and glTF files require UTF-8.
 void make_names_valid(Context& c, Volume& volume) {
   std::set<std::string> names;
   for (const auto& grid : volume.grids) {
     const std::string name = valid_utf8(grid->getName());
     if (name != grid->getName()) {
-      c.warn("a grid's name is not UTF-8: it is called " + name);
-      std::const_pointer_cast<openvdb::GridBase>(grid)->setName(name);  // nobody else holds it yet
+      c.warn("a grid name is not UTF-8: the grid is renamed " + name);
+      std::const_pointer_cast<openvdb::GridBase>(grid)->setName(name);  // no one else holds the grid yet
     }
     if (!names.insert(name).second)
-      throw Error("unreadable-volume", "two grids are named '" + name + "'", "give each a name of its own")
+      throw Error("unreadable-volume", "two grids are named '" + name + "'", "give each grid a unique name")
           .parameter("path");
   }
 }
@@ -86,11 +86,13 @@ void compute(Context& c) {
   const std::string name = c.text("grid");
   if (is_vdb(files[0])) {
     if (files.size() > 1)
-      throw Error("several-files", fmt::format("{} OpenVDB files, each a volume of its own", files.size()),
-                  "name one of them")
+      throw Error("several-files",
+                  fmt::format("path matches {} OpenVDB files, each a separate volume", files.size()),
+                  "name a single file")
           .parameter("path");
     if (c.keyword("spacing").empty() || c.keyword("slope").empty() || c.keyword("intercept").empty())
-      c.warn("spacing, slope and intercept do not apply to OpenVDB files, which carry their own transform");
+      c.warn(
+          "spacing, slope and intercept have no effect on OpenVDB files, which contain their own transform");
     Volume volume = read_vdb(files[0], name, reading_of(c));
     make_names_valid(c, volume);
     c.output("volume", std::move(volume));
@@ -118,29 +120,28 @@ void compute(Context& c) {
 
 NodeType load_volume_node() {
   return NodeType("LoadVolume", 2)
-      .doc_("Reads a volume: OpenVDB, NIfTI, a DICOM series, or a stack of grey pictures")
+      .doc_("Reads a volume: OpenVDB, NIfTI, a DICOM series, or a stack of gray images.")
       .source_("OpenVDB, libnifti, DCMTK, OpenImageIO")
       .output("volume", "Volume",
-              "a scan has one grid of floats in Hounsfield units (or what its rescale gives); x to the "
-              "right, y to "
-              "the front, z to the head. An OpenVDB file's grids come as they are")
-      .parameter(Parameter::input_path("path").doc_("The file, or a glob that names the slices of one series "
-                                                    "or stack. The format is told by the content"))
+              "A scan becomes one float grid, in Hounsfield units or the units of its rescale, with x to the "
+              "right, y to the front and z to the head. Grids of an OpenVDB file are returned unchanged.")
+      .parameter(Parameter::input_path("path").doc_("Volume file, or a glob that names the slices of one "
+                                                    "series or stack. The content determines the format."))
       .parameter(Parameter::text("grid", "")
-                     .doc_("OpenVDB: the one grid to read, empty for all. Else the name of the grid, empty "
-                           "for `density`"))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
-              .above(0)
-              .count(1, 3)
-              .unit_("mm")
-              .doc_("Edges of a voxel, one number or three; auto: as the file says. Pictures do not say"))
+                     .doc_("OpenVDB: name of the single grid to read; empty: all grids. Other formats: name "
+                           "of the output grid; empty: density."))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
+                     .above(0)
+                     .count(1, 3)
+                     .unit_("mm")
+                     .doc_("Edge lengths of a voxel, one number or three. auto: from the file; image stacks "
+                           "contain no spacing."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "slope", "auto")
                      .range(-1e12, 1e12)
-                     .doc_("value = slope · stored + intercept; auto: as the file says, else 1"))
+                     .doc_("Factor in value = slope · stored + intercept. auto: from the file, else 1."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "intercept", "auto")
                      .range(-1e12, 1e12)
-                     .doc_("auto: as the file says, else 0"))
+                     .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
       .companion_files_([](const std::filesystem::path& path) {
         return is_vdb(path) || is_dicom(path) ? std::vector<std::filesystem::path>() : nifti_companions(path);
       })

@@ -18,7 +18,7 @@ void allocate(LoadedScan& s, const std::string& file, const Reading& reading, do
     throw Error(
         "too-large",
         fmt::format("'{}' is {} × {} × {} voxels, more than 2^31", file, s.size.x(), s.size.y(), s.size.z()),
-        "crop or shrink it first");
+        "crop or downsample it first");
   require_memory(2 * sizeof(float) * voxels + more, reading.memory, "the volume in '" + file + "'");
   s.values.resize(static_cast<std::size_t>(voxels));
 }
@@ -28,13 +28,13 @@ void check_plausible(double bytes, const std::filesystem::path& path) {
   const auto size = std::filesystem::file_size(path, none);
   if (none || bytes <= 2000.0 * static_cast<double>(size) + 1e6) return;
   throw Error("unreadable-volume",
-              fmt::format("'{}' has {} bytes, which cannot hold the {:.3g} bytes of voxels that it speaks of",
+              fmt::format("'{}' has {} bytes, too few for the {:.3g} bytes of voxels in its header",
                           path.string(), size, bytes),
-              "check that the file is whole");
+              "check that the file is complete");
 }
 
 void align_axes(LoadedScan& s, const Mat3& axes) {
-  // The assignment of index axes to axes of space that keeps most of their directions.
+  // Choose the assignment of index axes to axes of space that best preserves their directions.
   static constexpr std::array<std::array<int, 3>, 6> orders = {
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   std::array<int, 3> to = orders[0];  // index axis k becomes axis to[k]
@@ -47,7 +47,7 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
   double worst = 1;
   for (int k = 0; k < 3; ++k) worst = std::min(worst, std::abs(axes(to[k], k)) / axes.col(k).norm());
   if (worst < std::cos(0.0175))
-    s.notes.push_back(fmt::format("its slices are tilted by {:.1f} degrees, which is left out",
+    s.notes.push_back(fmt::format("its slices are tilted by {:.1f} degrees; the tilt is ignored",
                                   std::acos(worst) * 57.2957795));
   std::array<int, 3> from{};
   std::array<bool, 3> flipped{};

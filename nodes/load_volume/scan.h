@@ -1,4 +1,4 @@
-// A scan as files hold it: one number a voxel, with its spacing; and the readers of the formats.
+// A scan as stored in files (one number per voxel and the voxel size), and the readers of its formats.
 #pragma once
 
 #include <filesystem>
@@ -14,40 +14,43 @@ namespace terrazzo::load_volume {
 
 struct LoadedScan {
   Vec3i size = Vec3i::Zero();
-  Vec3 spacing = Vec3::Zero();             // mm; zero where the file does not say
+  Vec3 spacing = Vec3::Zero();             // mm; zero if not in the file
   std::vector<float> values;               // stored numbers, x fastest
-  std::optional<double> slope, intercept;  // of the file's own rescale: value = slope · stored + intercept
-  std::vector<std::string> notes;          // what the user should know
+  std::optional<double> slope, intercept;  // the file's rescale: value = slope · stored + intercept
+  std::vector<std::string> notes;          // warnings for the user
 };
 
-// Makes room for the voxels. Throws Error "too-large" above 2^31 voxels or if they, their turned copy and
-// `more` bytes exceed the budget, and "empty-volume" if an edge is below 1.
+// Allocates the voxels. Throws Error "too-large" above 2^31 voxels or if the voxels, their reoriented copy
+// and `more` bytes exceed the memory budget, and "empty-volume" if an edge is below 1 voxel.
 void allocate(LoadedScan&, const std::string& file, const Reading&, double more = 0);
 
-// Whether a file can hold so many bytes of voxels: no compression in use packs better than 2000 to 1. Throws
-// Error "unreadable-volume" where not, so that a damaged size asks for no memory.
+// Throws Error "unreadable-volume" if the file is too small for that many bytes of voxels: no compression in
+// use exceeds 2000 : 1. This prevents a damaged size from allocating memory.
 void check_plausible(double bytes, const std::filesystem::path&);
 
-// Turns the axes of the array to the nearest ones of space, by swaps and flips alone. Column k of `axes`:
-// where index k leads, in a space with x to the right, y to the front and z to the head. Notes more than 1
-// degree of what is left.
+// Reorders and flips the axes of the array to match the axes of space as closely as possible, without
+// resampling. Column k of `axes` is the direction of index k in a space with x to the right, y to the front
+// and z to the head. Adds a note if a tilt of more than 1 degree remains.
 void align_axes(LoadedScan&, const Mat3& axes);
 
-// NIfTI 1 and 2, also compressed, through libnifti. Throws Error "unreadable-volume", "not-a-volume" (time
-// series, colours, complex numbers), "no-spacing".
+// Reads NIfTI 1 and 2, compressed or not, through libnifti. read_nifti throws Error "unreadable-volume",
+// "not-a-volume" (time series, colors, complex numbers), "too-large". Without a spacing in the file,
+// `spacing` stays zero.
 bool is_nifti(const std::filesystem::path&);
-// The other half of a pair (.hdr and .img, each also compressed): what the library opens besides the file
-// that is named.
+// The other half of a pair (.hdr and .img, each possibly compressed), which the library opens in addition to
+// the named file.
 std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&);
 LoadedScan read_nifti(const std::filesystem::path&, const Work& = {}, const Reading& = {});
 
-// One DICOM series, a slice a file or all in one, through DCMTK: slices in order of their places. Throws
-// Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume".
+// Reads one DICOM series through DCMTK, with one slice per file or all in one file. Slices are sorted by
+// position. read_dicom throws Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume",
+// "too-large".
 bool is_dicom(const std::filesystem::path&);
 LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
-// Grey pictures of one size in the order of their names, or the pages of one file, from below; numbers as
-// stored. Throws Error "unreadable-image", "unequal-sections", "not-a-volume" (colours).
+// Reads gray images of equal size in file name order, or the pages of one file. Rows are stored from the
+// bottom up; numbers are kept as stored. Throws Error "unreadable-image", "unequal-sections", "not-a-volume"
+// (colors), "too-large".
 LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
 }  // namespace terrazzo::load_volume

@@ -9,7 +9,8 @@
 namespace terrazzo::load_volume {
 namespace {
 
-// OpenImageIO gives whole numbers as shares of the largest; stored numbers are wanted.
+// OpenImageIO normalizes integers by the largest value of their type. Multiplying by it restores the stored
+// number.
 double largest(OIIO::TypeDesc type) {
   switch (type.basetype) {
     case OIIO::TypeDesc::UINT8:
@@ -29,7 +30,7 @@ double largest(OIIO::TypeDesc type) {
   }
 }
 
-// Appends the pages of one file, rows from below.
+// Appends the pages of one file, bottom row first.
 void append(const std::filesystem::path& path, LoadedScan& scan, const Work& work, const Reading& reading) {
   OIIO::ImageSpec config;
   config["oiio:RawColor"] = 1;
@@ -41,12 +42,12 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     if (scan.size.z() == 0) scan.size = Vec3i(spec.width, spec.height, 0);
     if (spec.width != scan.size.x() || spec.height != scan.size.y())
       throw Error("unequal-sections",
-                  fmt::format("'{}' is {} × {} pixels, the first picture {} × {}", path.string(), spec.width,
+                  fmt::format("'{}' is {} × {} pixels, the first image {} × {}", path.string(), spec.width,
                               spec.height, scan.size.x(), scan.size.y()),
-                  "the slices of one volume must have one size");
+                  "all slices of a volume must have the same size");
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
     if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
-    // Twice, while the list of voxels grows.
+    // The list of voxels may exist twice while it grows.
     const auto pixels =
         in.samples<double>(OIIO::TypeDesc::DOUBLE, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
     const double top = largest(spec.format);
@@ -54,8 +55,8 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
       for (int x = 0; x < spec.width; ++x) {
         const double* p = &pixels[(static_cast<std::size_t>(y) * spec.width + x) * spec.nchannels];
         if (spec.nchannels >= 3 && (p[0] != p[1] || p[0] != p[2]))
-          throw Error("not-a-volume", "'" + path.string() + "' is a colour picture",
-                      "a volume needs one number a voxel");
+          throw Error("not-a-volume", "'" + path.string() + "' is a color image",
+                      "a volume needs one number per voxel: convert the images to gray");
         scan.values.push_back(static_cast<float>(top > 0 ? std::round(p[0] * top) : p[0]));
       }
     ++scan.size.z();

@@ -18,10 +18,10 @@ namespace terrazzo::load_volume {
 namespace {
 
 Error unreadable(const std::string& what) {
-  return Error("unreadable-volume", what, "check that the file is whole");
+  return Error("unreadable-volume", what, "check that the file is complete");
 }
 
-// Part of the file's content as the stream that OpenVDB reads from. A read beyond its end throws.
+// Part of the file's content as an input stream for OpenVDB. Reading beyond its end throws.
 class Bytes : private std::streambuf, public std::istream {
  public:
   Bytes(std::string_view bytes, const VdbHeader& header, std::uint32_t compression)
@@ -49,17 +49,16 @@ bool all_finite(const openvdb::GridBase& base) {
   return true;
 }
 
-// Leaves of truth values carry their own place in the file.
+// Leaves of bool grids store their own origin in the file.
 void check_places(const openvdb::GridBase& base) {
   const auto* grid = dynamic_cast<const openvdb::BoolGrid*>(&base);
   if (!grid) return;
   for (auto leaf = grid->tree().cbeginLeaf(); leaf; ++leaf)
     if (grid->tree().probeConstLeaf(leaf->origin()) != leaf.getLeaf())
-      throw unreadable("the voxels of grid '" + printable(grid->getName()) +
-                       "' lie elsewhere than their node");
+      throw unreadable("the leaf origins of grid '" + printable(grid->getName()) + "' do not match its tree");
 }
 
-// Notes on the file itself, such as its bounding box, are no part of the volume.
+// Metadata about the file, such as its bounding box, is not part of the volume.
 void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
   for (const auto& [name, meta] : from) {
     if (name.empty() || name.starts_with("file_") || meta.type.starts_with("__")) continue;
@@ -69,7 +68,7 @@ void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
     if (type == openvdb::StringMetadata::staticTypeName())
       static_cast<openvdb::StringMetadata&>(*value).setValue(std::string(meta.bytes));
     else if (value->size() != meta.bytes.size())
-      throw unreadable(fmt::format("its entry '{}' has {} bytes instead of {}", printable(name),
+      throw unreadable(fmt::format("its metadata entry '{}' has {} bytes instead of {}", printable(name),
                                    meta.bytes.size(), value->size()));
     else {
       std::string sized(sizeof(std::uint32_t), '\0');
@@ -110,12 +109,12 @@ openvdb::GridBase::Ptr read_grid(std::string_view content, const VdbHeader& head
   return grid;
 }
 
-// The grid whose tree `g` shows: its own, unless the file keeps one tree for several grids.
+// The grid that owns the tree of `g`: `g` itself, unless the file stores one tree for several grids.
 const VdbGrid& owner_of_tree(const VdbGrid& g, const std::vector<VdbGrid>& all) {
   if (g.parent.empty()) return g;
   for (const VdbGrid& other : all)
     if (other.unique_name == g.parent && other.parent.empty() && other.type == g.type) return other;
-  throw unreadable("grid '" + printable(g.name) + "' shares a tree that is not there");
+  throw unreadable("grid '" + printable(g.name) + "' shares a tree that is missing");
 }
 
 Volume read_content(std::string_view content, const std::string& wanted, const std::filesystem::path& path,
@@ -166,7 +165,7 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
     if (e.diagnostic().code != "unreadable-volume") throw;
     throw cannot(e.diagnostic().message, e.diagnostic().hint);
   } catch (const std::exception& e) {
-    throw cannot(printable(e.what()), "check that the file is whole");
+    throw cannot(printable(e.what()), "check that the file is complete");
   }
   std::set<std::string> taken;
   for (const auto& g : volume.grids) {
@@ -175,7 +174,7 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
       throw Error("unreadable-volume", "'" + path.string() + "' has two grids named '" + name + "'");
     if (!all_finite<openvdb::FloatGrid>(*g) || !all_finite<openvdb::DoubleGrid>(*g) ||
         !all_finite<openvdb::Vec3SGrid>(*g))
-      throw Error("bad-values", "grid '" + name + "' of '" + path.string() + "' holds NaN or infinity",
+      throw Error("bad-values", "grid '" + name + "' of '" + path.string() + "' contains NaN or infinity",
                   "replace those voxels");
   }
   if (volume.grids.empty()) {
@@ -183,9 +182,9 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
     for (const auto& n : names)
       if (list.size() < 200) list += (list.empty() ? "'" : ", '") + printable(n) + "'";
     throw Error("no-such-grid",
-                fmt::format("'{}' has no grid {}that can be used; it has {}", path.string(),
+                fmt::format("'{}' has no usable grid {}(its grids: {})", path.string(),
                             wanted.empty() ? "" : "'" + wanted + "' ", list.empty() ? "none" : list),
-                "name a grid of floats, doubles, vectors, whole numbers or truth values")
+                "use a grid of type float, double, vec3s, int32 or bool")
         .parameter("grid");
   }
   return volume;

@@ -1,4 +1,4 @@
-// OpenVDB files.
+// Reader of OpenVDB files.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@
 namespace terrazzo::load_volume {
 
 bool is_vdb(const std::filesystem::path&);
-// `grid` names the one that is wanted, or is "" for all of known types (float, double, vec3s, int32, bool).
-// The period that Export notes comes back as the volume's resolution. The whole file is checked before
-// OpenVDB sees a byte of it. Throws Error "unreadable-volume", "no-such-grid", "too-large", and "bad-values"
-// if a grid holds NaN or infinity.
+// Reads the grid named `grid`, or with "" all grids of supported types (float, double, vec3s, int32, bool).
+// The period that Export stores becomes the volume's resolution. Validates the whole file before passing any
+// of it to OpenVDB. Throws Error "unreadable-volume", "no-such-grid", "too-large", and "bad-values" if a grid
+// contains NaN or infinity.
 Volume read_vdb(const std::filesystem::path&, const std::string& grid, const Reading& = {});
 
 }  // namespace terrazzo::load_volume

@@ -14,10 +14,10 @@ namespace terrazzo::load_volume {
 namespace {
 
 Error damaged(const std::string& what) {
-  return Error("unreadable-volume", what, "check that the file is whole");
+  return Error("unreadable-volume", what, "check that the file is complete");
 }
 
-// One tree of the layout that all grids of volumes share: a root, two levels of inner nodes, leaves of 8³
+// Validates one tree. All supported grids share its layout: a root, two levels of inner nodes, leaves of 8³
 // voxels.
 template <class Tree>
 class TreeWalk {
@@ -30,16 +30,16 @@ class TreeWalk {
  public:
   TreeWalk(ByteCursor& in, const VdbGrid& grid) : in_(in), compression_(grid.compression), half_(grid.half) {}
 
-  // Goes to the end of the tree. Returns the memory that it takes.
+  // Advances to the end of the tree. Returns the memory the tree will need.
   double run() {
-    if (in_.take<std::uint32_t>() != 1) throw damaged("a tree has several buffers");
+    if (in_.take<std::uint32_t>() != 1) throw damaged("a tree has more than one buffer");
     in_.take(sizeof(T));
     const auto tiles = in_.take<std::uint32_t>(), children = in_.take<std::uint32_t>();
     for (std::uint32_t i = 0; i < tiles; ++i) {
       take_origin();
       in_.take(sizeof(T));
       require_flag(in_.take<std::uint8_t>());
-      memory_ += 100;  // a node of the root's map
+      memory_ += 100;  // an entry of the root's map
     }
     for (std::uint32_t i = 0; i < children; ++i) {
       take_origin();
@@ -51,16 +51,16 @@ class TreeWalk {
 
  private:
   static void require_flag(std::uint8_t v) {
-    if (v > 1) throw damaged(fmt::format("a truth value is {}", v));
+    if (v > 1) throw damaged(fmt::format("a boolean is {}", v));
   }
 
   void take_origin() {
     const auto p = in_.take<std::array<std::int32_t, 3>>();
     for (const auto v : p)
       if (v % static_cast<std::int32_t>(Upper::DIM) != 0)
-        throw damaged(fmt::format("a node lies at ({}, {}, {})", p[0], p[1], p[2]));
+        throw damaged(fmt::format("a node has the invalid origin ({}, {}, {})", p[0], p[1], p[2]));
     if (!origins_.insert(p).second)
-      throw damaged(fmt::format("two nodes lie at ({}, {}, {})", p[0], p[1], p[2]));
+      throw damaged(fmt::format("two nodes have the origin ({}, {}, {})", p[0], p[1], p[2]));
   }
 
   static std::size_t bits_of(std::string_view mask) {
@@ -81,7 +81,7 @@ class TreeWalk {
     }
   }
 
-  // The masks and values of an inner node. Returns the number of its children.
+  // Reads the masks and values of an inner node. Returns the number of its children.
   template <class Node>
   std::size_t node() {
     const std::string_view children = in_.take(Node::NUM_VALUES / 8), active = in_.take(Node::NUM_VALUES / 8);
@@ -100,12 +100,12 @@ class TreeWalk {
       values(Leaf::SIZE, active);
   }
 
-  // As io::readCompressedValues takes them.
+  // Mirrors io::readCompressedValues.
   void values(std::size_t count, std::string_view active) {
     using namespace openvdb::io;
     const auto kind = in_.take<std::int8_t>();
     if (kind < NO_MASK_OR_INACTIVE_VALS || kind > NO_MASK_AND_ALL_VALS)
-      throw damaged(fmt::format("values are stored in the unknown way {}", kind));
+      throw damaged(fmt::format("the value encoding {} is unknown", kind));
     if (kind == NO_MASK_AND_ONE_INACTIVE_VAL || kind == MASK_AND_ONE_INACTIVE_VAL) in_.take(sizeof(T));
     if (kind == MASK_AND_TWO_INACTIVE_VALS) in_.take(2 * sizeof(T));
     if (kind == MASK_AND_NO_INACTIVE_VALS || kind == MASK_AND_ONE_INACTIVE_VAL ||
@@ -117,7 +117,7 @@ class TreeWalk {
     block(count * (half_ && Half::isReal ? sizeof(typename Half::HalfT) : sizeof(T)));
   }
 
-  // Bytes, compressed or not. Blosc's own header is checked too, for its decoder believes it.
+  // A block of bytes, compressed or not. Blosc's own header is checked too, since its decoder trusts it.
   void block(std::size_t bytes) {
     using namespace openvdb::io;
     if (!(compression_ & (COMPRESS_BLOSC | COMPRESS_ZIP))) {
@@ -127,7 +127,7 @@ class TreeWalk {
     const auto stored = in_.take<std::int64_t>();
     if (stored <= 0) {
       if (stored != -static_cast<std::int64_t>(bytes))
-        throw damaged(fmt::format("a block of {} bytes stands for {}", -(stored + 1), bytes));
+        throw damaged(fmt::format("a block has {} bytes instead of {}", -(stored + 1), bytes));
       in_.take(bytes);
       return;
     }
@@ -138,8 +138,8 @@ class TreeWalk {
     packed.take(4);
     const auto size = packed.take<std::uint32_t>();
     if (unpacked != bytes || size != static_cast<std::uint64_t>(stored))
-      throw damaged(
-          fmt::format("a compressed block of {} bytes holds {} instead of {}", stored, unpacked, bytes));
+      throw damaged(fmt::format("a compressed block of {} bytes contains {} bytes instead of {}", stored,
+                                unpacked, bytes));
   }
 
   ByteCursor& in_;
@@ -150,7 +150,7 @@ class TreeWalk {
   std::set<std::array<std::int32_t, 3>> origins_;
 };
 
-// The bytes of a linear transform of that name, in doubles; 0 for others.
+// Size of a linear transform of the given type in doubles; 0 for other types.
 std::size_t doubles_of(std::string_view transform) {
   using namespace openvdb::math;
   const auto is = [&](const openvdb::Name& name) { return transform == name; };
@@ -168,7 +168,7 @@ bool walk_one_of(ByteCursor& in, VdbGrid& grid) {
           ...);
 }
 
-// Everything of a grid after its description.
+// Reads everything after a grid's descriptor.
 void read_grid(ByteCursor& in, VdbGrid& grid) {
   using namespace openvdb;
   for (const auto& type : {FloatGrid::gridType(), DoubleGrid::gridType(), Vec3SGrid::gridType(),
@@ -181,8 +181,9 @@ void read_grid(ByteCursor& in, VdbGrid& grid) {
   const auto transform = in.text();
   const std::size_t doubles = doubles_of(transform);
   if (doubles == 0)
-    throw Error("unreadable-volume", "grid '" + printable(grid.name) + "' is a " + printable(transform),
-                "resample it to equal voxels");
+    throw Error("unreadable-volume",
+                "grid '" + printable(grid.name) + "' has the unsupported transform " + printable(transform),
+                "resample it to uniform voxels");
   in.take(8 * doubles);
   grid.tree_at = in.at();
   if (grid.parent.empty()) walk_one_of<FloatGrid, DoubleGrid, Vec3SGrid, Int32Grid, BoolGrid>(in, grid);
@@ -202,10 +203,11 @@ std::vector<VdbGrid> vdb_grids(std::string_view bytes, const VdbHeader& header) 
     if (grid.type.ends_with(kHalf)) grid.half = true, grid.type.resize(grid.type.size() - kHalf.size());
     grid.parent = in.text();
     const auto at = in.take<std::uint64_t>();
-    in.take(8);  // where its voxels begin
+    in.take(8);  // offset of its voxels
     const auto end = in.take<std::uint64_t>();
     if (header.has_offsets) {
-      if (at < in.at() || end < at) throw damaged(fmt::format("grid {} lies from byte {} to {}", i, at, end));
+      if (at < in.at() || end < at)
+        throw damaged(fmt::format("grid {} extends from byte {} to {}", i, at, end));
       in.seek(at);
     }
     read_grid(in, grid);
@@ -213,9 +215,9 @@ std::vector<VdbGrid> vdb_grids(std::string_view bytes, const VdbHeader& header) 
       in.seek(end);
     else if (!grid.known)
       throw Error("unreadable-volume",
-                  "grid '" + printable(grid.name) + "' is of the type " + printable(grid.type) +
-                      ", and the file does not say where it ends",
-                  "write the file without that grid, or with a seekable writer");
+                  "grid '" + printable(grid.name) + "' has the unsupported type " + printable(grid.type) +
+                      ", and the file does not contain its end",
+                  "write the file without that grid, or with grid offsets");
     grids.push_back(std::move(grid));
   }
   return grids;

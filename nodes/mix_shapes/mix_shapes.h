@@ -1,4 +1,4 @@
-// Several sets of shapes as one population.
+// Joins several sets of shapes into one population.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace terrazzo::mix_shapes {
 
-// Set i gets the share `shares[i]` of the particles by number, divided within by its own probabilities;
-// shares need not sum to 1. Throws Error "bad-probabilities" where one is negative or none positive,
-// "wrong-count" where there are not as many as sets.
+// Set i has the share `shares[i]` of the particles by number, divided among its shapes by their
+// probabilities. Shares need not sum to 1. Throws Error "bad-probabilities" if a share is negative or none is
+// positive, "wrong-count" if the numbers of shares and sets differ.
 Shapes mix(const std::vector<const Shapes*>& sets, const std::vector<double>& shares);
 
 }  // namespace terrazzo::mix_shapes

@@ -19,13 +19,14 @@ void compute(Context& c) {
 
 NodeType mix_shapes_node() {
   return NodeType("MixShapes", 1)
-      .doc_("Joins shapes of several sources into one population with given shares by number.")
+      .doc_("Joins shapes from several sources into one population with the given shares by number.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 3.3 (P(i) of eq. 10 to 12)")
-      .input_list("shapes", {"Shapes"}, "Sets of shapes; within each its own probabilities hold")
-      .output("shapes", "Shapes", "All of them, probabilities summing to 1")
+      .input_list("shapes", {"Shapes"},
+                  "Sets of shapes. Shapes within a set keep their relative probabilities.")
+      .output("shapes", "Shapes", "All shapes, with probabilities that sum to 1")
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "shares", "equal")
                      .range(0, 1e12)
-                     .doc_("Of each set, by number of particles; they need not sum to 1"))
+                     .doc_("Share of each set, by number of particles. Shares need not sum to 1."))
       .compute_(compute);
 }
 

@@ -20,7 +20,7 @@ void compute(Context& c) {
   auto shares = c.numbers("shares");
   if (shares.size() == 1) shares.assign(colors.size(), 1.0);
   if (shares.size() != colors.size())
-    throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colours but " +
+    throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colors but " +
                                   std::to_string(shares.size()) + " shares")
         .parameter("shares");
   Profiles out;
@@ -41,17 +41,17 @@ void compute(Context& c) {
 
 NodeType palette_node() {
   return NodeType("Palette", 1)
-      .doc_("Colours written in the graph, in the place of those that a photograph's profiles show")
+      .doc_("Colors written in the graph, instead of the colors of a photograph's profiles")
       .output("profiles", "Profiles",
-              "one profile of 1 mm² a colour, weighted by its share; no outlines, no densities")
+              "One profile of 1 mm² per color, weighted by its share, without outlines or densities")
       .parameter(Parameter::texts("colors", {"#b0785a", "#3c3c40", "#d8d2c4"})
                      .count(1, 256)
-                     .doc_("The particles' colours, \"#rrggbb\" in sRGB"))
+                     .doc_("Particle colors, \"#rrggbb\" in sRGB"))
       .parameter(Parameter::numbers("shares", {1})
                      .above(0)
                      .count(1, 256)
-                     .doc_("How often each colour is drawn; one number: all alike"))
-      .parameter(Parameter::color("binder", 0.75, 0.72, 0.66).doc_("The binder's colour"))
+                     .doc_("Relative frequency of each color. A single number makes all equal."))
+      .parameter(Parameter::color("binder", 0.75, 0.72, 0.66).doc_("Binder color"))
       .compute_(compute);
 }
 

@@ -18,25 +18,28 @@ void compute(Context& c) {
 
 NodeType pattern_node() {
   return NodeType("Pattern", 1)
-      .doc_("A section through a material made up of noise: an exemplar that needs no photograph")
+      .doc_("A section through a procedural material made of noise: an exemplar without a photograph")
       .source_("Gradient noise: Perlin 2002; cells: Worley 1996")
-      .output("image", "Image", "the section, scene-linear")
-      .parameter(
-          Parameter::choice("kind", "wood", {"wood", "marble", "muscle", "fat", "bone"})
-              .doc_("wood and muscle have their fibres along z; marble has veins, fat lobules, bone struts"))
+      .output("image", "Image", "Section in scene-linear color")
+      .parameter(Parameter::choice("kind", "wood", {"wood", "marble", "muscle", "fat", "bone"})
+                     .doc_("Material. Wood and muscle have fibers along z; marble has veins, fat has "
+                           "lobules, bone has struts."))
       .parameter(Parameter::choice("axis", "x", {"x", "y", "z"})
-                     .doc_("The axis that the section lies across; on x and y, z is up"))
+                     .doc_("Axis normal to the section. On x and y, z is up."))
+      .parameter(Parameter::number("offset", 0)
+                     .range(-1e6, 1e6)
+                     .unit_("mm")
+                     .doc_("Position of the section along the axis"))
       .parameter(
-          Parameter::number("offset", 0).range(-1e6, 1e6).unit_("mm").doc_("Of the section along the axis"))
-      .parameter(Parameter::integer("width", 128).range(1, 16384).unit_("pixels").doc_("Of the picture"))
-      .parameter(Parameter::integer("height", 128).range(1, 16384).unit_("pixels").doc_("Of the picture"))
+          Parameter::integer("width", 128).range(1, 16384).unit_("pixels").doc_("Width of the picture"))
+      .parameter(
+          Parameter::integer("height", 128).range(1, 16384).unit_("pixels").doc_("Height of the picture"))
       .parameter(Parameter::number("pixel_size", 0.1).above(0).unit_("mm").doc_("Edge of a pixel"))
-      .parameter(
-          Parameter::number("scale", 2)
-              .above(0)
-              .unit_("mm")
-              .doc_("A ring's width, the distance of veins or struts, the diameter of a bundle or lobule"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the noise"))
+      .parameter(Parameter::number("scale", 2)
+                     .above(0)
+                     .unit_("mm")
+                     .doc_("Width of a ring, distance of veins or struts, or diameter of a bundle or lobule"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

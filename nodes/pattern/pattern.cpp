@@ -23,7 +23,7 @@ double step(double lo, double hi, double v) {
   return t * t * (3 - 2 * t);
 }
 
-// Growth rings about a far pith: pale early wood darkens to a sharp edge; fibres and pores along z.
+// Growth rings around a distant pith: pale early wood darkens to a sharp edge. Fibers and pores run along z.
 Vec3f wood(std::uint64_t seed, const Vec3& p) {
   const Vec3 slow(p.x() * 0.25, p.y() * 0.25, p.z() * 0.04);
   const double r =
@@ -36,7 +36,7 @@ Vec3f wood(std::uint64_t seed, const Vec3& p) {
   return mix(mix(hex(0xd9b382), hex(0x7a4a24), shade), hex(0x9c6a3c), 0.3 + 0.3 * noise(seed + 6, slow));
 }
 
-// A pale ground with clouds; veins where warped noise changes sign, in two sizes.
+// A pale, cloudy ground with veins of two sizes where warped noise changes sign.
 Vec3f marble(std::uint64_t seed, const Vec3& p) {
   const Vec3 q =
       p + 0.7 * Vec3(turbulence(seed, p, 4), turbulence(seed + 10, p, 4), turbulence(seed + 20, p, 4));
@@ -47,7 +47,7 @@ Vec3f marble(std::uint64_t seed, const Vec3& p) {
   return mix(mix(ground, hex(0x8e9094), 0.6 * fine), hex(0x43474d), 0.85 * wide);
 }
 
-// Bundles of fibres along z in pale sheaths, marbled with fat that follows them.
+// Bundles of fibers along z in pale sheaths, marbled with fat that follows them.
 Vec3f muscle(std::uint64_t seed, const Vec3& p) {
   const Vec3 sway(p.x() + 0.25 * noise(seed, 0.4 * p), p.y() + 0.25 * noise(seed + 1, 0.4 * p), 0.22 * p.z());
   const Cell bundle = cellular(seed + 2, sway);
@@ -61,7 +61,7 @@ Vec3f muscle(std::uint64_t seed, const Vec3& p) {
   return mix(red, hex(0xf0ddcb), 0.9 * marbling);
 }
 
-// Lobules in thin septa.
+// Lobules separated by thin septa.
 Vec3f fat(std::uint64_t seed, const Vec3& p) {
   const Vec3 q = p + 0.2 * Vec3(noise(seed, 2 * p), noise(seed + 1, 2 * p), noise(seed + 2, 2 * p));
   const Cell lobule = cellular(seed + 3, q), cell = cellular(seed + 4, 4 * q);
@@ -83,7 +83,7 @@ Vec3f bone(std::uint64_t seed, const Vec3& p) {
 }  // namespace
 
 Vec3f pattern_color(const PatternChoice& c, const Vec3& point) {
-  // Sections must not lie in a plane of the noises' lattice, where gradient noise is flat and shows its axes.
+  // Keep sections off the planes of the noise lattice, where gradient noise is flat and shows its axes.
   const Vec3 p = point / c.scale + Vec3(0.37, 0.21, 0.43);
   if (c.kind == "muscle") return muscle(c.seed, p);
   if (c.kind == "wood") return wood(c.seed, p);

@@ -1,4 +1,4 @@
-// Materials made up of noise, as solids that a plane cuts.
+// Procedural solid materials, seen in a plane section.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,18 @@ namespace terrazzo::pattern {
 
 struct PatternChoice {
   std::string kind = "wood";  // wood, marble, muscle, fat, bone
-  std::string axis = "x";     // the plane lies across it; z is up on x and y
+  std::string axis = "x";     // the axis normal to the plane; z is up on x and y
   double offset = 0;          // mm along the axis
   int width = 128, height = 128;
   double pixel_size = 0.1;  // mm
-  double scale = 2;         // mm: a ring's width, the distance of veins, a bundle's or lobule's diameter
+  double scale = 2;         // mm: width of a ring, distance of veins, diameter of a bundle or lobule
   std::uint64_t seed = 1;
 };
 
-// Scene-linear colour of a point, mm. Wood's rings run round, and its fibres and muscle's along, the z axis.
+// Scene-linear color at a point in mm. Wood's rings run around the z axis; its fibers and those of muscle run
+// along z.
 Vec3f pattern_color(const PatternChoice&, const Vec3& point);
-// The section, antialiased by 2 × 2 samples a pixel.
+// The section, antialiased by 2 × 2 samples per pixel.
 Image pattern_image(const PatternChoice&, const Work& = {});
 
 }  // namespace terrazzo::pattern

@@ -15,7 +15,7 @@ void compute(Context& c) {
   limb.seed = static_cast<std::uint64_t>(c.integer("seed"));
   const auto r = c.ints("resolution");
   if (r.size() == 2)
-    throw Error("bad-resolution", "a resolution is one number, or one for each of x, y and z",
+    throw Error("bad-resolution", "resolution must be one number, or three numbers for x, y and z",
                 "write 1 or 3 numbers")
         .parameter("resolution");
   if (r.size() == 3)
@@ -38,21 +38,22 @@ void compute(Context& c) {
 
 NodeType phantom_node() {
   return NodeType("Phantom", 1)
-      .doc_("A made-up scan of a limb in Hounsfield units: skin, fat, muscles, bones")
-      .output("volume", "Volume", "grid `density`, Hounsfield units; the limb is cut through at z = 0")
-      .parameter(Parameter::ints("resolution", {120})
-                     .count(1, 3)
-                     .range(2, 2048)
-                     .unit_("voxels")
-                     .doc_("Along the limb, or along x, y and z; three numbers can stretch the voxels"))
+      .doc_("Synthetic scan of a limb in Hounsfield units, with skin, fat, muscles and bones")
+      .output("volume", "Volume", "Grid `density` in Hounsfield units. The limb is cut at z = 0.")
+      .parameter(
+          Parameter::ints("resolution", {120})
+              .count(1, 3)
+              .range(2, 2048)
+              .unit_("voxels")
+              .doc_("Voxels along the limb, or along x, y and z. Three numbers can stretch the voxels."))
       .parameter(Parameter::number("length", 240)
                      .above(0)
                      .unit_("mm")
-                     .doc_("Of the limb; it is two thirds as wide and as deep"))
+                     .doc_("Length of the limb. Its width and depth are two thirds of that."))
       .parameter(Parameter::number("noise", 8)
                      .range(0, 1000)
-                     .doc_("Standard deviation of each voxel, Hounsfield units"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of form, fibres and noise"))
+                     .doc_("Standard deviation of each voxel in Hounsfield units"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

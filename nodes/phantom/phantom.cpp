@@ -22,12 +22,12 @@ double bump(double at, double width, double v) {
 }
 double mix(double a, double b, double t) { return a + t * (b - a); }
 
-// All lengths in mm of a limb 240 mm long; s runs from 0, the cut, to 1.
+// All lengths are in mm for a limb 240 mm long; s runs from 0, the cut, to 1.
 class Limb {
  public:
   Limb(std::uint64_t seed, double blur) : seed_(seed), blur_(blur) {}
 
-  // p: from the middle of the cut.
+  // p is relative to the middle of the cut.
   double value(const Vec3& p) const {
     const double s = p.z() / 240;
     const Vec2 center(7 * std::sin(2.4 * s), 5 * std::sin(3.1 * s) - 3 * s);
@@ -37,7 +37,8 @@ class Limb {
     const double angle = std::atan2(q.y(), q.x());
     double depth = outline(s, angle, p) - r;
     if (s > 0.85) {
-      // Where it ends the outline closes fast: what counts is the way to its surface, not to its side.
+      // Near the end the outline closes fast, so correct the distance to the side to a distance to the
+      // surface.
       const double slope = (outline(s + 0.002, angle, p) - outline(s - 0.002, angle, p)) / (0.004 * 240);
       depth /= std::sqrt(1 + slope * slope);
     }
@@ -57,7 +58,7 @@ class Limb {
   }
 
  private:
-  // The share of a voxel that lies inside a surface at this depth.
+  // The fraction of a voxel inside a surface at this depth.
   double inside(double depth) const { return std::clamp(0.5 + depth / (2 * blur_), 0.0, 1.0); }
 
   static double girth(double s) {
@@ -79,16 +80,16 @@ class Limb {
     const double marbling =
         ramp(0.28, 0.5, turbulence(seed_ + 9, Vec3(p.x() * 0.11, p.y() * 0.11, p.z() * 0.03), 3));
     const double meat = kMuscle + 22 * (belly.shade - 0.5) + 16 * fibres;
-    // The distance of two Voronoi neighbours' surfaces is twice the way to their border.
+    // The distance between two Voronoi neighbors' surfaces is twice the distance to their border.
     const double sheath = std::clamp((1.1 - belly.edge * 26 / 2) / 0.8, 0.0, 1.0);
     return mix(mix(meat, -60, 0.8 * marbling), kSheath, sheath);
   }
 
-  // A bone of the given radius about q = 0, only where `end` (share of the length) is above 0.
+  // A bone of the given radius around q = 0, where `end` (fraction of the length) is above 0.
   void bone(double& v, const Vec2& q, double, const Vec3& p, double radius, double end, double s) const {
     if (end < -0.02) return;
     const double flare = radius / (radius + 4);
-    const double cap = end * 240;  // mm from its end: rounded like half a ball, flatter
+    const double cap = end * 240;  // mm from its end, which is rounded like a flattened hemisphere
     const double r = q.norm();
     double depth = radius * (1 + 0.06 * std::cos(2 * std::atan2(q.y(), q.x()) + 5 * s)) - r;
     const double round = 0.6 * radius;
@@ -128,7 +129,8 @@ std::vector<float> limb(const LimbChoice& choice, const Work& work) {
         const Vec3 p = corner + (Vec3(x, y, z) + Vec3::Constant(0.5)).cwiseProduct(step);
         double v = body.value(p);
         if (choice.noise > 0) v += choice.noise * Random(choice.seed, 0x4c696d62, i).normal();
-        out[i] = static_cast<float>(std::clamp(std::round(v), -1024.0, 3071.0));  // what scanners store
+        out[i] = static_cast<float>(
+            std::clamp(std::round(v), -1024.0, 3071.0));  // the range and integers that scanners store
       }
     }
   });

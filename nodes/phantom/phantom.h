@@ -1,5 +1,5 @@
-// A made-up scan of a limb: skin, fat, muscles in their sheaths, bones with marrow; so that pictures of scans
-// need nobody's body.
+// A synthetic scan of a limb: skin, fat, muscles in their sheaths, bones with marrow. It makes pictures of
+// scans possible without patient data.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace terrazzo::phantom {
 
 struct LimbChoice {
   Vec3i resolution = Vec3i(80, 80, 120);
-  double length = 240;  // mm, along z; it is two thirds as wide and as deep
+  double length = 240;  // mm, along z; width and depth are two thirds of it
   double noise = 8;     // standard deviation of each voxel, Hounsfield units
   std::uint64_t seed = 1;
 
@@ -20,10 +20,10 @@ struct LimbChoice {
   Vec3 spacing() const { return box().cwiseQuotient(resolution.cast<double>()); }  // mm
 };
 
-// Voxels of the scan in Hounsfield units, x fastest. The limb is cut through at z = 0, where it is thick, and
-// ends in the air at the other end. Surfaces are antialiased: a voxel that tissues share has their mean. What
-// is whole (air, the length of a shaft) is −1000, fat near −100, muscle near 55, marrow near −60, compact
-// bone near 1200. Skin, a layer of 2 mm, has −250: scanned voxels hold it and air alike.
+// Voxels of the scan in Hounsfield units, x fastest. The limb is cut at z = 0, where it is thick, and ends in
+// air at the other end. Surfaces are antialiased: a voxel shared by several tissues has their mean. Pure
+// values are −1000 for air, near −100 for fat, 55 for muscle, −60 for marrow, and 1200 for compact bone.
+// Skin, a layer of 2 mm, has −250, because scanned voxels contain both skin and air.
 std::vector<float> limb(const LimbChoice&, const Work& = {});
 
 }  // namespace terrazzo::phantom

@@ -68,7 +68,7 @@ class Block : public CarvedBody {
     return n.normalized();
   }
 
-  // A rectangle of a face, given by two opposite corners.
+  // Adds a rectangle of a face, given by two opposite corners.
   void rectangle(RayScene::Triangles& t, int face, const Vec3f& a, const Vec3f& b) {
     const int k = faces_[face].axis, i = (k + 1) % 3, j = (k + 2) % 3;
     if (b[i] - a[i] <= 0 || b[j] - a[j] <= 0) return;
@@ -93,7 +93,7 @@ class Block : public CarvedBody {
         rectangle(t, f, zero, size_);
         continue;
       }
-      // The face without the rectangle that the cut takes from its corner.
+      // The face without the rectangle removed by the cut.
       Vec3f a = zero, b = size_;
       const bool from_low_i = low_[i] == 0;
       (from_low_i ? a : b)[i] = from_low_i ? high_[i] : low_[i];
@@ -114,7 +114,7 @@ class Block : public CarvedBody {
 
   float bevel_;
   bool has_cut_;
-  Vec3f size_, low_, high_;  // of the block; corners of the part cut out
+  Vec3f size_, low_, high_;  // of the block; corners of the removed part
   std::vector<Face> faces_;
   std::vector<int> owner_;  // face of each triangle
   std::unique_ptr<RayScene> scene_;

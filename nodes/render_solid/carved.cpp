@@ -24,7 +24,7 @@ class Carved : public Solid {
   std::unique_ptr<CarvedBody> body_;
 };
 
-// A body with holes: rays start in the air, outside or in a hole, and go on until they enter matter.
+// A body with holes. Rays start in air, outside or in a hole, and continue until they enter material.
 class Hollowed : public Solid {
  public:
   Hollowed(const Paint& paint, std::unique_ptr<CarvedBody> body, std::unique_ptr<Hollows> hollows)
@@ -49,8 +49,8 @@ class Hollowed : public Solid {
       float to;
       if (!body_->meet(p, d, outer, to)) return false;
       const bool leaves = outer.face.dot(d) > 0;
-      // Coming from outside, matter begins at the body's surface unless a hole is open there; from within a
-      // hole, at the hole's wall unless the body ends before it.
+      // From outside, material begins at the body's surface unless a hole is open there; from inside a hole,
+      // it begins at the hole's wall unless the body ends first.
       HollowHit wall;
       if (!leaves) {
         if (!hollows_->nearest(p + to * d, d, wall) || !wall.leaves) {
@@ -60,10 +60,10 @@ class Hollowed : public Solid {
         from += to;
         to = 0;
       } else if (!hollows_->nearest(p, d, wall) || !wall.leaves) {
-        from += to + kBeyond;  // a ray that grazed an edge: it goes on in the air
+        from += to + kBeyond;  // a ray that grazed an edge continues in air
         continue;
       }
-      // In a hole, and in the body: which of them ends first?
+      // Inside a hole within the body: which of them ends first?
       if (!leaves) {
         from += kBeyond;
         if (!body_->meet(origin + from * d, d, outer, to)) return false;

@@ -10,15 +10,16 @@ namespace {
 
 Error bad_color(std::size_t index, const Vec3i& n) {
   const std::size_t x = index % n.x(), y = index / n.x() % n.y(), z = index / n.x() / n.y();
-  return Error("bad-colors", "the colour of voxel (" + std::to_string(x) + ", " + std::to_string(y) + ", " +
-                                 std::to_string(z) + ") is no number");
+  return Error("bad-colors", "the color of voxel (" + std::to_string(x) + ", " + std::to_string(y) + ", " +
+                                 std::to_string(z) + ") is NaN or infinite");
 }
 
 std::size_t voxel_count(const Vec3i& n) {
-  if (n.minCoeff() <= 0) throw Error("empty-volume", "the volume has no voxels to show");
+  if (n.minCoeff() <= 0) throw Error("empty-volume", "the volume has no voxels");
   const double count = double(n.x()) * n.y() * n.z();
   if (count > 0x1p31)
-    throw Error("too-large", "the volume has more than 2^31 voxels", "show a smaller part of it");
+    throw Error("too-large", "the volume has more than 2^31 voxels",
+                "crop it or reduce its resolution first");
   return static_cast<std::size_t>(count);
 }
 
@@ -35,7 +36,7 @@ void ColorField::set(std::size_t index, const Vec3f& linear, std::size_t& outsid
 ColorField::ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic)
     : resolution_(resolution), periodic_(periodic) {
   if (colors.size() != voxel_count(resolution))
-    throw Error("bad-colors", "there are " + std::to_string(colors.size()) + " colours for " +
+    throw Error("bad-colors", "there are " + std::to_string(colors.size()) + " colors for " +
                                   std::to_string(voxel_count(resolution)) + " voxels");
   voxels_.resize(colors.size());
   std::size_t outside = 0;
@@ -50,9 +51,9 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
     for (const auto& g : volume.grids)
       names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
     throw Error("no-color",
-                "the volume has no colour grid 'Cd' of three floats; it has " +
+                "the volume has no color grid 'Cd' of three floats; it has " +
                     (names.empty() ? std::string("no grids") : names),
-                "connect a volume with colours, such as Voxelize's");
+                "connect a volume with colors, for example from Voxelize");
   }
   ColorField field;
   openvdb::Coord first(0);
@@ -60,7 +61,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   field.periodic_ = volume.resolution.minCoeff() > 0;
   if (!field.periodic_) {
     const auto box = grid->evalActiveVoxelBoundingBox();
-    if (box.empty()) throw Error("empty-volume", "the colour grid 'Cd' has no active voxels");
+    if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
     first = box.min();
     const auto size = box.dim();
     field.resolution_ = Vec3i(size.x(), size.y(), size.z());
@@ -97,7 +98,7 @@ namespace {
 
 constexpr float unit = 1.0f / (65535.0f * 65535.0f);
 
-// std::floor is a call on plain x86-64.
+// std::floor is a function call on baseline x86-64.
 int floor_of(float v) {
   const int i = static_cast<int>(v);
   return i - (static_cast<float>(i) > v);
@@ -115,11 +116,11 @@ Vec3f ColorField::at(const Vec3f& voxel) const {
     at[k][0] = wrap(low, k), at[k][1] = wrap(low + 1, k);
   }
   Vec3f sum = Vec3f::Zero();
-  float total = 0;  // 1, but for the weights left out
+  float total = 0;  // 1, minus the skipped weights
   for (int corner = 0; corner < 8; ++corner) {
     const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
     const float w = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
-    if (w < 1e-4f) continue;  // on a face, half of the corners
+    if (w < 1e-4f) continue;  // half of the corners, for a point on a face
     sum += w * squared(at[0][x], at[1][y], at[2][z]);
     total += w;
   }
@@ -142,7 +143,7 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
   Vec3f sum = Vec3f::Zero();
   float total = 0;
   for (int z = 0; z < 4; ++z) {
-    if (std::abs(weight[2][z]) < 1e-3f) continue;  // on a face, all but one
+    if (std::abs(weight[2][z]) < 1e-3f) continue;  // all but one, for a point on a face
     for (int y = 0; y < 4; ++y) {
       const float yz = weight[2][z] * weight[1][y];
       if (std::abs(yz) < 1e-3f) continue;

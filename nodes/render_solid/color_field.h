@@ -1,4 +1,4 @@
-// The colours of a volume in one dense array: what a ray needs millions of times.
+// The colors of a volume in one dense array, for fast random access.
 #pragma once
 
 #include <array>
@@ -14,24 +14,23 @@ struct Volume;
 
 class ColorField {
  public:
-  // `colors`: scene-linear, x fastest; clamped to [0, 1], as reflectance is. Throws Error "bad-colors" where
-  // one is NaN.
+  // `colors` are scene-linear, x fastest; they are clamped to [0, 1], the range of reflectance. Throws Error
+  // "bad-colors" if one is NaN.
   ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic = true);
 
-  // Copies the grid `Cd` over one period, or over its active voxels where the volume is not periodic.
-  // Throws Error "no-color" (no such grid), "empty-volume", "too-large" (more than 2^31 voxels),
-  // "bad-colors".
+  // Copies the grid `Cd` over one period, or over its active voxels if the volume is not periodic. Throws
+  // Error "no-color" (no such grid), "empty-volume", "too-large" (more than 2^31 voxels), "bad-colors".
   static ColorField of(const Volume&, const Work& = {});
 
   const Vec3i& resolution() const { return resolution_; }
   bool periodic() const { return periodic_; }
   float clamped() const {
     return clamped_;
-  }  // share of voxels whose colour was outside [0, 1] by more than 1 %
+  }  // fraction of voxels whose color was outside [0, 1] by more than 1 %
 
-  // Trilinear between voxel centres at i + ½; repeats, or ends with the outermost voxels where not periodic.
+  // Trilinear between voxel centers at i + ½. Repeats if periodic, otherwise extends the outermost voxels.
   Vec3f at(const Vec3f& voxel) const;
-  // Catmull–Rom instead: keeps the sharpness of the voxels where a pixel is smaller than one. Within [0, 1].
+  // Catmull–Rom instead, which keeps voxels sharp where pixels are smaller. Within [0, 1].
   Vec3f sharp(const Vec3f& voxel) const;
 
  private:
@@ -47,7 +46,7 @@ class ColorField {
   Vec3i resolution_ = Vec3i::Zero();
   bool periodic_ = true;
   float clamped_ = 0;
-  // √ of each channel in 16 bit: half the memory of floats, and finer than an eye can see in the dark.
+  // √ of each channel in 16 bits: half the memory of floats, with steps below visibility even in the dark.
   std::vector<std::array<std::uint16_t, 3>> voxels_;
 };
 

@@ -11,7 +11,7 @@ void quad(Mesh& m, int a, int b, int c, int d) {
   m.triangles.push_back({a, c, d});
 }
 
-// To the floor, and the longest edge to 1; about the z axis in the middle.
+// Moves the mesh onto the floor, centered on the z axis, and scales its longest edge to 1.
 Shape finished(const char* name, Mesh mesh) {
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) box.extend(v);
@@ -23,7 +23,7 @@ Shape finished(const char* name, Mesh mesh) {
   return s;
 }
 
-// Points of a Catmull–Rom spline through `knots`, `steps` to a span.
+// Points of a Catmull–Rom spline through `knots`, with `steps` per span.
 std::vector<Vec2> smoothed(const std::vector<Vec2>& knots, int steps) {
   std::vector<Vec2> out;
   const auto at = [&](int i) {
@@ -76,7 +76,7 @@ Shape vase_form() {
 Shape knot_form() {
   constexpr int along = 480, around = 48;
   constexpr double rope = 0.34;
-  // (2, 3): twice around the axis, three times through the middle; upright, so that it stands.
+  // (2, 3): twice around the axis, three times through the middle; upright, so that it can stand.
   const auto path = [](double t) {
     const double r = 1 + 0.5 * std::cos(3 * t);
     return Vec3(r * std::cos(2 * t), 0.62 * std::sin(3 * t), r * std::sin(2 * t));
@@ -85,7 +85,7 @@ Shape knot_form() {
   for (int i = 0; i < along; ++i) {
     const double t = 2 * M_PI * i / along, e = 1e-4;
     const Vec3 p = path(t), tangent = (path(t + e) - path(t - e)).normalized();
-    // A frame that closes: the direction away from the ring's middle circle.
+    // A frame that closes: use the direction away from the ring's central circle.
     const Vec3 middle(std::cos(2 * t), 0, std::sin(2 * t));
     const Vec3 out = (p - middle) - tangent * tangent.dot(p - middle);
     const Vec3 u = out.normalized(), v = tangent.cross(u);

@@ -41,7 +41,7 @@ class Fracture : public Solid {
                 (particles.position[i] / longest).cast<float>() + Vec3f(x, y, z).cwiseProduct(size_);
             if ((at.array() + r < 0).any() || (at.array() - r > size_.array()).any()) continue;
             const bool stays = !particles.is_void(i) && at.z() < height(at.x(), at.y());
-            if (!stays && at.z() - r > highest) continue;  // gone, and no socket
+            if (!stays && at.z() - r > highest) continue;  // removed, and too high to leave a socket
             RayScene::Instance instance;
             instance.mesh = mesh;
             instance.linear = (turn * (particles.scale[i] / longest)).cast<float>();
@@ -75,7 +75,7 @@ class Fracture : public Solid {
   };
   struct Event {
     bool met = false;
-    float at = 0;  // along the ray
+    float at = 0;  // distance along the ray
     RayHit hit;
     Vec3f face, normal;  // outwards
     bool leaves = false;
@@ -87,10 +87,9 @@ class Fracture : public Solid {
            size_.z();
   }
 
-  // Everything under the rough face, wider than the block: its sides are those of the block, which walk()
-  // cuts.
+  // Everything under the rough face, wider than the block; walk() cuts it at the block's sides.
   RayMesh under_the_face() const {
-    constexpr int n = 480;  // fine enough that its facets do not shade each other where light grazes
+    constexpr int n = 480;  // fine enough that its facets do not shade each other in grazing light
     Shape s;
     s.smooth = true;
     const auto place = [&](int i, float edge) { return double(edge) * (1.1 * i / n - 0.05); };
@@ -129,9 +128,9 @@ class Fracture : public Solid {
     return e;
   }
 
-  // Along the ray, what is left of the block begins where one enters a particle that stays, leaves one that
-  // is gone into binder, enters binder, or comes through a side into either. Particles do not overlap, so a
-  // point is in one at most.
+  // Along the ray, the remaining block begins where the ray enters a particle that stays, leaves a removed
+  // particle into binder, enters binder, or enters either through a side. Particles do not overlap, so a
+  // point is inside at most one.
   bool walk(const Vec3f& origin, const Vec3f& d, SurfacePoint* s, bool sharp) const {
     float from = 0, to = 1e30f;
     int axis = -1;
@@ -144,7 +143,8 @@ class Fracture : public Solid {
     if (!(from < to)) return false;
     Event p = next_particle(origin, d, from), b = next_binder(origin, d, from);
     int within = p.met && p.leaves ? static_cast<int>(p.hit.instance) : -1;
-    // The face has no bottom: under it is where the way up, or else the height, says so.
+    // The face is an open surface. Decide whether the start is below it by the next hit from below, or else
+    // by the height.
     const Vec3f start = origin + from * d;
     bool under = b.met ? b.leaves : start.z() < height(start.x(), start.y());
     bool solid = within >= 0 ? images_[within].stays : under;
@@ -179,7 +179,7 @@ class Fracture : public Solid {
              bool sharp) const {
     if (!s) return true;
     s->position = at, s->face = face, s->normal = normal, s->open = false;
-    // A particle has its own colour all over; elsewhere it is what the paint says just below.
+    // A particle has its own color all over; elsewhere the paint provides the color just below the surface.
     s->albedo = within >= 0 ? colors_.at(at * longest_, static_cast<int>(images_[within].particle), sharp)
                             : paint_.at(at, face, sharp);
     return true;
@@ -189,7 +189,7 @@ class Fracture : public Solid {
   double level_, roughness_;
   std::uint64_t seed_;
   ParticleColors colors_;
-  float longest_ = 1;  // mm a world unit
+  float longest_ = 1;  // mm per world unit
   Vec3f size_;
   std::vector<RayMesh> bodies_;
   std::vector<Image> images_;

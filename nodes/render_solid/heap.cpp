@@ -69,8 +69,8 @@ std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& 
                                       const ResidualField* residual) {
   check_shown(particles, shapes);
   if (particles.void_count() == particles.count())
-    throw Error("no-particles", "all particles are voids: without the binder nothing is left",
-                "show a block or an object");
+    throw Error("no-particles", "all particles are voids, so nothing is left without the binder",
+                "use another mode, such as block or object");
   return std::make_unique<Heap>(particles, shapes, residual);
 }
 

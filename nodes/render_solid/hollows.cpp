@@ -7,7 +7,7 @@
 
 namespace terrazzo {
 namespace {
-constexpr std::size_t most = 4'000'000;  // some 300 bytes each
+constexpr std::size_t most = 4'000'000;  // about 300 bytes each
 }
 
 Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
@@ -22,7 +22,7 @@ Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
     radius.push_back(far);
   }
   const Vec3 box = particles.box;
-  const double unit = box.maxCoeff() * voids.repeat;  // mm a world unit
+  const double unit = box.maxCoeff() * voids.repeat;  // mm per world unit
   const Mat3 turn = voids.lie.turn.cast<double>();
   const Vec3 shift = voids.lie.shift.cast<double>().cwiseProduct(box);
   Eigen::AlignedBox3d reach;  // of the body, in the material
@@ -50,9 +50,8 @@ Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
           instance.offset = (turn.transpose() * mm / unit).cast<float>();
           if (bounds.squaredExteriorDistance(instance.offset) > r * r / (unit * unit)) continue;
           if (instances.size() == most)
-            throw Error("too-many-particles",
-                        "the body is carved through more than " + std::to_string(most) + " voids",
-                        "lower `repeat`");
+            throw Error("too-many-particles", "the body cuts more than " + std::to_string(most) + " voids",
+                        "reduce `repeat`");
           instances.push_back(instance);
           mesh_of_.push_back(instance.mesh);
           turns_.push_back(rotation.cast<float>());

@@ -1,4 +1,4 @@
-// The voids of a packing, repeated through whatever is carved from it.
+// The voids of a packing, repeated through the carved body.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,15 @@
 namespace terrazzo {
 
 struct HollowHit {
-  float at = 0;         // along the ray
-  Vec3f face, normal;   // out of the void
-  bool leaves = false;  // the ray comes out of a void here: it was in one
+  float at = 0;         // distance along the ray
+  Vec3f face, normal;   // pointing out of the void
+  bool leaves = false;  // the ray leaves a void here, so it was inside one
 };
 
 class Hollows {
  public:
-  // `bounds` of the body, world units. Throws what check_shown throws, and Error "too-many-particles".
+  // `bounds` are the body's, in world units. Throws the errors of check_shown, and Error
+  // "too-many-particles".
   Hollows(const Voids&, const Eigen::AlignedBox3f& bounds);
   bool nearest(const Vec3f& origin, const Vec3f& direction, HollowHit&) const;
 
@@ -27,7 +28,7 @@ class Hollows {
   std::vector<RayMesh> meshes_;
   std::vector<std::uint32_t> mesh_of_;
   std::vector<Eigen::Matrix3f> turns_;
-  std::unique_ptr<RayScene> scene_;  // null where no void reaches the body
+  std::unique_ptr<RayScene> scene_;  // null if no void reaches the body
 };
 
 }  // namespace terrazzo

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "graph/node_type.h"
@@ -27,14 +29,14 @@ std::string resolved_mode(const Context& c) {
 void need(const Context& c, const std::string& what, const std::string& input) {
   if (!c.has(input))
     throw Error("no-" + input, what + " needs the input '" + input + "', which is not connected",
-                input == "volume" ? "connect a volume with colours, such as Voxelize's" : "connect it");
+                input == "volume" ? "connect a volume with colors, for example from Voxelize" : "connect it");
 }
 
 Lie lie_of(const Context& c) {
   const auto three = [&](const char* name) {
     const auto v = c.numbers(name);
     if (v.size() != 3)
-      throw Error(std::string("bad-") + name, std::to_string(v.size()) + " numbers are given",
+      throw Error(std::string("bad-") + name, std::to_string(v.size()) + " numbers are given instead of 3",
                   "write x, y and z")
           .parameter(name);
     return Vec3(v[0], v[1], v[2]);
@@ -42,14 +44,14 @@ Lie lie_of(const Context& c) {
   return Lie::of(three("turn"), three("shift"));
 }
 
-// What colours are looked up in, for as long as the picture takes.
+// Color sources that must live as long as the rendering.
 struct Material {
   std::unique_ptr<ResidualField> residual;
   std::unique_ptr<ColorField> field;
   std::unique_ptr<Paint> paint;
 };
 
-// The fine detail on particles and binder, where there is one.
+// Loads the fine detail of particles and binder, if connected.
 void take_residual(Context& c, Material& m) {
   const auto* volume = c.optional<Volume>("residual");
   if (!volume) return;
@@ -58,11 +60,13 @@ void take_residual(Context& c, Material& m) {
   const double scale = std::exp(m.residual->scale().array().log().abs().maxCoeff());
   c.metric("residual_scale", scale);
   if (scale > 1.25)
-    c.warn("the residual is scaled by a factor of " + std::to_string(scale).substr(0, 4) +
-           " to tile the box: a tile of another size keeps its scale");
+    c.warn(
+        fmt::format("the residual is scaled by a factor of {:.3g} to tile the box; synthesize it in another "
+                    "size to keep its scale",
+                    scale));
 }
 
-// The colour inside, from voxels or from the particles themselves.
+// Sets up the color inside, from voxels or from the particles themselves.
 void take_paint(Context& c, const std::string& mode, Material& m) {
   const double repeat = mode == "fracture" ? 1 : c.number("repeat");
   std::string color = c.text("color");
@@ -71,7 +75,7 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
   else if (color == "auto")
     color = c.has("volume") || !c.has("particles") ? "volume" : "particles";
   if (color == "particles") {
-    need(c, "colour from particles", "particles"), need(c, "colour from particles", "shapes");
+    need(c, "color from particles", "particles"), need(c, "color from particles", "shapes");
     const auto& particles = c.input<Particles>("particles");
     check_shown(particles, c.input<Shapes>("shapes"));
     take_residual(c, m);
@@ -81,20 +85,22 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
   }
   need(c, "mode '" + mode + "'", "volume");
   if (c.has("residual"))
-    c.warn("the residual is not used: the picture takes the volume's colours; color: particles takes both");
+    c.warn("the residual is not used, because colors come from the volume; set color: particles to use it");
   m.field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
   if (m.field->clamped() > 0.01f)
-    c.warn("colours outside 0 to 1 in " + std::to_string(static_cast<int>(100 * m.field->clamped() + 0.5f)) +
-           " % of the voxels were clamped, since no surface reflects more light than it gets");
+    c.warn("colors outside 0 to 1 in " + std::to_string(static_cast<int>(100 * m.field->clamped() + 0.5f)) +
+           " % of the voxels were clamped, since no surface reflects more light than it receives");
   m.paint = field_paint(*m.field, repeat, lie_of(c), mode == "block" || mode == "cube");
 }
 
-// The holes that a packing with voids leaves in what is carved.
+// The voids of a packing, which become holes in the carved body.
 Voids voids_of(Context& c) {
   const auto* particles = c.optional<Particles>("particles");
   const auto* volume = c.optional<Volume>("volume");
   if (!particles && volume && volume->find<openvdb::FloatGrid>("void"))
-    c.warn("the volume has voids, which are filled: connect the particles and their shapes to see the holes");
+    c.warn(
+        "the volume has voids, which are shown filled; connect the particles and their shapes to see the "
+        "holes");
   if (!particles || particles->void_count() == 0) return {};
   need(c, "a packing with voids", "shapes");
   return {particles, &c.input<Shapes>("shapes"), c.number("repeat"), lie_of(c)};
@@ -112,7 +118,7 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m
     const Shapes& shapes = c.input<Shapes>("object");
     if (shapes.shapes.empty()) throw Error("no-shapes", "the object has no mesh");
     if (shapes.shapes.size() > 1)
-      c.warn("of the object's " + std::to_string(shapes.shapes.size()) + " meshes the first, '" +
+      c.warn("the object has " + std::to_string(shapes.shapes.size()) + " meshes; only the first, '" +
              shapes.shapes[0].name + "', is shown");
     return object_solid(*paint, shapes.shapes[0], voids);
   }
@@ -132,9 +138,8 @@ void compute(Context& c) {
   if (c.text("tone") == "view" && c.text("color_config") != color_config_id())
     throw Error(
         "color-config",
-        "the colour configuration is '" + color_config_id() + "', not '" + c.text("color_config") + "'",
-        "set the variable OCIO to the configuration that the graph was written for, or leave "
-        "color_config out")
+        "the color configuration is '" + color_config_id() + "', not '" + c.text("color_config") + "'",
+        "set the variable OCIO to the configuration that the graph was written for, or remove color_config")
         .parameter("color_config");
   const Tone tone(c.text("tone"), c.text("view"));
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
@@ -155,7 +160,7 @@ void compute(Context& c) {
   for (int i = 0; i < frames; ++i) {
     const float at = azimuth + 6.28318531f * static_cast<float>(i) / static_cast<float>(frames);
     Studio::Settings light;
-    light.lamp_azimuth = at - 0.95f;  // from the viewer's left
+    light.lamp_azimuth = at - 0.95f;  // to the camera's left
     const Camera camera = Camera::framing(solid->bounds(), at, elevation, settings.width, settings.height);
     Image image = render(*solid, Studio(light), camera, settings,
                          c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames));
@@ -171,85 +176,85 @@ void compute(Context& c) {
 NodeType render_solid_node() {
   return NodeType("RenderSolid", 4)
       .doc_(
-          "A picture of the solid: a block with a corner cut out, a body carved from it, or its particles "
-          "alone, "
-          "under one large lamp and a pale dome")
-      .source_("Path tracing with a control variate: what an unoccluded surface gets is added in closed form")
-      .optional_input("volume", {"Volume"}, "The solid: a colour grid `Cd`, repeated periodically")
+          "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
+          "out, a body carved from it, or its particles without binder")
+      .source_("Path tracing with a control variate: light on unoccluded surfaces is added in closed form")
+      .optional_input("volume", {"Volume"}, "Solid: a color grid `Cd`, repeated periodically")
       .optional_input("particles", {"Particles"},
-                      "A packing: shown without its binder, broken, or carved at full resolution; its voids "
-                      "are holes in what is carved, also where the colours are the volume's")
-      .optional_input("shapes", {"Shapes"}, "The particles' forms")
+                      "Packing to show without its binder, as a fracture, or carved at full resolution. Its "
+                      "voids are holes in carved bodies, even if colors come from the volume.")
+      .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
       .optional_input("residual", {"Volume"},
-                      "Grid residual of ResidualSynth: the photograph's fine detail on particles and binder, "
-                      "where colours are theirs")
-      .optional_input("object", {"Shapes"}, "A body to carve from the solid")
-      .output("image", "Image", "Scene-linear and ready for display: 1 is white; a section a frame")
+                      "Grid residual from ResidualSynth: the photograph's fine detail on particles and "
+                      "binder. Used only with colors from particles.")
+      .optional_input("object", {"Shapes"}, "Body to carve from the solid")
+      .output("image", "Image",
+              "Picture with one section per frame, in linear values ready for display: 1 is white")
       .parameter(
           Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
       .parameter(
           Parameter::integer("height", 720).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
-      .parameter(
-          Parameter::integer("samples", 32)
-              .range(1, 65536)
-              .doc_("Light paths per pixel: four times as many halve the noise; powers of two spread best"))
+      .parameter(Parameter::integer("samples", 32)
+                     .range(1, 65536)
+                     .doc_("Light paths per pixel. Four times as many halve the noise; powers of two are "
+                           "distributed best."))
       .parameter(
           Parameter::choice("mode", "auto",
                             {"auto", "block", "cube", "object", "vase", "knot", "particles", "fracture"})
-              .doc_("block: a corner is cut out, which shows inner faces; cube: a whole block; object, vase, "
-                    "knot: "
-                    "carved from the solid; particles: without binder; fracture: one period broken across, "
-                    "along the "
-                    "particles' surfaces; auto: object where one is connected, else block, else particles"))
-      .parameter(
-          Parameter::choice("color", "auto", {"auto", "volume", "particles"})
-              .doc_("Of what is carved: the volume's voxels, or the particles and their binder at full "
-                    "resolution; auto: the volume where one is connected. A fracture takes the particles"))
-      .parameter(Parameter::integer("frames", 1).range(1, 10000).doc_("Of one full turn; a section each"))
+              .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "
+                    "vase, knot: a body carved from the solid. particles: particles without binder. "
+                    "fracture: one period broken across, along the particles' surfaces. auto: object if one "
+                    "is connected, else block, else particles."))
+      .parameter(Parameter::choice("color", "auto", {"auto", "volume", "particles"})
+                     .doc_("Source of the colors of carved bodies. volume: its voxels. particles: particles "
+                           "and binder at full resolution. auto: volume if one is connected, else particles. "
+                           "A fracture always uses particles."))
+      .parameter(Parameter::integer("frames", 1)
+                     .range(1, 10000)
+                     .doc_("Number of frames in one full turn, one section each"))
       .parameter(Parameter::numbers("turn", {0, 0, 0})
                      .count(3, 3)
                      .range(-360, 360)
                      .unit_("degrees")
-                     .doc_("How the solid lies in what is carved from it, about x, then y, then z: on faces "
-                           "oblique to "
-                           "its period no repetition shows"))
+                     .doc_("Rotation of the solid in the body carved from it, around x, then y, then z. "
+                           "Faces oblique to its period show no repetition."))
       .parameter(Parameter::numbers("shift", {0, 0, 0})
                      .count(3, 3)
                      .range(-1000, 1000)
-                     .doc_("How far it is shifted, in periods of x, y and z"))
+                     .doc_("Shift of the solid in the body carved from it, in periods of x, y and z"))
       .parameter(Parameter::number("level", 0.6)
                      .range(0, 1)
-                     .doc_("Of a fracture: the broken face's height, as a share"))
-      .parameter(
-          Parameter::number("roughness", 0.05)
-              .range(0, 0.5)
-              .doc_("Of a fracture: how far the binder's face goes up and down, as a share of the height"))
-      .parameter(
-          Parameter::choice("tone", "neutral", {"neutral", "aces", "view", "none"})
-              .doc_("How strong light becomes a picture, through OpenColorIO: neutral keeps every colour up "
-                    "to 0.85 and bends what is above; aces: the Academy's rendering for displays; view: one "
-                    "of $OCIO's configuration; none: as it is"))
+                     .doc_("Height of the broken face of a fracture, as a fraction of the block's height"))
+      .parameter(Parameter::number("roughness", 0.05)
+                     .range(0, 0.5)
+                     .doc_("Amplitude of the binder's face in a fracture, up and down, as a fraction of the "
+                           "block's height"))
+      .parameter(Parameter::choice("tone", "neutral", {"neutral", "aces", "view", "none"})
+                     .doc_("Tone mapping, by OpenColorIO. neutral: keeps colors up to 0.85 and compresses "
+                           "values above. aces: the Academy's rendering for displays. view: a view of the "
+                           "configuration in $OCIO. none: no tone mapping."))
       .parameter(Parameter::text("view", "")
-                     .doc_("With tone: view, a view of the configuration's default display, or "
-                           "display/view; empty: the default view"))
+                     .doc_("View for tone: view. Either a view of the configuration's default display, or "
+                           "display/view. Empty: the default view."))
       .parameter(Parameter::text("color_config", color_config_id())
-                     .doc_("Identity of the colour configuration in force, so that a changed $OCIO is a "
-                           "changed input. Write it only to insist on one"))
+                     .doc_("Identity of the color configuration in use, so that a changed $OCIO counts as a "
+                           "changed input. Set it only to require a particular configuration."))
       .parameter(Parameter::number("repeat", 1)
                      .range(0.05, 64)
                      .doc_("Periods of the volume along the longest edge of the block or object"))
       .parameter(
-          Parameter::number("cut", 0.5).range(0.05, 0.95).doc_("Share of each edge that the cut takes"))
+          Parameter::number("cut", 0.5).range(0.05, 0.95).doc_("Fraction of each edge that is cut out"))
       .parameter(
           Parameter::number("azimuth", -41)
               .unit_("degrees")
               .range(-360, 360)
-              .doc_("Where the viewer stands, from +x towards +y; the cut corner is seen from −90 to 0"))
+              .doc_("Azimuth of the camera, from +x towards +y. The cut corner is visible from −90 to 0."))
       .parameter(
-          Parameter::number("elevation", 30).unit_("degrees").range(3, 85).doc_("How high the viewer stands"))
-      .parameter(
-          Parameter::number("gloss", 0.35).range(0, 1).doc_("0: matt; 1: mirrors as much as polished stone"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the light paths"))
+          Parameter::number("elevation", 30).unit_("degrees").range(3, 85).doc_("Elevation of the camera"))
+      .parameter(Parameter::number("gloss", 0.35)
+                     .range(0, 1)
+                     .doc_("Strength of reflections: 0 is matte, 1 is polished stone"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

@@ -48,7 +48,7 @@ class ParticlePaint : public Paint {
     mm_per_unit_ = box_.maxCoeff() * static_cast<float>(repeat);
   }
   Vec3f at(const Vec3f& point, const Vec3f& face, bool sharp) const override {
-    // Just below the surface, where cut particles and their binder part.
+    // Just below the surface, where cut particles border on their binder.
     const Vec3f p = turn_ * (point * mm_per_unit_ - (1e-4f * mm_per_unit_) * face) + shift_;
     return colors_.at(p, index_.at(p), sharp);
   }

@@ -1,4 +1,4 @@
-// What colour a solid has inside: of voxels, or of the particles themselves.
+// The color inside a solid, from voxels or from the particles themselves.
 #pragma once
 
 #include <memory>
@@ -16,19 +16,20 @@ class ResidualField;
 class Paint {
  public:
   virtual ~Paint() = default;
-  // At a point in world units (the object's longest edge is 1). `face`: the surface's normal; of voxels the
-  // layer just below it is meant. `sharp`: as finely as it is known.
+  // Color at a point in world units (the object's longest edge is 1). `face` is the surface normal; voxel
+  // colors are taken from the layer just below it. `sharp` selects the finest detail.
   virtual Vec3f at(const Vec3f& point, const Vec3f& face, bool sharp) const = 0;
-  // Edges of one period, the longest being 1.
+  // Relative edge lengths of one period; the longest is 1.
   virtual Vec3f period() const = 0;
 };
 
-// Voxels; `repeat` periods of the longest edge in one world unit. The field must outlive it. Where `layer` is
-// set points on faces take the voxels half a voxel below them.
+// Colors from voxels, with `repeat` periods of the longest edge per world unit. The field must outlive the
+// paint. With `layer`, points on faces use the voxels half a voxel below them.
 std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const Lie& = {}, bool layer = true);
 
-// Particles at full resolution in their binder, repeated as their box is, with the fine detail of `residual`
-// where it is not null; that must outlive the paint. Throws what particle_solid throws.
+// Colors from particles and binder at full resolution, repeated with the period of their box, with the fine
+// detail of `residual` if it is not null. All arguments must outlive the paint. Throws the errors of
+// particle_solid.
 std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1, const Lie& = {},
                                       const ResidualField* residual = nullptr);
 

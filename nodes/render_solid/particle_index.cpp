@@ -10,8 +10,8 @@
 namespace terrazzo {
 namespace {
 
-// The distance from the origin to a triangle's plane within it, or its nearest edge: at least this far a mesh
-// keeps.
+// Distance from the origin to a triangle's plane if the foot is inside it, else to its nearest edge: a lower
+// bound on the distance to the mesh.
 double distance_to(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
   const double twice = n.norm();
@@ -37,19 +37,20 @@ void check_shown(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0) throw Error("no-particles", "there are no particles to show");
   const double longest = particles.box.maxCoeff();
   if (!(particles.box.minCoeff() > 0) || !std::isfinite(longest))
-    throw Error("bad-box", "the particles' box has no extent");
+    throw Error("bad-box", "the particles' box has no volume");
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const auto s = particles.shape[i];
     if (s < 0 || static_cast<std::size_t>(s) >= shapes.shapes.size())
       throw Error("no-such-shape",
                   "particle " + std::to_string(i) + " has shape " + std::to_string(s) + ", but there are " +
                       std::to_string(shapes.shapes.size()) + " shapes",
-                  "connect the shapes that the particles were packed with");
+                  "connect the shapes used for packing");
     if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) ||
         !particles.color[i].allFinite() || !particles.orientation[i].coeffs().allFinite() ||
         particles.orientation[i].norm() < 1e-9)
-      throw Error("bad-number", "particle " + std::to_string(i) +
-                                    " has a position, orientation, scale or colour that is no number");
+      throw Error("bad-number",
+                  "particle " + std::to_string(i) +
+                      " has an invalid position, orientation, scale or color (NaN or infinite)");
   }
 }
 
@@ -80,11 +81,11 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
     to_mesh_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
     mesh_of_.push_back(particles.shape[i]);
   }
-  // About two cells a mean diameter, and no more than the memory of some million cells.
+  // About two cells per mean diameter, limited to the memory of a few million cells.
   const double volume = particles.box.prod(),
                spacing = 0.5 * std::cbrt(volume / static_cast<double>(particles.count()));
   for (int k = 0; k < 3; ++k) cells_[k] = std::clamp(static_cast<int>(particles.box[k] / spacing), 1, 160);
-  // A shape's origin may lie outside of it: then no inner ball.
+  // A shape's origin may be outside the shape: then there is no inner sphere.
   for (std::size_t s = 0; s < meshes_.size(); ++s)
     if (RayHit hit; !meshes_[s].nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit))
       for (std::size_t i = 0; i < outer_.size(); ++i)
@@ -111,7 +112,7 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
             list = list * static_cast<std::size_t>(cells_[k]) +
                    static_cast<std::size_t>(cell[k] - periods * cells_[k]);
           }
-          // Corners of the cells' box that the ball does not reach are left out.
+          // Skip cells at the corners of the box that the sphere does not reach.
           float square = 0;
           for (int k = 0; k < 3; ++k) {
             const float lo = float(cell[k]) * size[k], d = std::max({lo - at[k], at[k] - lo - size[k], 0.0f});
@@ -141,7 +142,7 @@ bool ParticleIndex::holds(std::int32_t particle, const Vec3f& from_center) const
   const auto& t = triangles_[mesh];
   const std::uint32_t* i = &t.indices[3 * static_cast<std::size_t>(hit.triangle)];
   const Vec3f normal = (t.positions[i[1]] - t.positions[i[0]]).cross(t.positions[i[2]] - t.positions[i[0]]);
-  return normal.dot(direction) > 0;  // it goes out
+  return normal.dot(direction) > 0;  // the ray leaves
 }
 
 int ParticleIndex::at(const Vec3f& mm) const {

@@ -1,4 +1,4 @@
-// A mesh with its normals in single precision, as rays meet it.
+// A mesh with its normals in single precision, for ray tracing.
 #pragma once
 
 #include <vector>

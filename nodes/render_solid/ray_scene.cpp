@@ -14,7 +14,7 @@ namespace terrazzo {
 struct RayScene::Handles {
   RTCDevice device = nullptr;
   RTCScene top = nullptr;
-  bool plain = false;  // one mesh, not moved: no instances
+  bool plain = false;  // one mesh without transformation: no instances
   std::vector<RTCScene> meshes;
   ~Handles() {
     if (top) rtcReleaseScene(top);
@@ -40,12 +40,12 @@ const char* words(RTCError e) {
 
 void check(RTCDevice device) {
   if (const RTCError e = rtcGetDeviceError(device); e != RTC_ERROR_NONE)
-    throw Error("embree", std::string("the ray caster could not be set up: ") + words(e));
+    throw Error("embree", std::string("the ray tracer Embree could not be set up: ") + words(e));
 }
 
 RTCScene new_scene(RTCDevice device) {
   RTCScene scene = rtcNewScene(device);
-  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // watertight: no light through shared edges
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // watertight: no light leaks through shared edges
   return scene;
 }
 
@@ -55,8 +55,8 @@ RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Insta
     : handles_(std::make_unique<Handles>()) {
   handles_->device = rtcNewDevice(nullptr);
   if (!handles_->device)
-    throw Error("embree",
-                std::string("the ray caster could not be set up: ") + words(rtcGetDeviceError(nullptr)));
+    throw Error("embree", std::string("the ray tracer Embree could not be set up: ") +
+                              words(rtcGetDeviceError(nullptr)));
   RTCDevice device = handles_->device;
   tbb::task_arena alone(1);
   const auto commit = [&](RTCScene scene) { alone.execute([&] { rtcJoinCommitScene(scene); }); };

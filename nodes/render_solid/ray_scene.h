@@ -1,4 +1,4 @@
-// Triangles and instances of triangle meshes behind Embree: nearest hit and "is anything there".
+// Triangles and instances of triangle meshes in Embree: nearest-hit and any-hit queries.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace terrazzo {
 
-inline constexpr float kBeyond = 2e-6f;  // world units that a ray goes on past what it met
+inline constexpr float kBeyond = 2e-6f;  // world units by which a ray moves past a hit before continuing
 
 struct RayHit {
   float distance = 0;
   std::uint32_t instance = 0, triangle = 0;
-  float u = 0, v = 0;  // barycentric weights of the triangle's second and third corner
+  float u = 0, v = 0;  // barycentric weights of the triangle's second and third corners
 };
 
 class RayScene {
@@ -28,8 +28,8 @@ class RayScene {
     Eigen::Matrix3f linear = Eigen::Matrix3f::Identity();
     Vec3f offset = Vec3f::Zero();
   };
-  // Throws Error "embree" with the library's own words. The tree is built on one thread: always the same
-  // tree.
+  // Throws Error "embree" with the library's message. The tree is built on one thread, so it is always the
+  // same.
   RayScene(const std::vector<Triangles>& meshes, const std::vector<Instance>& instances);
   ~RayScene();
   RayScene(RayScene&&) noexcept;

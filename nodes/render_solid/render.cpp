@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-constexpr float lift = 2e-4f;  // world units that a ray starts above its surface
+constexpr float lift = 2e-4f;  // world units by which a ray starts above its surface
 
 class Paths {
  public:
@@ -24,7 +24,7 @@ class Paths {
     if (!meets_floor(origin, direction, floor)) return Vec3f::Constant(background);
     Vec3f light = background * floor_light(floor, random, 0);
     if (settings_.gloss > 0) {
-      // The floor mirrors the solid a little; where it would mirror the dome it is the background already.
+      // The floor reflects the solid a little; where it would reflect the dome it already is the background.
       const Vec3f up(direction.x(), direction.y(), -direction.z());
       const float f = settings_.gloss * fresnel(-direction.z());
       if (may_meet_solid(floor, up) && solid_.nearest(floor + Vec3f(0, 0, lift), up, s))
@@ -46,7 +46,7 @@ class Paths {
     return true;
   }
 
-  // Far from the solid the floor is as good as unshadowed.
+  // Far from the solid the floor is practically unshadowed.
   bool near_solid(const Vec3f& floor) const { return bounds_.squaredExteriorDistance(floor) < 9; }
 
   bool may_meet_solid(const Vec3f& origin, const Vec3f& direction) const {
@@ -69,14 +69,14 @@ class Paths {
     const Vec3f origin = s.position + lift * s.face;
     if (!s.open && mirror.dot(s.face) > 0 && solid_.nearest(origin, mirror, other))
       seen = 0.7f * other.albedo *
-             studio_.irradiance(other.normal);  // inner faces face each other: partly in shade
+             studio_.irradiance(other.normal);  // inner faces see each other: partly in shade
     else
       seen = Vec3f::Constant(studio_.mirrored(mirror));
     return (1 - f) * diffuse + f * seen;
   }
 
-  // Irradiance over π: in the open, less the lamp where it is hidden, plus the difference that other surfaces
-  // make.
+  // Irradiance over π: that of an open surface, minus the lamp if it is hidden, plus the change made by other
+  // surfaces.
   Vec3f light(const SurfacePoint& s, PixelSampler& random, int depth) const {
     Vec3f sum = Vec3f::Constant(studio_.irradiance(s.normal));
     const Vec3f origin = s.position + lift * s.face;
@@ -100,7 +100,7 @@ class Paths {
     return sum;
   }
 
-  // The same for the floor, which gets 1 in the open.
+  // The same for the floor, which receives 1 in the open.
   Vec3f floor_light(const Vec3f& point, PixelSampler& random, int depth) const {
     Vec3f sum = Vec3f::Ones();
     if (!near_solid(point)) return sum;
@@ -126,7 +126,7 @@ class Paths {
   Eigen::AlignedBox3f bounds_;
 };
 
-// A tent of radius 1 pixel: smooth edges without blur.
+// A tent filter of radius 1 pixel: smooth edges without blur.
 float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u); }
 
 }  // namespace

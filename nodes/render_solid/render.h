@@ -1,4 +1,4 @@
-// Pictures of solids: paths of light through the Studio, from the camera.
+// Path tracing of solids lit by the Studio.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,16 @@ namespace terrazzo {
 
 struct RenderSettings {
   int width = 720, height = 720;  // pixels
-  int samples = 32;               // paths a pixel
+  int samples = 32;               // paths per pixel
   int bounces = 2;                // diffuse reflections between surfaces
-  float gloss = 0.35f;            // share of a polished surface's mirror reflection, 0…1
+  float gloss = 0.35f;            // fraction of a polished surface's mirror reflection, 0…1
   std::uint64_t seed = 1;
 };
 
-// The radiance of each pixel, scene-linear: what an unshadowed white surface facing up sends back is 1. The
-// result does not depend on the number of threads.
-//
-// Light is counted as what an unoccluded surface would get, in closed form, plus what occluders change, by
-// sampling. Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased
-// (a control variate).
+// Returns the scene-linear radiance of each pixel, in units of the light reflected by an unshadowed white
+// surface facing up. The result does not depend on the number of threads. The light on an unoccluded surface
+// is computed in closed form, and the changes made by occluders are sampled and added (a control variate).
+// Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased.
 Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
 
 }  // namespace terrazzo

@@ -23,7 +23,7 @@ int floor_of(float v) {
   return i - (static_cast<float>(i) > v);
 }
 
-// Samples of a period to the coefficients of the cubic spline through them, in place (Unser 1999).
+// Converts samples of a period to the coefficients of the cubic spline through them, in place (Unser 1999).
 void spline_coefficients(std::vector<Vec3f>& line) {
   const float z = std::sqrt(3.0f) - 2;
   const int n = static_cast<int>(line.size());
@@ -50,7 +50,7 @@ void weights(float t, float w[4]) {
   w[2] = (4 - 6 * s * s + 3 * s * s * s) / 6, w[3] = t * t * t / 6;
 }
 
-// Gradient noise whose lattice has `cells` steps a period; about −1 to 1.
+// Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {
   int at[3];
   float f[3], u[3];
@@ -85,14 +85,15 @@ ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& 
     : box_(box.cast<float>()) {
   const auto grid = volume.find<openvdb::Vec3SGrid>("residual");
   if (!grid)
-    throw Error("no-residual", "the volume at 'residual' has no Vec3SGrid named residual",
+    throw Error("no-residual", "the volume at input 'residual' has no Vec3SGrid named 'residual'",
                 "connect ResidualSynth.volume");
   size_ = volume.resolution;
   if (size_.minCoeff() < 1)
-    throw Error("bad-residual", "the residual has no period", "only periodic volumes can be added as detail");
+    throw Error("bad-residual", "the residual is not periodic",
+                "connect a periodic volume, for example from ResidualSynth");
   const double voxel = grid->transform().voxelSize()[0];
   if (!(voxel > 0) || !std::isfinite(voxel))
-    throw Error("bad-residual", "the residual's voxels have no size");
+    throw Error("bad-residual", "the residual's voxel size is not positive");
   for (int a = 0; a < 3; ++a) {
     const TileFit fit = fit_tile(box[a], size_[a] * voxel);
     periods_[a] = fit.periods, scale_[a] = fit.scale;
@@ -111,7 +112,7 @@ ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& 
         }
   });
   if (std::any_of(values.begin(), values.end(), [](const Vec3f& v) { return !v.allFinite(); }))
-    throw Error("bad-residual", "the residual holds NaN or infinity");
+    throw Error("bad-residual", "the residual contains NaN or infinity");
   const std::size_t step[3] = {1, nx, nx * ny};
   for (int a = 0; a < 3; ++a) {
     const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;  // lines along a start at every (b, c)

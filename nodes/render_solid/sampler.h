@@ -1,5 +1,5 @@
-// Well-spread random numbers of one pixel: Owen-scrambled Sobol' points, a fresh pair for each decision along
-// a path. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020.
+// Low-discrepancy random numbers for one pixel: Owen-scrambled Sobol' points, with a new pair for each
+// decision along a path. Burley, Practical hash-based Owen scrambling, JCGT 9(4), 2020.
 #pragma once
 
 #include <bit>
@@ -11,17 +11,17 @@ namespace terrazzo {
 
 class PixelSampler {
  public:
-  // `samples`: how many the pixel will take.
+  // `samples`: how many samples the pixel uses.
   PixelSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t samples)
       : key_(Random(seed, 0x50697865, pixel).bits()), mask_(std::bit_ceil(samples) - 1) {}
 
   void start(std::uint32_t sample) { sample_ = reversed(sample), pair_ = 0; }
 
-  // Two numbers in [0, 1): stratified over the samples of the pixel, independent of the pairs drawn before.
+  // Two numbers in [0, 1), stratified over the pixel's samples and independent of earlier pairs.
   void next(float& u, float& v) {
     const std::uint64_t h = mix64(key_ + ++pair_);
     const auto a = static_cast<std::uint32_t>(h), b = static_cast<std::uint32_t>(h >> 32);
-    // Another order of the same points, so that pairs do not align.
+    // A different order of the same points, so that pairs do not align.
     const std::uint32_t i = reversed(scrambled(sample_, a ^ b)) & mask_;
     u = unit(reversed(scrambled(i, a)));
     v = unit(reversed(scrambled(reversed(second(i)), b)));
@@ -41,8 +41,8 @@ class PixelSampler {
       if (i & 1) r ^= v;
     return r;
   }
-  // Laine and Karras's hash: every bit is flipped or not by the bits below it. On reversed numbers: a nested
-  // uniform permutation.
+  // Laine and Karras's hash: lower bits decide whether each bit is flipped. On reversed numbers it is a
+  // nested uniform permutation.
   static std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;

@@ -35,7 +35,7 @@ double cosine_integral(double cosine, const F& f, double from, int rings) {
   return sum * (1 - from) / rings * (2 * pi / turns) / pi;
 }
 
-// Two unit vectors that make a right-handed frame with the unit n. Duff et al., JCGT 6(1), 2017.
+// Two unit vectors that form a right-handed frame with the unit n. Duff et al., JCGT 6(1), 2017.
 void frame(const Vec3f& n, Vec3f& a, Vec3f& b) {
   const float sign = std::copysign(1.0f, n.z());
   const float p = -1.0f / (sign + n.z()), q = n.x() * n.y() * p;
@@ -71,7 +71,7 @@ Studio Studio::furnace() {
   Settings s;
   s.lamp_share = 0, s.horizon = s.zenith = s.floor = s.background = 1, s.has_floor = false;
   Studio studio(s);
-  // The constants, free of the tables' quadrature error.
+  // Set the constants directly, without the tables' quadrature error.
   studio.horizon_ = studio.zenith_ = 1;
   studio.by_height_.fill(1);
   studio.by_angle_.fill(0);
@@ -84,7 +84,7 @@ float Studio::irradiance(const Vec3f& normal) const {
 }
 
 float Studio::mirrored(const Vec3f& direction) const {
-  // Wider than the lamp itself, so that its image is a soft gleam.
+  // Wider than the lamp itself, so that its reflection is soft.
   const float gleam = lamp_ > 0 ? 2.5f * lamp_ * std::exp(6 * (direction.dot(direction_) - 1)) : 0;
   return direction.z() < 0 ? settings_.floor : radiance(direction) + gleam;
 }

@@ -87,7 +87,7 @@ struct Tone::Transform {
 
 Tone::Tone(const std::string& kind, const std::string& view) : view_(kind == "view"), name_(view) {
   if (view_) {
-    show_through_view(nullptr, 0, 0, view);  // complains now, not after the picture
+    show_through_view(nullptr, 0, 0, view);  // fail now, not after rendering
     return;
   }
   if (kind == "none") return;
@@ -97,7 +97,7 @@ Tone::Tone(const std::string& kind, const std::string& view) : view_(kind == "vi
                                 ->getProcessor(kind == "aces" ? aces() : neutral())
                                 ->getDefaultCPUProcessor();
   } catch (const ocio::Exception& e) {
-    throw Error("color-config", std::string("OpenColorIO's rendering for displays failed: ") + e.what(),
+    throw Error("color-config", std::string("the OpenColorIO display rendering failed: ") + e.what(),
                 "set tone: none")
         .parameter("tone");
   }

@@ -1,5 +1,4 @@
-// How strong light becomes a picture, always through OpenColorIO: scene-linear to what a display shows, still
-// linear.
+// Tone mapping, always with OpenColorIO: from scene-linear light to display light, still in linear values.
 #pragma once
 
 #include <memory>
@@ -11,14 +10,14 @@ namespace terrazzo {
 
 class Tone {
  public:
-  // neutral: neutral_curve(). aces: the Academy's rendering for displays (ACES 1.0 SDR video), strong light
-  // rolls off like film and loses saturation. view: of the configuration that $OCIO names, see
-  // show_through_view. none: light as it is. Throws Error "color-config" where OpenColorIO has no such
+  // neutral: neutral_curve(). aces: the Academy's rendering for displays (ACES 1.0 SDR video), where strong
+  // light rolls off like film and loses saturation. view: a view of the configuration in $OCIO, see
+  // show_through_view. none: no tone mapping. Throws Error "color-config" if OpenColorIO has no such
   // transform.
   explicit Tone(const std::string& kind, const std::string& view = "");
   ~Tone();
 
-  // Linear Rec. 709 in and, but for none, out within [0, 1]; in place.
+  // Maps linear Rec. 709 in place, to [0, 1] except for none.
   void apply(Image&) const;
 
  private:
@@ -28,8 +27,8 @@ class Tone {
   std::string name_;
 };
 
-// Leaves values up to 0.85 as they are and bends those above towards 1; all channels by the same factor, so
-// that the hue stays. OpenColorIO interpolates a table of it, up to 2, to 1/400.
+// Keeps values up to 0.85 and compresses those above towards 1, by the same factor for all channels so that
+// the hue stays. OpenColorIO interpolates a table of it, for values up to 2, to 1/400.
 Vec3f neutral_curve(const Vec3f& linear);
 
 }  // namespace terrazzo

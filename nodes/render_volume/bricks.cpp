@@ -6,7 +6,7 @@
 namespace terrazzo::render_volume {
 namespace {
 
-// Whether densities between two stored numbers touch an interval with a tissue.
+// Whether any density between two stored values belongs to a tissue.
 bool any_visible(const DensityIntervals& intervals, const ScanField& scan, std::uint16_t low,
                  std::uint16_t high) {
   const float a = scan.low + scan.step * low, b = scan.low + scan.step * high;
@@ -22,7 +22,7 @@ bool any_visible(const DensityIntervals& intervals, const ScanField& scan, std::
 }  // namespace
 
 Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const Work& work) {
-  // Cells from 0 to size: one before the first voxel's centre, one after the last's.
+  // Cells from 0 to size: one before the first voxel's center, one after the last's.
   count_ = (scan.size.array() + 1 + kCells - 1) / kCells;
   const std::size_t total = static_cast<std::size_t>(count_.x()) * count_.y() * count_.z();
   distance_.assign(total, 255), place_.assign(total, -1);
@@ -42,7 +42,7 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
   };
   each([&](std::size_t b, const Vec3i& at) {
     std::uint16_t low = 65535, high = 0;
-    const Vec3i first = at * kCells - Vec3i::Ones();  // voxel of a brick's first corner
+    const Vec3i first = at * kCells - Vec3i::Ones();  // voxel at a brick's first corner
     for (int z = 0; z <= kCells; ++z)
       for (int y = 0; y <= kCells; ++y)
         for (int x = 0; x <= kCells; ++x) {
@@ -56,7 +56,7 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
   for (const auto d : distance_) visible += d == 0;
   visible_share_ = static_cast<double>(visible) / static_cast<double>(total);
 
-  // Chessboard distances, exact in two passes over thirteen neighbours each.
+  // Chessboard distances, exact in two passes over thirteen neighbors each.
   const auto pass = [&](int sign) {
     const auto [nx, ny, nz] = std::array{count_.x(), count_.y(), count_.z()};
     for (int c = 0; c < nz; ++c)
@@ -78,7 +78,8 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
   std::int32_t stored = 0;
   for (std::size_t b = 0; b < total; ++b)
     if (distance_[b] <= 1) place_[b] = stored++;
-  stored_.resize(static_cast<std::size_t>(stored) * kVoxels + 1);  // one more: voxels are read in pairs
+  stored_.resize(static_cast<std::size_t>(stored) * kVoxels +
+                 1);  // one more, because voxels are read in pairs
   each([&](std::size_t b, const Vec3i& at) {
     if (place_[b] < 0) return;
     std::uint16_t* out = stored_.data() + static_cast<std::size_t>(place_[b]) * kVoxels;

@@ -1,5 +1,5 @@
-// The scan in blocks that each hold all that a sample within needs, and how far it is from anywhere to
-// something that can be seen.
+// The scan in bricks. Each holds all voxels needed to sample inside it, and the distance from it to the
+// nearest visible brick.
 #pragma once
 
 #include <cstdint>
@@ -12,30 +12,30 @@ namespace terrazzo::render_volume {
 
 class Bricks {
  public:
-  static constexpr int kCells = 8;  // cells a side; a cell lies between eight voxel centres
+  static constexpr int kCells = 8;  // cells per side; a cell is between eight voxel centers
   static constexpr int kSide =
-      kCells + 3;  // stored voxels a side: those of the cells, and one around for gradients
+      kCells + 3;  // stored voxels per side: those of the cells, and one around them for gradients
   static constexpr int kVoxels = kSide * kSide * kSide;
 
-  // `intervals` tells which densities can be seen. Bricks that can be, and their neighbours, are stored.
+  // `intervals` defines the visible densities. Only visible bricks and their neighbors are stored.
   Bricks(const ScanField&, const DensityIntervals&, const Work& = {});
 
-  // Positions count voxels, voxel 0 being centred at 1: cells begin at 0, half a voxel before the volume
-  // does, since voxels beyond the border equal those at it.
-  const Vec3i& count() const { return count_; }  // bricks a side
+  // Positions count voxels; voxel 0 has its center at 1. Cells begin at 0, half a voxel before the volume,
+  // since voxels beyond the border equal those at it.
+  const Vec3i& count() const { return count_; }  // bricks per side
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * count_.y() + y) * count_.x() + x;
   }
-  // 0: this brick holds something that can be seen. Else no brick does that is fewer bricks away, diagonals
-  // counting as one; at most 255.
+  // 0: this brick contains visible densities. Otherwise the distance in bricks to the nearest visible one,
+  // where a diagonal counts as one; at most 255.
   std::uint8_t distance(std::size_t brick) const { return distance_[brick]; }
   const std::vector<std::uint8_t>& distances() const { return distance_; }
-  // Its voxels, x fastest; null where neither it nor a neighbour can be seen.
+  // Voxels of the brick, x fastest; null if neither it nor a neighbor is visible.
   const std::uint16_t* voxels(std::size_t brick) const {
     const std::int32_t at = place_[brick];
     return at < 0 ? nullptr : stored_.data() + static_cast<std::size_t>(at) * kVoxels;
   }
-  double visible_share() const { return visible_share_; }  // of the bricks
+  double visible_share() const { return visible_share_; }  // fraction of the bricks
 
  private:
   Vec3i count_;

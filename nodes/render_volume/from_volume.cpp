@@ -1,4 +1,4 @@
-// Arrays from OpenVDB's grids.
+// Conversion from OpenVDB grids to arrays.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -43,9 +43,9 @@ ScanField scan_field(const Volume& volume, const std::string& name, const Work& 
   }
   if (!grid) {
     Error e("no-grid",
-            fmt::format("the volume has no grid {}of one number a voxel; it has {}",
+            fmt::format("the volume has no grid {}with one number per voxel; it has {}",
                         name.empty() ? "" : "'" + name + "' ", list.empty() ? "none" : list),
-            "connect a scan, such as LoadVolume's");
+            "connect a scan, for example from LoadVolume");
     if (!name.empty()) e.parameter("grid");
     throw e;
   }
@@ -56,8 +56,8 @@ ScanField scan_field(const Volume& volume, const std::string& name, const Work& 
     spacing[i] = m[i][i];
     for (int j = 0; j < 3; ++j)
       if (!(m[i][i] > 0) || (i != j && std::abs(m[i][j]) > 1e-6 * std::abs(m[i][i])))
-        throw Error("tilted-volume", "grid '" + grid->getName() + "' is turned, sheared or mirrored",
-                    "resample it to upright voxels");
+        throw Error("tilted-volume", "grid '" + grid->getName() + "' is rotated, sheared or mirrored",
+                    "resample it to axis-aligned voxels");
   }
   openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   if (volume.resolution.minCoeff() > 0)
@@ -65,13 +65,14 @@ ScanField scan_field(const Volume& volume, const std::string& name, const Work& 
         openvdb::Coord(0),
         openvdb::Coord(volume.resolution.x() - 1, volume.resolution.y() - 1, volume.resolution.z() - 1));
   if (box.empty())
-    throw Error("empty-volume", "grid '" + grid->getName() + "' has no active voxel", "connect one that has");
+    throw Error("empty-volume", "grid '" + grid->getName() + "' has no active voxels",
+                "connect a grid with active voxels");
   const Vec3i size(box.dim().x(), box.dim().y(), box.dim().z());
   if (size.cast<double>().prod() > 2147483648.0)
-    throw Error(
-        "too-large",
-        fmt::format("grid '{}' spans {} × {} × {} voxels", grid->getName(), size.x(), size.y(), size.z()),
-        "crop or shrink it first");
+    throw Error("too-large",
+                fmt::format("grid '{}' is too large: {} × {} × {} voxels", grid->getName(), size.x(),
+                            size.y(), size.z()),
+                "crop it or reduce its resolution first");
   std::vector<float> values;
   if (grid->isType<openvdb::FloatGrid>())
     values = values_of(static_cast<const openvdb::FloatGrid&>(*grid), box, work);
@@ -85,8 +86,8 @@ ScanField scan_field(const Volume& volume, const std::string& name, const Work& 
 SolidTexture SolidTexture::of(const Volume& volume, const Work& work) {
   const auto grid = volume.find<openvdb::Vec3SGrid>("Cd");
   if (!grid)
-    throw Error("no-color", "a texture has no colour grid `Cd`",
-                "connect a solid texture, such as SolidOptimize's");
+    throw Error("no-color", "a texture has no color grid `Cd`",
+                "connect a solid texture, for example from SolidOptimize");
   openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
   if (volume.resolution.minCoeff() > 0)
     box = openvdb::CoordBBox(
@@ -95,7 +96,7 @@ SolidTexture SolidTexture::of(const Volume& volume, const Work& work) {
   const double voxels = box.empty() ? 0 : double(box.dim().x()) * box.dim().y() * box.dim().z();
   if (!(voxels >= 1) || voxels > (1 << 30))
     throw Error("empty-volume", "a texture has no voxels, or more than 2^30",
-                "connect a solid texture, such as SolidOptimize's");
+                "connect a solid texture, for example from SolidOptimize");
   const Vec3i size(box.dim().x(), box.dim().y(), box.dim().z());
   std::vector<Vec3f> colors(static_cast<std::size_t>(voxels));
   work.parallel(static_cast<std::size_t>(size.z()), 1, [&](std::size_t begin, std::size_t end) {

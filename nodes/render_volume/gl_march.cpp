@@ -15,11 +15,11 @@ constexpr int kTextures = 12;  // as in the shader
 
 }  // namespace
 
-// Functions by name, and the objects; all go with the context.
+// Functions by name, and the objects; all are released with the context.
 struct GlMarcher::Gl {
   EglContext context;
   GLuint program = 0;
-  int units = 0;  // texture units taken
+  int units = 0;  // texture units in use
   bool software;
 
   explicit Gl(GlDevice device) : context(device), software(device == GlDevice::Cpu) {}
@@ -64,7 +64,7 @@ struct GlMarcher::Gl {
   void set(const std::string& name, int v) const { Uniform1i(at(name), v); }
   void set(const std::string& name, const Vec3f& v) const { Uniform3fv(at(name), 1, v.data()); }
 
-  // A new 3D texture on the next unit, of which `name` is told.
+  // Creates a 3D texture on the next unit and binds it to the sampler `name`.
   void start_texture(const std::string& name, GLint filter, GLint small_filter, GLint wrap, int levels) {
     GLuint texture = 0;
     GenTextures(1, &texture);
@@ -82,7 +82,7 @@ struct GlMarcher::Gl {
     GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
     if (size.maxCoeff() > most)
       throw Error("too-large-for-gl",
-                  fmt::format("{} voxels along an edge are more than the {} of {}", size.maxCoeff(), most,
+                  fmt::format("{} voxels along an edge exceed the limit of {} on {}", size.maxCoeff(), most,
                               context.renderer()),
                   "set device: cpu")
           .parameter("device");
@@ -95,10 +95,9 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
     : scene_(scene), gl_(std::make_unique<Gl>(device)) {
   Gl& gl = *gl_;
   if (scene.textures.size() > kTextures)
-    throw Error(
-        "too-large-for-gl",
-        fmt::format("{} textures are more than the {} of the shader", scene.textures.size(), kTextures),
-        "set device: cpu")
+    throw Error("too-large-for-gl",
+                fmt::format("{} textures exceed the shader's limit of {}", scene.textures.size(), kTextures),
+                "set device: cpu")
         .parameter("device");
   gl.program = make_gl_program(gl.context, "march_volume.vert", "march_volume.frag",
                                "set device: cpu, or install a newer driver");
@@ -113,7 +112,7 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.level(0, GL_R8UI, bricks.count(), GL_RED_INTEGER, GL_UNSIGNED_BYTE, distances.data());
   for (std::size_t i = 0; i < kTextures; ++i) {
     const std::string name = fmt::format("textures[{}]", i);
-    if (i >= scene.textures.size()) {  // never read, but two kinds of sampler may not share a unit
+    if (i >= scene.textures.size()) {  // never read, but samplers of different types may not share a unit
       gl.set(name, 0);
       continue;
     }
@@ -140,7 +139,7 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.DrawBuffers(2, both);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error("no-gl",
-                fmt::format("the driver {} has no picture of {} × {} floats to draw into",
+                fmt::format("the driver {} cannot render to a picture of {} × {} floats",
                             gl.context.renderer(), scene.look.width, scene.look.height),
                 "set device: cpu")
         .parameter("device");
@@ -192,14 +191,14 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
       const Eigen::Matrix3f linear = inverse.asDiagonal() * p.linear;
       const std::size_t k = i * kScales + static_cast<std::size_t>(s);
       gl.UniformMatrix3fv(gl.at(fmt::format("place_linear[{}]", k)), 1, GL_FALSE, linear.data());
-      // Ours counts from a texel's centre, GL from its corner.
+      // Placement counts from a texel's center, GL from its corner.
       gl.set(fmt::format("place_offset[{}]", k),
              Vec3f(inverse.cwiseProduct(p.offset + Vec3f::Constant(0.5f))));
       gl.set(fmt::format("place_level[{}]", k), static_cast<float>(p.level));
       gl.set(fmt::format("place_weight[{}]", k), t.weight[s] * 65535);
     }
   }
-  // In bands, so that cancelling need not wait for a whole picture of a software renderer.
+  // Render in bands, so that cancelling does not wait for a whole picture of a software renderer.
   constexpr int band = 32;
   for (int y = 0; y < height; y += band) {
     work.check();

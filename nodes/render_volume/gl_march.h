@@ -1,4 +1,4 @@
-// The same rays by a shader.
+// The same ray marching in a shader.
 #pragma once
 
 #include <memory>
@@ -10,15 +10,15 @@
 
 namespace terrazzo::render_volume {
 
-// Holds a scene on a GPU, or in Mesa's software renderer. Lives on the thread that made it.
+// Holds a scene on a GPU, or in Mesa's software renderer. Must be used on the thread that made it.
 class GlMarcher {
  public:
-  // Throws Error "no-gl" where there is no such device or it refuses the shader; "too-large-for-gl" where the
-  // volume or a texture is larger than its memory takes, or there are more than 12 textures.
+  // Throws Error "no-gl" if there is no such device or it rejects the shader, "too-large-for-gl" if the
+  // device cannot hold the volume or a texture, or if there are more than 12 textures.
   GlMarcher(const Scene&, const Bricks&, GlDevice);
   ~GlMarcher();
 
-  // As march(), but for rounding: the mean difference is below 1/1000.
+  // Same as march() except for rounding: the mean difference is below 1/1000.
   std::vector<Vec3f> march(const Frame&, FrameCounts&, const Work& = {});
   const std::string& renderer() const;
 

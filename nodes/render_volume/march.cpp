@@ -23,7 +23,7 @@ using FourInts = std::int32_t __attribute__((vector_size(16)));
   return a + (b - a) * whole(t);
 }
 
-// e^−x for x ≥ 0, to 2e-7.
+// e^−x for x ≥ 0, accurate to 2e-7.
 [[gnu::always_inline]] inline float exp_minus(float x) {
   const float y = std::min(x, 80.0f) * -1.44269504f;
   const int i = static_cast<int>(y) - 1;
@@ -35,7 +35,7 @@ using FourInts = std::int32_t __attribute__((vector_size(16)));
   return p * std::bit_cast<float>((i + 127) << 23);
 }
 
-// Trilinear among stored voxels; q is the corner with the smallest coordinates.
+// Trilinear interpolation of stored voxels; q is the corner with the smallest coordinates.
 [[gnu::always_inline]] inline float between(const std::uint16_t* q, float fx, float fy, float fz) {
   constexpr int row = Bricks::kSide, slice = row * row;
 #if defined(__SSE2__)
@@ -65,10 +65,10 @@ using FourInts = std::int32_t __attribute__((vector_size(16)));
 #endif
 }
 
-// A texture level as one frame places it.
+// A texture level with its placement in one frame.
 struct Placed {
   const SolidTexture::Level* level = nullptr;
-  Four x, y, z, offset;  // columns, per size of the level: coordinates 0 … 1 are one period
+  Four x, y, z, offset;  // columns, divided by the level's size: one period is 0 … 1
   Four size;
   float weight = 0;
 
@@ -87,7 +87,7 @@ struct Placed {
     const Four u = f * size;
     const FourInts i = __builtin_convertvector(u, FourInts);
     const int nx = level->size.x(), ny = level->size.y(), nz = level->size.z();
-    // Rounding may have led to the period itself.
+    // Rounding may have produced the period itself.
     const int x0 = i[0] < nx ? i[0] : 0, y0 = i[1] < ny ? i[1] : 0, z0 = i[2] < nz ? i[2] : 0;
     const int x1 = x0 + 1 < nx ? x0 + 1 : 0, y1 = y0 + 1 < ny ? y0 + 1 : 0, z1 = z0 + 1 < nz ? z0 + 1 : 0;
     const Four t = u - __builtin_convertvector(i, Four);
@@ -104,7 +104,7 @@ struct Placed {
 struct Ray {
   Four origin, direction, inverse;  // positions, positions per mm, and its inverse
   float from = 0, to = 0;           // mm
-  int entry = 0;                    // axis of the face through which it comes in
+  int entry = 0;                    // axis of the face where the ray enters
   float facing = 1;                 // light on that face
 };
 
@@ -141,10 +141,11 @@ class Marcher {
 
  private:
   static constexpr int kTable = 4096;
-  static constexpr float kOpaque = 1.0f / 255;  // what shines through less than this does not count
-  static constexpr float kFaint = 1.0f / 512;   // nor does detail of what adds less than this
+  static constexpr float kOpaque = 1.0f / 255;  // end a ray when less than this passes
+  static constexpr float kFaint = 1.0f / 512;   // skip detail of contributions smaller than this
 
-  float extinction_of(float stored) const {  // per mm, of tissues whose opacity goes by density (section 6)
+  float extinction_of(
+      float stored) const {  // per mm, for tissues whose opacity depends on density (section 6)
     const float in = stored * frame_.int_scale + frame_.int_offset;
     const float alpha = std::clamp(in + 0.25f, 0.3f, 0.95f);
     return -std::log(1 - alpha) / frame_.reference_step * float(scene_.look.opacity);
@@ -172,7 +173,7 @@ class Marcher {
     return true;
   }
 
-  // Light from all around, a lamp, and a little from behind so that shapes turned away still show.
+  // Ambient light, a lamp, and a little light from behind so that shapes facing away still show.
   static float lambert(float cosine) {
     return 0.38f + 0.67f * std::max(0.0f, cosine) + 0.10f * std::max(0.0f, -cosine);
   }
@@ -197,7 +198,7 @@ class Marcher {
     return between(v + at, f[0], f[1], f[2]);
   }
 
-  // Lambert's law on the density's gradient; where there is none, what a surface of no direction gets.
+  // Lambert's law on the density gradient; without a gradient, a constant.
   float light(const Ray& ray, const Four& p, float t, bool cut) const {
     const FourInts c = __builtin_convertvector(p, FourInts);
     const Four f = p - __builtin_convertvector(c, Four);
@@ -270,13 +271,13 @@ class Marcher {
       }
       d0 = d1, t0 = t, i0 = i1;
       if (distance > 0)
-        have = false;  // from here on, leap
+        have = false;  // skip from here on
       else
         ++k;
     }
   }
 
-  // The first sample beyond the cube of bricks in which nothing can be seen.
+  // The first sample beyond the cube of invisible bricks.
   int beyond(const Ray& ray, const FourInts& brick, int distance, float h) const {
     const FourInts to = (brick + distance) * Bricks::kCells, from = (brick - (distance - 1)) * Bricks::kCells;
     const Four face =
@@ -286,12 +287,12 @@ class Marcher {
     return static_cast<int>((std::min(exit, ray.to) - ray.from) / h) + 1;
   }
 
-  // From one sample to the next the density is taken as linear: pieces of one tissue each, with exact
-  // lengths.
+  // Treats density as linear from one sample to the next: splits the segment into pieces of one tissue each,
+  // with exact lengths.
   void segment(const Ray& ray, bool cut, float t0, float length, float d0, float d1, int i, int i1,
                Four& color, float& left, FrameCounts& counts) const {
     float lit = -1, from = 0;
-    const float inverse = 1 / (d1 - d0);  // used where intervals differ alone
+    const float inverse = 1 / (d1 - d0);  // used only if the intervals differ
     while (true) {
       float to = 1;
       if (i != i1) {
@@ -344,7 +345,7 @@ class Marcher {
   const Frame& frame_;
   const Bricks& bricks_;
   Four low_, high_, per_mm_;
-  std::vector<float> edges_;  // in stored numbers
+  std::vector<float> edges_;  // in stored values
   std::vector<int> tissues_;
   std::vector<std::array<Placed, kScales>> placed_;
   std::array<float, kTable> extinction_;

@@ -21,7 +21,7 @@ template <std::size_t N>
 std::array<double, N> exactly(const Context& c, const char* name) {
   const auto v = c.numbers(name);
   if (v.size() != N)
-    throw bad(name, fmt::format("{} numbers are given", v.size()), fmt::format("write {}", N));
+    throw bad(name, fmt::format("{} has {} numbers", name, v.size()), fmt::format("write {} numbers", N));
   std::array<double, N> out{};
   std::copy(v.begin(), v.end(), out.begin());
   return out;
@@ -34,22 +34,24 @@ Look look_of(const Context& c) {
   l.textured = c.text("mode") == "textured";
   l.scales = exactly<kScales>(c, "scales"), l.weights = exactly<kScales>(c, "weights");
   if (!(l.weights[0] + l.weights[1] + l.weights[2] > 0))
-    throw bad("weights", "all weights are 0", "give one of them weight");
+    throw bad("weights", "all weights are 0", "make at least one of them positive");
   const std::string turning = c.text("turning");
   l.turning = turning == "random" ? Turning::Random : turning == "about_z" ? Turning::AboutZ : Turning::None;
   const auto window = exactly<2>(c, "window");
   l.window = Vec2(window[0], window[1]);
   if (!(window[1] > window[0]))
-    throw bad("window", fmt::format("it goes from {} to {}", window[0], window[1]), "let it rise");
+    throw bad("window", fmt::format("window goes from {} to {}", window[0], window[1]),
+              "write the lower density first");
   l.modulation = c.number("modulation"), l.opacity = c.number("opacity");
   l.skin_noise = c.number("skin_noise"), l.skin_scale = c.number("skin_scale");
   const auto clip = exactly<6>(c, "clip");
   for (int k = 0; k < 3; ++k) {
     l.clip[0][k] = static_cast<float>(clip[2 * k]), l.clip[1][k] = static_cast<float>(clip[2 * k + 1]);
     if (!(l.clip[1][k] > l.clip[0][k]))
-      throw bad("clip",
-                fmt::format("from {} to {} nothing is left of {}", clip[2 * k], clip[2 * k + 1], "xyz"[k]),
-                "write x from, to, y from, to, z from, to, as shares of the edges");
+      throw bad(
+          "clip",
+          fmt::format("the clip from {} to {} leaves nothing of {}", clip[2 * k], clip[2 * k + 1], "xyz"[k]),
+          "write x from, to, y from, to, z from, to, as fractions of the edges");
   }
   l.up = c.text("up")[0] - 'x';
   l.azimuth = c.number("azimuth"), l.elevation = c.number("elevation"), l.zoom = c.number("zoom");
@@ -59,7 +61,7 @@ Look look_of(const Context& c) {
   return l;
 }
 
-// What draws the frames: a GPU, Mesa's software renderer, or nothing, which means the CPU's own rays.
+// Opens the renderer that the parameter device selects: a GPU, Mesa's software renderer, or null for the CPU.
 std::unique_ptr<GlMarcher> gl_marcher(Context& c, const Scene& scene, const Bricks& bricks) {
   const std::string device = c.text("device");
   if (device == "cpu") return nullptr;
@@ -86,8 +88,9 @@ void compute(Context& c) {
   const Bricks bricks(scene.scan, scene.intervals, c.work().part(0.1, 0.2));
   if (bricks.visible_share() == 0) {
     const double high = scene.scan.low + 65535.0 * scene.scan.step;
-    c.warn(fmt::format("no class holds any of the volume's densities, {:.6g} to {:.6g}: the picture is empty",
-                       scene.scan.low, high));
+    c.warn(
+        fmt::format("the picture is empty: no class contains any of the volume's densities, {:.6g} to {:.6g}",
+                    scene.scan.low, high));
   }
   c.metric("visible_bricks", bricks.visible_share());
 
@@ -123,100 +126,97 @@ NodeType render_volume_node() {
   NodeType type =
       NodeType("RenderVolume", 2)
           .doc_(
-              "A picture of a scan, or of a turn about it: tissues by ranges of density, each in its solid "
-              "texture at "
-              "three scales")
+              "Renders a picture of a scan, or a turntable. Density ranges define tissues, each with a solid "
+              "texture at three scales.")
           .source_("Laursen, Ersbøll, Bærentzen 2011, sections 6 and 7")
           .input("volume", "Volume",
-                 "the scan: a grid of one number a voxel, such as LoadVolume's or Phantom's")
-          .input_list(
-              "textures", {"Volume"},
-              "solid textures (grid `Cd`), one for each class with the word `texture`, in the order of their "
-              "ranges; without any every class shows its colour")
-          .output("image", "Image", "one section a frame, scene-linear; 1 is white")
+                 "Scan: a grid with one number per voxel, for example from LoadVolume or Phantom")
+          .input_list("textures", {"Volume"},
+                      "Solid textures (grid `Cd`), one for each class with the word `texture`, in the order "
+                      "of their ranges. Without textures, every class shows its color.")
+          .output("image", "Image", "Picture with one section per frame, scene-linear; 1 is white")
           .output("table", "Table",
-                  "what each frame took: rays that meet the volume, densities and textures looked up")
+                  "Cost of each frame: rays that hit the volume, density samples and texture lookups")
           .parameter(
               Parameter::texts("classes",
                                {"skin -600 -190 #d9a58c noise opacity=0.25", "fat -190 -30 #ead9a9 texture",
                                 "muscle -30 150 #8f3a36 texture", "bone 150 4000 #efe6cf texture"})
                   .count(1, 16)
                   .doc_(
-                      "Tissues: name, lower and upper density (Hounsfield units), then in any order a "
-                      "colour, "
-                      "`texture` or `noise`, and `opacity=…` (of a step of a thousandth of the longest edge; "
-                      "without it max(0.3, int + 0.25)). Densities of no class are clear"))
-          .parameter(
-              Parameter::text("grid", "").doc_("Of the volume; empty for the first of one number a voxel"))
+                      "Tissues: name, lower and upper density (Hounsfield units), then in any order a color, "
+                      "`texture` or `noise`, and `opacity=…` (per step of a thousandth of the longest edge; "
+                      "default: max(0.3, int + 0.25)). Densities outside all classes are transparent."))
+          .parameter(Parameter::text("grid", "")
+                         .doc_("Grid of the volume. Empty: the first grid with one number per voxel."))
           .parameter(Parameter::choice("mode", "textured", {"textured", "plain"})
-                         .doc_("plain: each class in its texture's mean colour, for comparison"))
+                         .doc_("textured: each class with its texture. plain: each class in its texture's "
+                               "mean color, for comparison."))
           .parameter(Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
-                         .doc_("cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's software "
-                               "renderer; "
-                               "auto: a GPU where there is one, else cpu. A warning says which it was; who "
-                               "shares a cache "
-                               "between machines should not write auto, since rounding differs"))
+                         .doc_("Where frames are rendered. cpu: identical bits on every machine. gl: OpenGL, "
+                               "on a GPU or else by Mesa's software renderer. auto: a GPU if there is one, "
+                               "else cpu. A warning names the device used. Rounding differs between devices, "
+                               "so avoid auto if machines share a cache."))
           .parameter(
               Parameter::integer("width", 512).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
           .parameter(
               Parameter::integer("height", 512).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
           .parameter(
-              Parameter::integer("samples", 1).range(1, 16).doc_("Rays a pixel, along each of its edges"))
+              Parameter::integer("samples", 1).range(1, 16).doc_("Rays per pixel along each of its edges"))
           .parameter(Parameter::number("step", 1).range(0.05, 4).unit_("voxels").doc_(
-              "Between densities along a ray, in shortest edges of a voxel; between two the density is "
-              "taken as linear"))
-          .parameter(
-              Parameter::integer("frames", 1).range(1, 10000).doc_("Of one full turn about the axis `up`"))
+              "Distance between density samples along a ray, in shortest edges of a voxel. Density is linear "
+              "between samples."))
+          .parameter(Parameter::integer("frames", 1)
+                         .range(1, 10000)
+                         .doc_("Number of frames in one full turn around the axis `up`"))
           .parameter(
               Parameter::choice("up", "z", {"x", "y", "z"})
-                  .doc_("The volume's axis that points up in the picture; the next one points to azimuth 0"))
+                  .doc_(
+                      "Axis of the volume that points up in the picture. The next axis points to azimuth 0."))
           .parameter(Parameter::number("azimuth", -41)
                          .unit_("degrees")
                          .range(-360, 360)
-                         .doc_("Where the viewer stands; in a scan with z up, 90 is the front"))
+                         .doc_("Azimuth of the camera. In a scan with z up, 90 is the front."))
           .parameter(Parameter::number("elevation", 20)
                          .unit_("degrees")
                          .range(-85, 85)
-                         .doc_("How high the viewer stands"))
+                         .doc_("Elevation of the camera"))
           .parameter(Parameter::number("zoom", 1).range(0.1, 1000).doc_(
-              "1 shows all that can be seen of what is kept, from every side"))
+              "Magnification. 1 fits everything visible in the kept region, from every side."))
           .parameter(Parameter::numbers("clip", {0, 1, 0, 1, 0, 1})
                          .range(0, 1)
                          .count(6, 6)
-                         .doc_("What is kept of x, y and z, from and to, as shares of the edges; cuts show "
-                               "the inside"))
-          .parameter(
-              Parameter::numbers("scales", {10, 1, 0.1})
-                  .above(0)
-                  .count(3, 3)
-                  .doc_("How much larger each texture is than its own voxel size says, coarse to fine"))
-          .parameter(Parameter::numbers("weights", {3, 1, 1}).range(0, 1e6).count(3, 3).doc_("Of the scales"))
+                         .doc_("Region kept of x, y and z, from and to, as fractions of the edges. Cuts show "
+                               "the inside."))
+          .parameter(Parameter::numbers("scales", {10, 1, 0.1})
+                         .above(0)
+                         .count(3, 3)
+                         .doc_("Factors on the textures' voxel size at the three scales, coarse to fine"))
+          .parameter(Parameter::numbers("weights", {3, 1, 1})
+                         .range(0, 1e6)
+                         .count(3, 3)
+                         .doc_("Weights of the three scales"))
           .parameter(Parameter::choice("turning", "random", {"random", "about_z", "none"})
-                         .doc_("How each scale of each texture is turned so that repetitions do not line up; "
-                               "about_z keeps "
-                               "grain along the volume's z"))
+                         .doc_("Rotation of each scale of each texture, so that repetitions do not line up. "
+                               "random: any rotation. about_z: around z only, to keep grain along the "
+                               "volume's z. none: no rotation."))
+          .parameter(Parameter::numbers("window", {-1000, 1000})
+                         .range(-1e9, 1e9)
+                         .count(2, 2)
+                         .doc_("Densities at which the method's `int`, which controls opacity and "
+                               "brightness, is 0 and 1"))
+          .parameter(Parameter::number("modulation", 1)
+                         .range(0, 100)
+                         .doc_("Strength of brightening by density: 1 as in equation 7, 0 for none"))
           .parameter(
-              Parameter::numbers("window", {-1000, 1000})
-                  .range(-1e9, 1e9)
-                  .count(2, 2)
-                  .doc_("Densities at which the method's `int`, on which opacity and brightness depend, "
-                        "is 0 and 1"))
-          .parameter(
-              Parameter::number("modulation", 1)
-                  .range(0, 100)
-                  .doc_("How much brighter a class gets with density: 1 as in equation 7, 0 not at all"))
-          .parameter(Parameter::number("opacity", 1)
-                         .range(0, 1000)
-                         .doc_("Of all classes: 0.1 lets ten times as much through"))
+              Parameter::number("opacity", 1)
+                  .range(0, 1000)
+                  .doc_("Factor on the opacity of all classes. With 0.1, light travels ten times as far."))
           .parameter(Parameter::number("skin_noise", 0.15)
                          .range(0, 1)
-                         .doc_("Of classes with `noise`: how much their brightness varies"))
-          .parameter(
-              Parameter::number("skin_scale", 3).above(0).unit_("mm").doc_("Width of the noise's cells"))
-          .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Behind the volume"))
-          .parameter(Parameter::integer("seed", 1)
-                         .range(0, 9007199254740991)
-                         .doc_("Of the textures' rotations and offsets, and of the noise"))
+                         .doc_("Brightness variation of classes with `noise`"))
+          .parameter(Parameter::number("skin_scale", 3).above(0).unit_("mm").doc_("Cell width of the noise"))
+          .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
+          .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
           .compute_(compute);
   for (Port& p : type.inputs) p.optional |= p.many;
   return type;

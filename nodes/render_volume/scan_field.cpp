@@ -13,9 +13,9 @@ ScanField scan_field(const Vec3i& size, const Vec3& spacing, const std::vector<f
                      const Work& work) {
   if (size.minCoeff() < 2)
     throw Error("too-small",
-                fmt::format("the volume is {} × {} × {} voxels, and between voxels is where a ray looks",
-                            size.x(), size.y(), size.z()),
-                "give at least 2 along each axis");
+                fmt::format("the volume has {} × {} × {} voxels, too few to interpolate", size.x(), size.y(),
+                            size.z()),
+                "use at least 2 voxels along each axis");
   ScanField f;
   f.size = size, f.spacing = spacing.cast<float>();
   float low = values[0], high = values[0];
@@ -24,14 +24,15 @@ ScanField scan_field(const Vec3i& size, const Vec3& spacing, const std::vector<f
     if (!std::isfinite(values[i])) {
       const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
       throw Error("bad-values",
-                  fmt::format("voxel ({}, {}, {}) is no finite number", i % nx, i / nx % ny, i / nx / ny),
-                  "replace NaN and infinity before");
+                  fmt::format("voxel ({}, {}, {}) is NaN or infinite", i % nx, i / nx % ny, i / nx / ny),
+                  "replace NaN and infinity before this node");
     }
     low = std::min(low, values[i]), high = std::max(high, values[i]);
   }
   if (!(high > low))
-    throw Error("no-contrast", fmt::format("all voxels are {}", low), "there is nothing to see in it");
-  // Whole numbers stay exact where they fit, as those of scanners do.
+    throw Error("no-contrast", fmt::format("all voxels are {}", low),
+                "connect a volume with varying densities");
+  // Integers stay exact if they fit, as scanner values do.
   f.low = std::floor(low);
   f.step = (high - f.low) / 65535;
   if (high - f.low <= 65535 && high - low >= 64) f.step = 1.0f / std::floor(65535 / (high - f.low));

@@ -1,4 +1,4 @@
-// The densities of a volume as an array, in 16 bit: what both renderers read.
+// The densities of a volume as a 16-bit array, for both renderers.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,13 @@ struct ScanField {
   Vec3f extent() const { return size.cast<float>().cwiseProduct(spacing); }  // mm
 };
 
-// From numbers, x fastest. Throws Error "too-small" where an edge has fewer than 2 voxels, "bad-values" where
-// one is NaN or infinite, "no-contrast" where all are equal.
+// From values, x fastest. Throws Error "too-small" if an edge has fewer than 2 voxels, "bad-values" if a
+// value is NaN or infinite, "no-contrast" if all are equal.
 ScanField scan_field(const Vec3i& size, const Vec3& spacing, const std::vector<float>& values,
                      const Work& = {});
-// The grid of that name, or the first of one number a voxel where it is empty; over one period, or the active
-// voxels. Throws Error "no-grid", "empty-volume", "too-large" (more than 2^31 voxels), "tilted-volume", and
-// the above.
+// From the grid of that name, or from the first grid of one number per voxel if the name is empty. Covers one
+// period, or the active voxels. Throws Error "no-grid", "empty-volume", "too-large" (more than 2^31 voxels),
+// "tilted-volume", and the errors above.
 ScanField scan_field(const Volume&, const std::string& grid, const Work& = {});
 
 }  // namespace terrazzo::render_volume

@@ -51,26 +51,27 @@ Scene::Scene(ScanField s, std::vector<Tissue> t, std::vector<SolidTexture> x, co
     if (wants) wanting.push_back(tissue.name);
   }
   if (wanting.size() > textures.size())
-    throw Error("missing-texture",
-                fmt::format("class '{}' asks for a texture, but only {} of {} are connected",
-                            wanting[textures.size()], textures.size(), wanting.size()),
-                "connect one for each class with `texture`, in the order of their ranges, or drop the word")
+    throw Error(
+        "missing-texture",
+        fmt::format("class '{}' needs a texture, but only {} of {} textures are connected",
+                    wanting[textures.size()], textures.size(), wanting.size()),
+        "connect one texture for each class with `texture`, in the order of their ranges, or remove the word")
         .parameter("classes");
   if (wanting.size() < textures.size())
     throw Error("spare-texture",
-                fmt::format("{} textures are connected, but only {} classes ask for one", textures.size(),
+                fmt::format("{} textures are connected, but only {} classes use one", textures.size(),
                             wanting.size()),
-                "add the word `texture` to the class that the last one is meant for")
+                "disconnect the last texture, or add the word `texture` to its class")
         .parameter("classes");
 }
 
 namespace {
 
-// About a box of these half edges around 0, mm: as near as it can be in any frame of a turn, so that nothing
-// is cut off and the distance stays.
+// A camera for a box with these half edges around 0, in mm. It is as close as it can be in all frames of a
+// turn, so that nothing is cut off and the distance stays constant.
 Camera camera_of(const Look& look, const Vec3f& half, float azimuth) {
   constexpr float degree = 0.0174532925f, field = 0.38f, fill = 0.94f;
-  // Axes of the picture's world are those of the scan, turned so that `up` becomes z.
+  // The axes of the picture's world are those of the scan, rotated so that `up` becomes z.
   const int z = look.up, x = (z + 1) % 3, y = (z + 2) % 3;
   const auto turned = [&](const Vec3f& v) {
     Vec3f out;
@@ -107,7 +108,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
   for (int k = 0; k < 3; ++k) {
     f.low[k] = 0.5f + n[k] * look.clip[0][k], f.high[k] = 0.5f + n[k] * look.clip[1][k];
   }
-  // Framed by what can be seen of what is kept.
+  // Frame only what is visible within the kept region.
   Eigen::AlignedBox3f kept(look.clip[0], look.clip[1]);
   if (const auto both = kept.intersection(scene.seen); !both.isEmpty()) kept = both;
   const Vec3f half = 0.5f * kept.sizes().cwiseProduct(extent);
@@ -124,7 +125,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
   f.int_offset = (scan.low - float(look.window.x())) / range;
   f.soft_gradient = 0.03f * range / scan.step / scan.spacing.minCoeff();
   const float footprint =
-      2 * f.camera.half_height / float(look.height) * distance;  // mm a pixel, at the middle
+      2 * f.camera.half_height / float(look.height) * distance;  // mm per pixel, at the middle
   const double weights = look.weights[0] + look.weights[1] + look.weights[2];
   for (std::size_t i = 0; i < scene.tissues.size(); ++i) {
     const Tissue& t = scene.tissues[i];
@@ -142,7 +143,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
       for (int s = 0; s < kScales; ++s) {
         Placement p = placement(scene.textures[texture], look.scales[s], footprint, look.turning, look.seed,
                                 i * kScales + static_cast<std::size_t>(s));
-        // From positions instead of mm: texel = linear · spacing · (position − middle) + offset.
+        // Convert from mm to positions: texel = linear · spacing · (position − middle) + offset.
         p.linear = p.linear * scan.spacing.asDiagonal();
         p.offset -= p.linear * f.middle;
         l.at[s] = p;

@@ -1,4 +1,5 @@
-// Simplex noise (Perlin 2001, 2002): in single precision and 32 bit, so that the shader can do the very same.
+// Simplex noise (Perlin 2001, 2002) in single precision and 32-bit integers, so that the shader gets the same
+// values.
 #pragma once
 
 #include <cmath>
@@ -24,7 +25,7 @@ inline float simplex(std::uint32_t seed, const Vec3f& p) {
             k = static_cast<int>(std::floor(p.z() + skew));
   const float back = float(i + j + k) / 6.0f;
   const Vec3f d(p.x() - (float(i) - back), p.y() - (float(j) - back), p.z() - (float(k) - back));
-  // The order of the coordinates says through which edges one gets to the opposite corner.
+  // The order of the coordinates selects the edges that lead to the opposite corner.
   const int xy = d.x() >= d.y(), yz = d.y() >= d.z(), xz = d.x() >= d.z();
   const int rank[3] = {xy + xz, (1 - xy) + yz, (1 - xz) + (1 - yz)};
   float sum = 0;

@@ -9,7 +9,7 @@
 namespace terrazzo::render_volume {
 namespace {
 
-// Halves one axis of an x-fastest array: each texel is the mean of what it covers.
+// Halves one axis of an x-fastest array: each texel is the mean of the texels it covers.
 std::vector<Vec3f> halved(const std::vector<Vec3f>& in, Vec3i& size, int axis, const Work& work) {
   const int n = size[axis], m = std::max(1, n / 2);
   if (m == n) return in;
@@ -44,11 +44,11 @@ SolidTexture::SolidTexture(const Vec3i& size, float texel_size, const std::vecto
     : texel(texel_size) {
   if (size.minCoeff() < 1 || colors.size() != static_cast<std::size_t>(size.prod()))
     throw Error("empty-volume", "a texture has no voxels",
-                "connect a solid texture, such as SolidOptimize's");
+                "connect a solid texture, for example from SolidOptimize");
   std::vector<Vec3f> level = colors;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (Vec3f& c : level) {
-    if (!c.allFinite()) throw Error("bad-colors", "a texture holds a colour that is no number");
+    if (!c.allFinite()) throw Error("bad-colors", "a texture contains NaN or infinity");
     c = c.cwiseMax(0.0f).cwiseMin(1.0f);
     sum += c.cast<double>();
   }
@@ -75,11 +75,11 @@ Placement placement(const SolidTexture& texture, double scale, double footprint,
   if (turning == Turning::AboutZ) turn = Eigen::AngleAxisd(angle, Vec3::UnitZ());
   if (turning == Turning::Random) turn = any.normalized();
   Placement p;
-  const double texel = texture.texel * scale;  // mm, of level 0
+  const double texel = texture.texel * scale;  // mm, at level 0
   const double level = std::log2(std::max(footprint / texel, 1e-9));
   p.level =
       std::clamp(static_cast<int>(std::floor(level + 0.5)), 0, static_cast<int>(texture.levels.size()) - 1);
-  // Levels of odd sizes shrink by a little more or less than two.
+  // Levels with odd sizes shrink by slightly more or less than two.
   const Vec3f ratio =
       texture.levels[p.level].size.cast<float>().cwiseQuotient(texture.levels[0].size.cast<float>());
   p.linear = ratio.asDiagonal() * (turn.toRotationMatrix() / texel).cast<float>();

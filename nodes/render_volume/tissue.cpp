@@ -14,11 +14,11 @@
 namespace terrazzo::render_volume {
 namespace {
 
-constexpr std::size_t kMost = 16;  // as many as the shader has room for
+constexpr std::size_t kMost = 16;  // limit of the shader's arrays
 
 Error bad(const std::string& text, const std::string& why) {
-  return Error("bad-class", "'" + text + "' is no class: " + why,
-               "write its name and range, such as \"muscle -30 150 #8f3a36 texture\"")
+  return Error("bad-class", "'" + text + "' is not a class: " + why,
+               "write its name and range, for example \"muscle -30 150 #8f3a36 texture\"")
       .parameter("classes");
 }
 
@@ -43,15 +43,15 @@ Tissue parse(const std::string& text) {
   std::istringstream in(text);
   Tissue t;
   std::string low, high, word;
-  if (!(in >> t.name >> low >> high)) throw bad(text, "it has no name and range");
+  if (!(in >> t.name >> low >> high)) throw bad(text, "it needs a name and a range");
   const auto a = number(low), b = number(high);
-  if (!a || !b) throw bad(text, "'" + (a ? high : low) + "' is no number");
+  if (!a || !b) throw bad(text, "'" + (a ? high : low) + "' is not a number");
   t.low = *a, t.high = *b;
   if (!(t.low < t.high)) throw bad(text, fmt::format("its range from {} to {} is empty", t.low, t.high));
   while (in >> word) {
     if (word[0] == '#') {
       const auto c = color(word);
-      if (!c) throw bad(text, "'" + word + "' is no colour");
+      if (!c) throw bad(text, "'" + word + "' is not a color");
       t.color = *c;
     } else if (word == "texture") {
       t.finish = Finish::Texture;
@@ -61,10 +61,10 @@ Tissue parse(const std::string& text) {
       t.finish = Finish::Plain;
     } else if (word.starts_with("opacity=")) {
       const auto o = number(word.substr(8));
-      if (!o || *o < 0 || *o > 1) throw bad(text, "an opacity lies between 0 and 1");
+      if (!o || *o < 0 || *o > 1) throw bad(text, "an opacity must be between 0 and 1");
       t.opacity = *o;
     } else {
-      throw bad(text, "'" + word + "' is neither a colour nor texture, noise, plain or opacity=…");
+      throw bad(text, "'" + word + "' is not a color, texture, noise, plain or opacity=…");
     }
   }
   return t;
@@ -76,21 +76,21 @@ std::vector<Tissue> parse_tissues(const std::vector<std::string>& texts) {
   std::vector<Tissue> all;
   for (const auto& text : texts) all.push_back(parse(text));
   if (all.empty() || all.size() > kMost)
-    throw Error("no-classes", fmt::format("{} classes are given", all.size()),
-                fmt::format("give 1 to {}", kMost))
+    throw Error("no-classes", fmt::format("classes has {} entries", all.size()),
+                fmt::format("write 1 to {} classes", kMost))
         .parameter("classes");
   std::stable_sort(all.begin(), all.end(), [](const Tissue& a, const Tissue& b) { return a.low < b.low; });
   for (std::size_t i = 1; i < all.size(); ++i) {
     const Tissue &a = all[i - 1], &b = all[i];
     if (b.low < a.high)
       throw Error("overlapping-classes",
-                  fmt::format("'{}' ({} to {}) and '{}' ({} to {}) both hold densities from {} to {}", a.name,
-                              a.low, a.high, b.name, b.low, b.high, b.low, std::min(a.high, b.high)),
-                  "let one end where the other begins")
+                  fmt::format("'{}' ({} to {}) and '{}' ({} to {}) both contain densities from {} to {}",
+                              a.name, a.low, a.high, b.name, b.low, b.high, b.low, std::min(a.high, b.high)),
+                  "make one end where the other begins")
           .parameter("classes");
     for (std::size_t k = 0; k < i; ++k)
       if (all[k].name == b.name)
-        throw Error("bad-class", "two classes are named '" + b.name + "'", "name them differently")
+        throw Error("bad-class", "two classes are named '" + b.name + "'", "rename one of them")
             .parameter("classes");
   }
   return all;

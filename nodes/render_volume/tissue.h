@@ -15,18 +15,18 @@ struct Tissue {
   double low = 0, high = 0;  // half-open range of densities, Hounsfield units in a scan
   Vec3f color = Vec3f::Constant(0.5f);
   Finish finish = Finish::Plain;
-  double opacity = -1;  // per reference step; negative: by density, max(.3, int + .25)
+  double opacity = -1;  // per reference step; negative: by density, max(0.3, int + 0.25)
 };
 
-// "muscle -30 150 #8f3a36 texture": name, range, and in any order a colour, `texture` or `noise`, and
-// `opacity=0.25`. Returned in order of their ranges. Throws Error "bad-class", "overlapping-classes",
-// "no-classes", each for the parameter `classes`.
+// Parses "muscle -30 150 #8f3a36 texture": name, range, and in any order a color, `texture` or `noise`, and
+// `opacity=0.25`. Returns the tissues in order of their ranges. Throws Error "bad-class",
+// "overlapping-classes", "no-classes" for the parameter `classes`.
 std::vector<Tissue> parse_tissues(const std::vector<std::string>&);
 
-// The line of densities cut at all bounds of tissues: interval k holds densities in [edge k − 1, edge k).
+// The density axis, split at all bounds of tissues: interval k holds densities in [edge k − 1, edge k).
 struct DensityIntervals {
   std::vector<float> edges;
-  std::vector<int> tissue;  // of each interval, one more than edges; −1 where nothing is seen
+  std::vector<int> tissue;  // per interval, one more than edges; −1 where nothing is visible
 };
 DensityIntervals intervals_of(const std::vector<Tissue>&);
 

@@ -27,7 +27,7 @@ Mat3 covariance(const Image& image, const Work& work) {
   return sum / static_cast<double>(image.pixels.size());
 }
 
-// Standard deviation of the values that a table gives back: of heavy tails a table keeps only nearly all.
+// Standard deviation of the values that a table represents. Tables lose a little of heavy tails.
 double table_deviation(const Quantiles& q) {
   double first = 0, second = 0;
   for (std::size_t i = 0; i + 1 < q.at.size(); ++i) {
@@ -46,7 +46,7 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
   for (const Image& r : residuals) {
     if (r.width < 16 || r.height < 16)
       throw Error("image-too-small", fmt::format("the photograph has {} × {} pixels", r.width, r.height),
-                  "the residual's statistics need 16 × 16 at least");
+                  "use at least 16 × 16 pixels");
     pooled += covariance(r, work.part(0, 0)) / static_cast<double>(residuals.size());
   }
   Exemplar out;
@@ -63,7 +63,7 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
   const Eigen::Matrix3f to_axes = out.axes.cast<float>().transpose();
   std::vector<BandStatistics> measured;
   for (std::size_t r = 0; r < residuals.size(); ++r) {
-    // Pictures run downwards, slices upwards: a slanted grain must lean the same way.
+    // Rows run downwards in pictures but upwards in slices; flip so that slanted grain leans the same way.
     const Image& from = residuals[r];
     Image rotated(from.width, from.height, from.sections, from.pixel_size);
     for (int s = 0; s < from.sections; ++s)
@@ -75,7 +75,7 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
                                      work.part(static_cast<double>(r) / n, static_cast<double>(r + 1) / n),
                                      orientations));
     out.bands.push_back(measured.back().bands);
-    // Values as wide as the bands together, or matching the one undoes matching the others.
+    // Give values the deviation of all bands together; otherwise matching values undoes matching bands.
     for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
       Quantiles& values = measured.back().values[c];
       const double given = table_deviation(values);

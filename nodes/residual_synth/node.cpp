@@ -20,16 +20,17 @@ namespace {
 Vec3i volume_size(const Context& c) {
   const Vec3i size = one_or_three(c, "size");
   if (size.cast<double>().prod() > 5.4e8)
-    throw Error("too-large", fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()),
-                "at most 800³: the volume tiles")
+    throw Error("too-large", fmt::format("{} × {} × {} voxels are too many", size.x(), size.y(), size.z()),
+                "use at most 800³ voxels: the volume tiles")
         .parameter("size");
   return size;
 }
 
-// Encoded colours to scene-linear ones, clipped to what a display shows.
+// Converts encoded colors to scene-linear ones, clipped to the display's range.
 Vec3f to_linear(const Vec3f& encoded) { return srgb_to_linear(encoded.cwiseMax(0.0f).cwiseMin(1.0f)); }
 
-// What figure 6 of 2004 shows: mean colours, and the residual about the binder's.
+// Outputs the pictures of figure 6 of the 2004 paper: mean colors, and the residual around the binder's
+// color.
 void output_pictures(Context& c, const ResidualImage& residual) {
   Image means = residual.means, about = residual.image;
   for (auto& p : means.pixels) p = to_linear(p);
@@ -40,7 +41,7 @@ void output_pictures(Context& c, const ResidualImage& residual) {
 
 struct Measured {
   std::vector<Image> residuals;
-  std::array<int, 3> picture = {0, 0, 0};  // of the slices across x, y and z
+  std::array<int, 3> picture = {0, 0, 0};  // index for slices across x, y and z
   double filled = 0, specks = 0;           // means over the pictures
   Vec3f binder = Vec3f::Zero();            // of `image`, encoded
 };
@@ -54,16 +55,17 @@ Measured measure_pictures(Context& c) {
                       labels_port = std::string("labels") + kSuffix[a];
     if (!c.has(image_port)) {
       if (c.has(labels_port))
-        throw Error("missing-input", fmt::format("{} is wired, {} is not", labels_port, image_port),
-                    "labels belong to a picture");
+        throw Error("missing-input", fmt::format("{} is connected, but {} is not", labels_port, image_port),
+                    "connect the picture that the labels belong to");
       continue;
     }
     const auto& image = c.input<Image>(image_port);
     const double first = c.input<Image>("image").pixel_size;
     if (std::abs(image.pixel_size - first) > 1e-6 * first)
       throw Error("size-mismatch",
-                  fmt::format("a pixel of {} is {} mm, of image {} mm", image_port, image.pixel_size, first),
-                  "give pictures of one scale");
+                  fmt::format("a pixel of {} is {} mm wide, a pixel of image {} mm", image_port,
+                              image.pixel_size, first),
+                  "use pictures with the same pixel size");
     Labels none;
     none.width = image.width, none.height = image.height, none.sections = image.sections;
     none.pixel_size = image.pixel_size;
@@ -73,8 +75,10 @@ Measured measure_pictures(Context& c) {
                                                   labelled ? c.input<Labels>(labels_port) : none, edge,
                                                   c.number("specks"), c.work().part(0.01, 0.05));
     if (residual.edge < edge)
-      c.warn(fmt::format("outlines of {} are left out by {} pixels instead of {}: little else would be left",
-                         image_port, residual.edge, edge));
+      c.warn(
+          fmt::format("{}: the band left out around outlines is {} pixels instead of {}, because too little "
+                      "else would be left",
+                      image_port, residual.edge, edge));
     if (a == 0) {
       output_pictures(c, residual);
       out.binder = residual.binder;
@@ -94,8 +98,8 @@ void compute(Context& c) {
   const Work& work = c.work();
   const bool radial = c.text("method") == "radial";
   if (radial && (c.has("image_y") || c.has("image_z")))
-    throw Error("bad-value", "bands of the volume take no picture per axis",
-                "use slices with several pictures")
+    throw Error("bad-value", "method radial cannot use a picture per axis",
+                "set method: slices, or disconnect image_y and image_z")
         .parameter("method");
   const Measured measured = measure_pictures(c);
   int shortest = size.minCoeff();
@@ -103,7 +107,7 @@ void compute(Context& c) {
   const Exemplar exemplar = measure_exemplar(measured.residuals, measured.picture, pyramid_scales(shortest),
                                              radial ? 1 : 4, work.part(0.05, 0.15));
   if (exemplar.channels == 0)
-    c.warn("nothing is left of the photograph without its profiles' colours: the residual is zero");
+    c.warn("the photograph shows nothing beyond its profiles' mean colors, so the residual is zero");
   const auto rounds = static_cast<int>(c.integer("rounds"));
   const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
   const auto voxels = radial ? synthesize_radial(exemplar, size, rounds, seed, work.part(0.15, 0.9))
@@ -141,54 +145,52 @@ void compute(Context& c) {
 NodeType residual_synth_node() {
   return NodeType("ResidualSynth", 5)
       .doc_(
-          "Synthesises a tileable solid of the fine detail that a photograph shows within particles and "
-          "binder, at the "
-          "photograph's scale.")
+          "Synthesizes a tileable solid of the fine detail that a photograph shows within particles and "
+          "binder, at the photograph's scale")
       .source_("Heeger, Bergen 1995; Jagnow, Dorsey, Rushmeier 2004, section 4.3; Moisan 2011")
-      .input("image", "Image", "the photograph, one or more sections")
-      .optional_input("labels", {"Labels"}, "its profiles; without them it counts as one colour")
+      .input("image", "Image", "Photograph with one or more sections")
+      .optional_input("labels", {"Labels"},
+                      "Profiles of image. Without them, the photograph is treated as binder only.")
       .optional_input(
           "image_y", {"Image"},
-          "what slices across y are to look like, where it differs from image (which then counts "
-          "for the others). On x and y columns run along y and x, rows upwards along z; on z along "
-          "x and y")
-      .optional_input("labels_y", {"Labels"}, "its profiles; without them it counts as one colour")
-      .optional_input("image_z", {"Image"}, "what slices across z are to look like")
-      .optional_input("labels_z", {"Labels"}, "its profiles")
-      .output(
-          "volume", "Volume",
-          "grid residual: offsets of mean 0 to the sRGB-encoded colour, one voxel a pixel, periodic; with "
-          "preview also Cd")
-      .output("means", "Image", "each pixel's profile's mean colour, as figure 6b of 2004")
-      .output("residual", "Image", "image less its means, about the binder's mean colour, as figure 6c")
-      .parameter(
-          Parameter::ints("size", {128})
-              .count(1, 3)
-              .range(16, 2048)
-              .unit_("voxels")
-              .doc_("Edge, or one for each axis; multiples of 16 and products of 2, 3 and 5 are fastest"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Of the noise that synthesis starts from"))
-      .parameter(
-          Parameter::choice("method", "slices", {"slices", "radial"})
-              .doc_(
-                  "slices: a steerable pyramid on all slices across each axis, matched to the photograph's. "
-                  "radial: bands of the volume itself, as in 2004, for comparison: slices come out wrong"))
+          "Photograph for slices across y, if different from image; image then serves the other axes. On x "
+          "and y columns run along y and x and rows upwards along z; on z they run along x and y.")
+      .optional_input("labels_y", {"Labels"},
+                      "Profiles of image_y. Without them, image_y is treated as binder only.")
+      .optional_input("image_z", {"Image"}, "Photograph for slices across z")
+      .optional_input("labels_z", {"Labels"},
+                      "Profiles of image_z. Without them, image_z is treated as binder only.")
+      .output("volume", "Volume",
+              "Grid residual: offsets of mean 0 to the sRGB-encoded color, one voxel per pixel, periodic. "
+              "With preview also Cd.")
+      .output("means", "Image", "Mean color of each pixel's profile, as in figure 6b of the 2004 paper")
+      .output("residual", "Image",
+              "Image minus means, plus the binder's mean color, as in figure 6c of the 2004 paper")
+      .parameter(Parameter::ints("size", {128})
+                     .count(1, 3)
+                     .range(16, 2048)
+                     .unit_("voxels")
+                     .doc_("Edge length, or one length per axis. Multiples of 16 and products of 2, 3 and 5 "
+                           "are fastest."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::choice("method", "slices", {"slices", "radial"})
+                     .doc_("slices: matches a steerable pyramid on all slices across each axis to the "
+                           "photograph's. radial: matches bands of the volume itself, as in the 2004 paper, "
+                           "for comparison; its slices have the wrong bands."))
       .parameter(Parameter::integer("rounds", 2)
                      .range(0, 100)
-                     .doc_("Of giving all bands the photograph's distributions; each is followed by filters "
-                           "for their deviations. 0 leaves Gaussian noise of the photograph's spectrum and "
-                           "values"))
+                     .doc_("Rounds of matching all bands to the photograph's distributions, each followed by "
+                           "filters that correct their deviations. 0 leaves Gaussian noise with the "
+                           "photograph's spectrum and values."))
       .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
-          "Pixels to each side of outlines that are filled from beyond instead of used"))
-      .parameter(Parameter::number("specks", 6)
-                     .range(0, 1e6)
-                     .doc_("Binder pixels more than this many robust standard deviations from the binder's "
-                           "median are particles that the "
-                           "labels miss: they are filled like outlines. 0 keeps them"))
+          "Width of the band on each side of outlines that is filled from beyond instead of used"))
+      .parameter(
+          Parameter::number("specks", 6)
+              .range(0, 1e6)
+              .doc_("Limit in robust standard deviations from the binder's median. Binder pixels beyond it "
+                    "are particles missed by the labels and are filled like outlines. 0 keeps them."))
       .parameter(Parameter::boolean("preview", false)
-                     .doc_("Also give the grid Cd, the residual about the binder's mean colour: to look at"))
+                     .doc_("Also writes the grid Cd for viewing: the residual plus the binder's mean color"))
       .compute_(compute);
 }
 

@@ -11,7 +11,7 @@
 namespace terrazzo {
 namespace {
 
-using Field = std::vector<LaneComplex>;  // a colour axis in each lane, x fastest
+using Field = std::vector<LaneComplex>;  // one color axis per lane, x fastest
 
 class Fft3 {
  public:
@@ -19,7 +19,7 @@ class Fft3 {
       : size_(size), plane_(size.x(), size.y()), depth_(size.z()), each_(plane_.count()) {}
   std::size_t count() const { return each_ * static_cast<std::size_t>(size_.z()); }
 
-  // In place; a forward and an inverse transform multiply by count().
+  // Transforms in place. A forward and an inverse transform together multiply by count().
   void run(Field& f, bool inverse, const Work& work) const {
     work.parallel(static_cast<std::size_t>(size_.z()), 1, [&](std::size_t begin, std::size_t end) {
       std::vector<LaneComplex> scratch;
@@ -57,7 +57,7 @@ void each_frequency(const Vec3i& size, const Work& work, Use&& use) {
   });
 }
 
-// Gives each lane's real parts the target's values.
+// Matches each lane's real parts to the target's values.
 void match_lanes(Field& f, const std::vector<const Quantiles*>& target, const Work& work) {
   std::vector<float> values(f.size());
   for (std::size_t c = 0; c < target.size(); ++c) {
@@ -94,7 +94,7 @@ std::vector<Vec3f> synthesize_radial(const Exemplar& exemplar, const Vec3i& size
     spectrum = volume;
     fft.run(spectrum, false, quiet);
     for (auto& v : volume) v.re = v.im = Lane{};
-    // The frame is tight: Σ gain² = 1, so what a band turns to goes back through the same gain.
+    // The frame is tight: Σ gain² = 1, so a band's changes go back through the same gain.
     for (int scale = 0; scale <= exemplar.scales + 1; ++scale) {
       each_frequency(size, quiet, [&](std::size_t i, double r) {
         const float g = static_cast<float>(radial_gain(scale, exemplar.scales, r)) * norm;

@@ -1,4 +1,4 @@
-// Heeger and Bergen's pyramid taken to three dimensions as it stands, for comparison.
+// Heeger and Bergen's pyramid extended directly to three dimensions, for comparison.
 #pragma once
 
 #include <cstdint>
@@ -8,10 +8,10 @@
 
 namespace terrazzo {
 
-// A tileable volume of colour offsets with mean 0, x fastest, whose bands of radial frequency *in the volume*
-// get the values of the picture's bands of radial frequency: 2004 paper, section 4.3. A slice of it projects
-// higher frequencies down, so that slices come out with the wrong bands. `exemplar` is measured with one
-// orientation; its first picture counts. Needs 96 bytes a voxel.
+// Returns a tileable volume of color offsets with mean 0, x fastest. Bands of radial frequency *in the
+// volume* are matched to the picture's bands of radial frequency (2004 paper, section 4.3). A slice projects
+// higher frequencies down, so slices have the wrong bands. `exemplar` must be measured with one orientation;
+// only its first picture is used. Needs 96 bytes per voxel.
 std::vector<Vec3f> synthesize_radial(const Exemplar&, const Vec3i& size, int rounds, std::uint64_t seed,
                                      const Work& = {});
 

@@ -42,7 +42,7 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
   return depth;
 }
 
-// For every pixel the nearest valid one, by two sweeps that hand on the neighbours' (Danielsson 1980).
+// For every pixel the nearest valid one, by two sweeps that propagate the neighbors' (Danielsson 1980).
 std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, int w, int h) {
   std::vector<std::int32_t> nearest(valid.size(), -1);
   for (std::size_t i = 0; i < valid.size(); ++i)
@@ -71,9 +71,9 @@ std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, 
   return nearest;
 }
 
-// Clears binder pixels further than `limit` robust standard deviations (1.4826 · median absolute deviation,
-// at least half a step of 8 bits) from the binder's median in any channel, and those within `edge` of them.
-// Returns how many were far.
+// Invalidates binder pixels farther than `limit` robust standard deviations (1.4826 · median absolute
+// deviation, at least half a step of 8 bits) from the binder's median in any channel, and those within `edge`
+// of them. Returns the number of far pixels.
 std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double limit, int edge, int w, int h,
                          std::vector<std::uint8_t>& valid) {
   const std::size_t n = valid.size();
@@ -107,8 +107,8 @@ std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double li
   return far;
 }
 
-// Each pixel less the mean of the valid ones of its label, which goes to `means`; of all its pixels where
-// none is valid.
+// Subtracts from each pixel the mean of its label's valid pixels (of all its pixels if none is valid) and
+// stores the mean in `means`.
 void subtract_means(Vec3f* pixels, Vec3f* means, const std::int32_t* ids,
                     const std::vector<std::uint8_t>& valid) {
   struct Sum {
@@ -133,8 +133,8 @@ void subtract_means(Vec3f* pixels, Vec3f* means, const std::int32_t* ids,
   }
 }
 
-// Pixels that are not valid get the value mirrored at the nearest valid one, or its own where the mirror
-// image is not valid.
+// Fills invalid pixels with the value mirrored at the nearest valid one, or with that pixel's value if the
+// mirror image is invalid.
 void fill(Vec3f* pixels, const std::vector<std::uint8_t>& valid, int w, int h) {
   const auto nearest = nearest_valid(valid, w, h);
   for (int y = 0; y < h; ++y)
@@ -142,7 +142,7 @@ void fill(Vec3f* pixels, const std::vector<std::uint8_t>& valid, int w, int h) {
       const std::size_t i = static_cast<std::size_t>(y) * w + x;
       if (valid[i]) continue;
       if (nearest[i] < 0) {
-        pixels[i] = Vec3f::Zero();  // a section of outlines alone
+        pixels[i] = Vec3f::Zero();  // the section has only outlines
         continue;
       }
       const int mx = 2 * (nearest[i] % w) - x, my = 2 * (nearest[i] / w) - y;
@@ -167,11 +167,11 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
     throw Error(
         "size-mismatch",
-        fmt::format("the image has {} × {} pixels in {} sections, the labels {} × {} in {}", image.width,
-                    image.height, image.sections, labels.width, labels.height, labels.sections),
-        "take labels of the same photograph");
+        fmt::format("the image has {} × {} pixels in {} sections, but the labels have {} × {} in {}",
+                    image.width, image.height, image.sections, labels.width, labels.height, labels.sections),
+        "use labels of the same photograph");
   for (const auto& p : image.pixels)
-    if (!p.allFinite()) throw Error("bad-pixels", "the image holds NaN or infinity");
+    if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
   const int w = image.width, h = image.height;
   const std::size_t plane = static_cast<std::size_t>(w) * h;
   ResidualImage out;

@@ -24,7 +24,7 @@ std::vector<BandName> band_names(int scales) {
   return names;
 }
 
-// Frequencies of the cube [−π, π]³ with the volume that each stands for, as a share of the cube.
+// Frequencies of the cube [−π, π]³, each with the fraction of the cube's volume it represents.
 struct Sample {
   Vec3 k;
   double weight;
@@ -39,7 +39,7 @@ std::vector<Sample> polar_grid() {
     const double r = std::cbrt((r0 * r0 * r0 + r1 * r1 * r1) / 2);
     const double volume = 4.0 / 3 * kPi * (r1 * r1 * r1 - r0 * r0 * r0) / directions;
     for (int d = 0; d < directions; ++d) {
-      // Fibonacci spiral, turned a little in every shell.
+      // Fibonacci spiral, rotated a little in every shell.
       const double z = 1 - (2.0 * d + 1) / directions, phi = 2.399963229728653 * (d + 0.37 * s);
       const Vec3 k = r * Vec3(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
       if (k.cwiseAbs().maxCoeff() < kPi) out.push_back({k, volume / std::pow(2 * kPi, 3)});
@@ -94,7 +94,7 @@ std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size,
   std::vector<float> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
   work.parallel(out.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      // The sum of four uniform numbers is as good as Gaussian; variance 1.
+      // The sum of four uniform numbers is close enough to Gaussian; variance 1.
       const std::uint64_t bits = Random(seed, stream, i).bits();
       const auto sum =
           static_cast<float>((bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48));

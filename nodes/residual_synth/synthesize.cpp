@@ -10,10 +10,10 @@
 namespace terrazzo {
 namespace {
 
-constexpr double kNear = 0.035;  // bands this near to the picture's are near enough
-constexpr int kSweeps = 12;      // two or three do, but for sizes of few coefficients
+constexpr double kNear = 0.035;  // accepted relative deviation of a band from the picture's
+constexpr int kSweeps = 12;      // two or three suffice, except for sizes with few coefficients
 
-// One colour axis.
+// One color axis.
 class Channel {
  public:
   Channel(const Exemplar& exemplar, int channel, const std::vector<SliceFamily>& families,
@@ -25,8 +25,8 @@ class Channel {
                        space_, seed, 0x5e + static_cast<std::uint64_t>(channel_), work);
   }
 
-  // The bands of all slices get the picture's distributions. What the three axes want changed is added up: a
-  // mean of the three would take more than twice the rounds.
+  // Matches the bands of all slices to the picture's distributions. The changes of the three axes are added
+  // up; averaging them would need more than twice the rounds.
   void match(std::vector<float>& volume, std::vector<float>& sum, const Work& work) const {
     work.parallel(volume.size(), 1 << 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) sum[i] = -2 * volume[i];
@@ -37,9 +37,9 @@ class Channel {
     volume.swap(sum);
   }
 
-  // Brings the bands' deviations near the picture's, in at most `sweeps` filters of the slices across each
-  // axis, and gives the voxels the picture's values. What that takes from a band is added to what the next
-  // sweep aims at.
+  // Brings the bands' deviations near the picture's in at most `sweeps` filters of the slices across each
+  // axis, and matches the voxels to the picture's values. If value matching changes a band, the next sweep's
+  // aim compensates.
   void balance(std::vector<float>& volume, int sweeps, const Work& work) const {
     std::array<std::vector<double>, 3> aim;
     for (int axis = 0; axis < 3; ++axis) aim[axis].assign(wanted(axis).size(), 1.0);

@@ -9,28 +9,29 @@ namespace terrazzo {
 
 void check_particles(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0)
-    throw Error("no-particles", "there are no particles to cut", "look at what came out of the packing");
+    throw Error("no-particles", "there are no particles to cut", "check the result of the packing");
   if (shapes.shapes.empty())
-    throw Error("no-shapes", "there are no shapes", "connect the shapes that were packed");
+    throw Error("no-shapes", "there are no shapes", "connect the shapes used in the packing");
   if (!particles.box.allFinite() || !(particles.box.minCoeff() > 0))
-    throw Error("bad-box", fmt::format("the particles' box is {:g} × {:g} × {:g} mm", particles.box.x(),
-                                       particles.box.y(), particles.box.z()));
+    throw Error("bad-box",
+                fmt::format("the particles' box must have positive edges; it is {:g} × {:g} × {:g} mm",
+                            particles.box.x(), particles.box.y(), particles.box.z()));
   const std::size_t n = particles.count();
   if (particles.shape.size() != n || particles.cls.size() != n || particles.orientation.size() != n ||
       particles.scale.size() != n || particles.color.size() != n)
-    throw Error("bad-particle", "the particles' columns are of different lengths");
+    throw Error("bad-particle", "the particles' columns differ in length");
   for (std::size_t i = 0; i < n; ++i) {
     const int shape = particles.shape[i];
     if (shape < 0 || static_cast<std::size_t>(shape) >= shapes.shapes.size())
-      throw Error(
-          "no-such-shape",
-          fmt::format("particle {} is of shape {}, but there are {} shapes", i, shape, shapes.shapes.size()),
-          "connect the shapes that were packed");
+      throw Error("no-such-shape",
+                  fmt::format("particle {} has shape {}, but there are only {} shapes", i, shape,
+                              shapes.shapes.size()),
+                  "connect the shapes used in the packing");
     if (!particles.position[i].allFinite() || !particles.orientation[i].coeffs().allFinite() ||
         !(particles.scale[i] > 0) || !std::isfinite(particles.scale[i]) ||
         !(particles.orientation[i].norm() > 0.5))
       throw Error("bad-particle",
-                  fmt::format("particle {} has a position, orientation or scale that is not a number", i));
+                  fmt::format("particle {} has an invalid position, orientation or scale", i));
   }
 }
 
@@ -50,8 +51,7 @@ class Cutter {
   void cut(int section, int particle, std::vector<Cut>& out) const {
     const SectionPlane& plane = layout_.planes[section];
     const double radius = radii_[particles_.shape[particle]] * particles_.scale[particle];
-    // Where the particle's images lie that may reach the window: within the window's bounding box, grown by
-    // the radius.
+    // Only periodic images within the window's bounding box, grown by the radius, can reach the window.
     Vec3 lo = plane.origin, hi = plane.origin;
     const Vec3 edges[2] = {plane.frame.col(0) * layout_.width, plane.frame.col(1) * layout_.height};
     for (const Vec3& e : edges) lo += e.cwiseMin(0.0), hi += e.cwiseMax(0.0);
@@ -60,7 +60,7 @@ class Cutter {
     for (int k = 0; k < 3; ++k) {
       first[k] = static_cast<int>(std::ceil((lo[k] - radius - p[k]) / particles_.box[k]));
       last[k] = static_cast<int>(std::floor((hi[k] + radius - p[k]) / particles_.box[k]));
-      // In a tile, images within the plane are the same region again.
+      // In a tile, periodic images shifted within the plane repeat the same region.
       if (layout_.tile && plane.frame.col(2)[k] == 0) first[k] = last[k] = 0;
     }
     for (int z = first[2]; z <= last[2]; ++z)
@@ -71,7 +71,7 @@ class Cutter {
   }
 
  private:
-  // `at`: the image's position as seen from the window's corner.
+  // `at`: the image's position relative to the window's corner.
   void cut_image(int section, int particle, const Vec3& at, double radius, std::vector<Cut>& out) const {
     const Mat3& frame = layout_.planes[section].frame;
     const Vec3 local = frame.transpose() * at;

@@ -1,4 +1,4 @@
-// The exact sections of particles by planes.
+// Exact plane sections of particles.
 #pragma once
 
 #include "nodes/data/particles.h"
@@ -12,16 +12,16 @@ namespace terrazzo {
 struct Cut {
   int section = 0;
   int particle = 0;
-  Region region;  // mm in the window's coordinates; may stick out of the window
+  Region region;  // mm, in the window's coordinates; may extend past the window
 };
 
-// Throws Error "no-particles", "no-shapes", "no-such-shape", "bad-particle", "bad-box" for what cannot be
-// cut.
+// Throws Error "no-particles", "no-shapes", "no-such-shape", "bad-particle" or "bad-box" if the input cannot
+// be cut.
 void check_particles(const Particles&, const Shapes&);
 
-// Every region that the layout's windows show, in the order of section, particle and periodic image. In a
-// tile each is there once, whole, with its centroid in the tile; in a window every periodic image counts that
-// reaches into it.
+// Every region visible in the layout's windows, ordered by section, particle and periodic image. In a tile,
+// each region appears once, whole, with its centroid in the tile. In a window, every periodic image that
+// reaches into the window appears.
 std::vector<Cut> cut_particles(const Particles&, const Shapes&, const SectionLayout&, const Work& = {});
 
 }  // namespace terrazzo

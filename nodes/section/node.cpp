@@ -23,8 +23,10 @@ SectionChoice choice_of(const Context& c) {
   choice.pixel_size = number_or_auto(c, "pixel_size");
   choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
   if (choice.axis != "random" && (choice.width > 0 || choice.height > 0))
-    throw Error("window-on-axis", "planes across an axis show one whole face of the box",
-                "choose axis random, or leave width and height auto")
+    throw Error(
+        "window-on-axis",
+        "width and height apply only to random planes; planes across an axis show a whole face of the box",
+        "set axis to random, or set width and height to auto")
         .parameter(choice.width > 0 ? "width" : "height");
   return choice;
 }
@@ -34,32 +36,33 @@ Section section_of_particles(Context& c) {
   const Shapes* shapes = c.optional<Shapes>("shapes");
   if (!particles || !shapes)
     throw Error("missing-input",
-                particles ? "particles need their shapes"
-                : shapes  ? "shapes need particles"
-                          : "there is nothing to cut",
+                particles ? "particles are connected without their shapes"
+                : shapes  ? "shapes are connected without particles"
+                          : "nothing is connected",
                 "connect particles and shapes, or a volume");
   check_particles(*particles, *shapes);
   const SectionLayout layout =
       choose_planes(choice_of(c), particles->box, true, particles->box.maxCoeff() / 512);
   Section section = cut_section(*particles, *shapes, layout, c.work());
   if (section.overlap > 1e-4)
-    c.warn(fmt::format("particles overlap in {:.2g} of the sections' area, which area_fraction counts once",
-                       section.overlap));
+    c.warn(fmt::format(
+        "particles overlap in a share of {:.2g} of the sections' area, which area_fraction counts once",
+        section.overlap));
   c.metric("overlap_fraction", section.overlap);
   return section;
 }
 
-// `colors_alone`: it has nothing to tell profiles by, as solid textures have not.
+// `colors_alone`: the volume has no grid to derive profiles from, as is the case for solid textures.
 Section section_of_volume(Context& c, bool& colors_alone) {
   if (c.has("particles") || c.has("shapes"))
-    throw Error("two-sources", "both particles and a volume are connected", "connect one of them");
+    throw Error("two-sources", "both particles and a volume are connected", "connect only one of them");
   const Volume& volume = *c.optional<Volume>("volume");
   const VolumeBox box = volume_box(volume);
   VolumeSection section =
       cut_volume(volume, choose_planes(choice_of(c), box.size, box.periodic, box.voxel), c.work());
   colors_alone = section.label_grid.empty();
   if (section.label_grid == "density")
-    c.warn("the volume has no grid id: particles that touch count as one profile");
+    c.warn("the volume has no grid id: touching particles form one profile");
   return section;
 }
 
@@ -73,7 +76,7 @@ void compute(Context& c) {
     c.metric("profiles", static_cast<double>(profiles.profiles.size()));
     c.metric("area_fraction", profiles.area_fraction);
     c.metric("profiles_per_area", weights / profiles.observed_area);
-    if (profiles.profiles.empty()) c.warn("the planes meet no particle");
+    if (profiles.profiles.empty()) c.warn("the planes hit no particle");
   }
   c.output("image", std::move(section.image));
   c.output("labels", std::move(section.labels));
@@ -86,51 +89,53 @@ void compute(Context& c) {
 NodeType section_node() {
   return NodeType("Section", 3)
       .doc_(
-          "Cuts a packing, or a volume, with planes: picture, labels and exact profiles. Planes across an "
-          "axis show one "
-          "whole period; random ones are isotropic and uniform, as stereology asks.")
+          "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
+          "show one whole period. Random planes are isotropic and uniform, as stereology requires.")
       .source_(
           "Border weights: Miles 1974, Lantuéjoul 1978. Identities: Jagnow et al. 2004, eq. 1; Underwood "
           "1970.")
-      .optional_input("particles", {"Particles"}, "a packing in a periodic box; with shapes")
-      .optional_input("shapes", {"Shapes"}, "the particles' shapes")
+      .optional_input("particles", {"Particles"}, "Packing in a periodic box. Requires shapes")
+      .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
       .optional_input("volume", {"Volume"},
-                      "instead of particles: grids Cd or density, and id for the labels")
-      .output("image", "Image",
-              "the sections, one below the other in the stack; particles antialiased over the binder")
-      .output("labels", "Labels", "the profile at each pixel's centre, 0 for binder")
+                      "Volume to cut instead of particles. Uses grid Cd or density, and id for the labels")
+      .output("image", "Image", "Stack of all sections, particles antialiased over the binder")
+      .output("labels", "Labels", "Profile at each pixel's center; 0 is binder")
       .output("profiles", "Profiles",
-              "one per connected region: of particles exact, of volumes counted in pixels; none where a "
-              "volume has colours alone")
-      .output(
-          "table", "Table",
-          "per profile its section, particle, class, area, of particles also perimeter and holes, and weight")
+              "One profile per connected region, exact for particles and counted in pixels for volumes. "
+              "Empty for volumes that hold only colors")
+      .output("table", "Table",
+              "One row per profile: section, particle, class, area, weight; for particles also perimeter and "
+              "holes")
       .parameter(Parameter::integer("planes", 1)
                      .range(1, 100000)
-                     .doc_("Number of planes; where offsets are given, theirs."))
-      .parameter(Parameter::choice("axis", "z", {"x", "y", "z", "random"})
-                     .doc_("The axis that the planes cross at a right angle: x shows y to the right and z "
-                           "up, y shows x and z, z shows x and y. random: any orientation and place."))
-      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
-                     .unit_("mm")
-                     .range(0, 1e9)
-                     .doc_("Where along the axis, from the box's corner; auto: evenly spaced, half a step "
-                           "from the ends."))
+                     .doc_("Number of planes. If offsets are given, their count applies."))
+      .parameter(
+          Parameter::choice("axis", "z", {"x", "y", "z", "random"})
+              .doc_("Axis perpendicular to the planes. x shows y to the right and z up, y shows x and z, z "
+                    "shows x and y. random: random orientation and position."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
+              .unit_("mm")
+              .range(0, 1e9)
+              .doc_("Positions of the planes along the axis, from the box's corner. auto: evenly spaced, "
+                    "half a step from both ends."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "width", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Width of a random plane's window; auto: the box's shortest edge."))
+                     .doc_("Window width of random planes. auto: the box's shortest edge."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "height", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Height of a random plane's window; auto: the box's shortest edge."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "pixel_size", "auto")
-                     .unit_("mm")
-                     .above(0)
-                     .doc_("Rounded so that whole pixels fill the width; auto: the longest edge / 512, a "
-                           "volume's own voxel, and "
-                           "coarser where the stack would exceed 64 megapixels."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of random planes."))
+                     .doc_("Window height of random planes. auto: the box's shortest edge."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Number, "pixel_size", "auto")
+              .unit_("mm")
+              .above(0)
+              .doc_("Edge of a pixel, rounded so that whole pixels fill the width. auto: the box's longest "
+                    "edge / 512, or a volume's voxel, and coarser if the stack would exceed 64 megapixels."))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Random seed of the planes' positions and orientations."))
       .compute_(compute);
 }
 

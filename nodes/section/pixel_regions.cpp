@@ -8,7 +8,7 @@ namespace terrazzo {
 
 namespace {
 
-class Sets {  // union–find; the smallest member names the set
+class Sets {  // union-find; the smallest member represents the set
  public:
   explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
   std::uint32_t find(std::uint32_t i) {
@@ -24,7 +24,8 @@ class Sets {  // union–find; the smallest member names the set
   std::vector<std::uint32_t> parent_;
 };
 
-// Sums over a region's pixels; places are taken relative to its first pixel, the short way round in a tile.
+// Sums over a region's pixels. Positions are relative to its first pixel, by the shorter way around in a
+// tile.
 struct Sums {
   std::int32_t id = 0;
   int first_x = 0, first_y = 0;  // pixels, y up
@@ -101,7 +102,7 @@ void PixelRegions::measure(Section& out, const Work& work) const {
       } else {
         p.touches_border = s.first_x + s.min_x == 0 || s.first_y + s.min_y == 0 ||
                            s.first_x + s.max_x == w - 1 || s.first_y + s.max_y == h - 1;
-        // A profile that leaves one pixel free on either side is seen whole in (w − 1 − its width) places.
+        // A profile with at least one free pixel on either side fits in (w − 1 − its width) positions.
         const double places_x = w - 1 - (s.max_x - s.min_x + 1), places_y = h - 1 - (s.max_y - s.min_y + 1);
         p.weight = p.touches_border ? 0 : count / (places_x * places_y);
       }

@@ -1,4 +1,4 @@
-// Connected regions of equal value in a stack of pictures, as labels and profiles.
+// Connected regions of equal value in a stack of images, as labels and profiles.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class PixelRegions {
     return values_[image_.index(x, row, section)];
   }  // −1: binder
 
-  // Fills labels, profiles and table. Regions join over 4 neighbours, across the edges of a tile too.
+  // Fills labels, profiles and table. Regions are 4-connected, also across the edges of a tile.
   void measure(Section& out, const Work& = {}) const;
 
  private:

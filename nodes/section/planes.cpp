@@ -30,9 +30,9 @@ void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
   const double y = std::max(1.0, std::round(layout.height / (layout.width / x)));
   if (!(x * y * sections <= limit))
     throw Error("too-many-pixels",
-                fmt::format("{} sections of {:.0f} × {:.0f} pixels are more than {:.0f} megapixels", sections,
-                            x, y, limit / 1e6),
-                "raise pixel_size or ask for fewer planes")
+                fmt::format("{} sections of {:.0f} × {:.0f} pixels exceed the limit of {:.0f} megapixels",
+                            sections, x, y, limit / 1e6),
+                "raise pixel_size or use fewer planes")
         .parameter("pixel_size");
   layout.pixels_x = static_cast<int>(x), layout.pixels_y = static_cast<int>(y);
   layout.pixel_size = layout.width / x;
@@ -45,7 +45,8 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
   SectionLayout layout;
   if (choice.axis == "random") {
     if (!choice.offsets.empty())
-      throw Error("offsets-at-random", "offsets have no meaning for random planes", "choose axis x, y or z")
+      throw Error("offsets-at-random", "offsets do not apply to random planes",
+                  "set axis to x, y or z, or offsets to auto")
           .parameter("offsets");
     layout.width = choice.width > 0 ? choice.width : box.minCoeff();
     layout.height = choice.height > 0 ? choice.height : box.minCoeff();
@@ -65,8 +66,9 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
     layout.width = box[a], layout.height = box[b], layout.tile = periodic;
     const auto given = choice.offsets.size();
     if (given > 1 && choice.planes > 1 && given != static_cast<std::size_t>(choice.planes))
-      throw Error("planes-and-offsets", fmt::format("{} planes, but {} offsets", choice.planes, given),
-                  "give one of the two")
+      throw Error("planes-and-offsets",
+                  fmt::format("planes is {}, but there are {} offsets", choice.planes, given),
+                  "set only one of planes and offsets")
           .parameter("offsets");
     const auto n = given ? given : static_cast<std::size_t>(choice.planes);
     for (std::size_t i = 0; i < n; ++i) {
@@ -79,7 +81,7 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
         throw Error("bad-offset",
                     fmt::format("the plane at {} = {:g} mm misses the box, which ends at {:g} mm",
                                 choice.axis, offset, box[u]),
-                    fmt::format("offsets lie in 0 … {:g} mm", box[u]))
+                    fmt::format("offsets must be within 0 … {:g} mm", box[u]))
             .parameter("offsets");
       plane.origin = offset * Vec3::Unit(u);
       layout.planes.push_back(plane);

@@ -1,4 +1,4 @@
-// Which planes cut the solid, and the window that is seen of each.
+// The planes that cut the solid, and the visible window of each.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace terrazzo {
 
-// A window in space: the point (x, y) of the section, mm, lies at origin + x·frame.col(0) + y·frame.col(1),
+// A window in space: the point (x, y) of the section, in mm, is at origin + x·frame.col(0) + y·frame.col(1),
 // with 0 ≤ x ≤ width, 0 ≤ y ≤ height; frame is a rotation whose last column is the plane's normal.
 struct SectionPlane {
   Mat3 frame = Mat3::Identity();
   Vec3 origin = Vec3::Zero();
 };
 
-// All windows of one call are of one size.
+// All windows of one call have the same size.
 struct SectionLayout {
   std::vector<SectionPlane> planes;
   double width = 0, height = 0;  // mm
-  bool tile = false;             // the window is one period of the section: its opposite edges join
+  bool tile = false;             // the window is one period of the section, with opposite edges joined
   int pixels_x = 0, pixels_y = 0;
   double pixel_size = 0;  // mm
 
@@ -30,18 +30,19 @@ struct SectionLayout {
 struct SectionChoice {
   int planes = 1;
   std::string axis = "z";        // x, y, z or random
-  std::vector<double> offsets;   // mm along the axis; empty: evenly spaced, half a step from the ends
+  std::vector<double> offsets;   // mm along the axis; empty: evenly spaced, half a step from both ends
   double width = 0, height = 0;  // mm, of random windows; 0: the box's shortest edge
   double pixel_size = 0;         // mm; 0: `default_pixel_size`
   std::uint64_t seed = 1;
 };
 
-// Windows through a box with one corner at the origin (edges in mm). Axis windows are faces of the box, seen
-// as in slice_axes.h: x shows y to the right and z up, y shows x and z, z shows x and y, so that a section of
-// a solid texture looks like the exemplar for its axis. Random ones are isotropic uniform random: any
-// orientation alike, centred anywhere in the box alike. A given pixel size is rounded so that whole pixels
-// fill the width; the default, `default_pixel_size`, grows where the stack would exceed 64 megapixels. Throws
-// Error "bad-offset", "offsets-at-random", "planes-and-offsets", "too-many-pixels".
+// Windows through a box with one corner at the origin (edges in mm). Axis windows are parallel to the faces
+// of the box and oriented as in slice_axes.h: x shows y to the right and z up, y shows x and z, z shows x and
+// y, so that a section of a solid texture looks like the exemplar for its axis. Random windows are isotropic
+// uniform random: every orientation and every center in the box is equally likely. A given pixel size is
+// rounded so that whole pixels fill the width. The default, `default_pixel_size`, is raised if the stack
+// would exceed 64 megapixels. Throws Error "bad-offset", "offsets-at-random", "planes-and-offsets",
+// "too-many-pixels".
 SectionLayout choose_planes(const SectionChoice&, const Vec3& box, bool periodic, double default_pixel_size);
 
 }  // namespace terrazzo

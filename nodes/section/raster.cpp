@@ -28,8 +28,8 @@ int wrapped(int v, int n) {
   return v < 0 ? v + n : v;
 }
 
-// Adds what lies to the right of the directed edge, per unit of rise: `area` holds a pixel's own share,
-// `rise` what all pixels to its right get. Coordinates in pixels from the corner of the buffer.
+// Accumulates the signed area to the right of the directed edge: `area` is the share within a pixel, `rise`
+// the share added to every pixel to its right. Coordinates are in pixels from the corner of the buffer.
 void add_edge(Vec2 p, Vec2 q, int width, int height, std::vector<double>& area, std::vector<double>& rise) {
   if (p.y() == q.y()) return;
   const double sign = p.y() < q.y() ? -1 : 1;

@@ -1,4 +1,4 @@
-// Regions as pixels: exact area coverage, and the pixels whose centres lie inside.
+// Rasterizes regions: exact area coverage, and the pixels whose centers lie inside.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,15 @@ namespace terrazzo {
 struct PixelGrid {
   int width = 0, height = 0;  // pixels
   double mm_x = 1, mm_y = 1;  // per pixel
-  bool wrap = false;          // the opposite edges join; otherwise regions must lie within
+  bool wrap = false;          // opposite edges join; otherwise regions must lie inside the grid
 
-  int row(int y_up) const { return height - 1 - y_up; }  // pictures count rows from the top
+  int row(int y_up) const { return height - 1 - y_up; }  // image rows count from the top
 };
 
-// visit(x, row, share) for every pixel that the region covers; share in 0 … 1, exact.
+// Calls visit(x, row, share) for every pixel that the region covers; share is the exact coverage, 0 … 1.
 void cover_pixels(const Region&, const PixelGrid&, const std::function<void(int, int, double)>& visit);
 
-// visit(x, row) for every pixel whose centre lies in the region.
+// Calls visit(x, row) for every pixel whose center lies in the region.
 void fill_pixels(const Region&, const PixelGrid&, const std::function<void(int, int)>& visit);
 
 }  // namespace terrazzo

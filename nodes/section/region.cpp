@@ -18,7 +18,7 @@ double region_perimeter(const Region& region) {
 }
 
 Vec2 region_centroid(const Region& region) {
-  const Vec2 o = region.at(0).at(0);  // near the region, for the digits
+  const Vec2 o = region.at(0).at(0);  // an origin near the region keeps precision
   Vec2 moment = Vec2::Zero();
   double twice = 0;
   for (const Loop& l : region)
@@ -66,7 +66,7 @@ Region clipped(const Region& region, double width, double height) {
     if (loop.size() >= 3)
       result.push_back(std::move(loop));
     else if (result.empty())
-      return {};  // the outer loop is gone, and with it all holes
+      return {};  // without the outer loop there are no holes either
   }
   return result;
 }

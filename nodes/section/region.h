@@ -19,12 +19,12 @@ Vec2 region_centroid(const Region&);
 Extent region_extent(const Region&);
 Region translated(Region, const Vec2& by);
 
-// The part within [0, width] × [0, height]. Parts that the window divides stay one region, joined by edges
-// along its border, which change no area (Sutherland and Hodgman 1974). Empty where nothing is inside.
+// The part within [0, width] × [0, height], empty if nothing is inside. A region that the window divides
+// stays one region: edges of zero area along the border join its parts (Sutherland and Hodgman 1974).
 Region clipped(const Region&, double width, double height);
 
-// Area of the union of all regions within [0, width] × [0, height], exact to 1e-9 of the window: Green's
-// theorem over those parts of the outlines that no other region covers, and over the covered parts of the
+// Area of the union of all regions within [0, width] × [0, height], exact to 1e-9 of the window. Applies
+// Green's theorem to the parts of the outlines that no other region covers and to the covered parts of the
 // window's border.
 double union_area(const std::vector<Region>&, double width, double height);
 

@@ -8,7 +8,7 @@ namespace terrazzo {
 
 namespace {
 
-using Interval = std::pair<double, double>;  // of an edge's parameter, within 0 … 1
+using Interval = std::pair<double, double>;  // parameter range along an edge, within 0 … 1
 
 bool inside(const Region& region, const Vec2& p) {
   bool in = false;
@@ -36,8 +36,8 @@ void cover(const Region& region, const Extent& extent, const Vec2& p, const Vec2
   const Vec2 d = q - p;
   for (const Loop& l : region)
     for (std::size_t i = 0, j = l.size() - 1; i < l.size(); j = i++) {
-      // Points on the line count as left of it, so that an outline through a corner crosses once or not at
-      // all.
+      // Points on the line are treated as left of it, so that an outline crossing at a vertex is counted
+      // once.
       const double sj = cross(d, l[j] - p), si = cross(d, l[i] - p);
       if ((sj >= 0) == (si >= 0)) continue;
       const Vec2 x = l[j] + (l[i] - l[j]) * (sj / (sj - si));
@@ -50,7 +50,7 @@ void cover(const Region& region, const Extent& extent, const Vec2& p, const Vec2
   }
   std::sort(crossings.begin(), crossings.end());
   crossings.push_back(1);
-  // The widest part tells the parity most safely.
+  // Test inside or outside at the middle of the widest interval, where rounding matters least.
   std::size_t widest = 0;
   double width = crossings[0];
   for (std::size_t i = 1; i < crossings.size(); ++i)
@@ -64,7 +64,7 @@ void cover(const Region& region, const Extent& extent, const Vec2& p, const Vec2
   }
 }
 
-// Sorted and without overlaps.
+// Sorts the intervals and joins those that overlap.
 void merge(std::vector<Interval>& v) {
   std::sort(v.begin(), v.end());
   std::size_t n = 0;
@@ -96,8 +96,8 @@ Interval in_window(const Vec2& p, const Vec2& q, double width, double height) {
 }  // namespace
 
 double union_area(const std::vector<Region>& given, double width, double height) {
-  // Outlines that coincide, as of packed boxes, have no inside to be in: a shift far below any length that
-  // matters takes them apart.
+  // For coinciding outlines, as of packed boxes, "covered by another region" is undefined. A shift far below
+  // any relevant length separates them.
   std::vector<Region> regions;
   for (std::size_t i = 0; i < given.size(); ++i) {
     Random random(0, 0, i);
@@ -137,12 +137,11 @@ double union_area(const std::vector<Region>& given, double width, double height)
         merge(covered);
         double bare = hi - lo;
         for (const auto& [a, b] : covered) bare -= std::max(0.0, std::min(b, hi) - std::max(a, lo));
-        twice +=
-            bare * cross(p, q);  // any part of an edge spans its share of the edge's triangle with the origin
+        twice += bare * cross(p, q);  // a part of an edge adds its share of the triangle of edge and origin
       }
   }
   const Vec2 corner[4] = {{0, 0}, {width, 0}, {width, height}, {0, height}};
-  for (int side = 1; side < 3; ++side) {  // the two sides through the origin span no area with it
+  for (int side = 1; side < 3; ++side) {  // the two sides through the origin contribute no area
     const Vec2 &p = corner[side], &q = corner[side + 1];
     covered.clear();
     for (std::size_t i = 0; i < regions.size(); ++i) cover(regions[i], extents[i], p, q, crossings, covered);

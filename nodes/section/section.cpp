@@ -10,7 +10,7 @@ namespace terrazzo {
 
 namespace {
 
-// The profile of a cut, and the part of its region that the window shows. No area where that is nothing.
+// The profile of a cut, and the visible part of its region. The area is 0 if nothing is visible.
 Profile profile_of(const Cut& cut, const Particles& particles, const SectionLayout& layout, Region& visible) {
   Profile p;
   p.section = cut.section;
@@ -35,7 +35,7 @@ Profile profile_of(const Cut& cut, const Particles& particles, const SectionLayo
   return p;
 }
 
-// All copies of a tile's regions that reach into it.
+// All periodic copies of the tile's regions that reach into the tile.
 std::vector<Region> with_images(const std::vector<Region>& regions, const SectionLayout& layout) {
   std::vector<Region> all;
   for (const Region& r : regions) {
@@ -55,7 +55,7 @@ struct Canvas {
   std::vector<float> cover;
 };
 
-// Paints one section. Where particles overlap, their colours share the pixel.
+// Paints one section. Where particles overlap, their colors are averaged.
 void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
            const PixelGrid& grid, const Vec3f& binder, const Work& work) {
   const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
@@ -129,7 +129,7 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
   double united = 0;
   for (double c : covered) united += c;
   profiles.area_fraction = united / profiles.observed_area;
-  // Rounding alone must not look like an overlap.
+  // The tolerance keeps rounding errors from being reported as overlap.
   out.overlap = sum > united * (1 + 1e-7) ? (sum - united) / profiles.observed_area : 0;
   return out;
 }

@@ -1,4 +1,4 @@
-// What plane sections of a packing show: picture, labels and exact profiles.
+// Plane sections of a packing: image, labels and exact profiles.
 #pragma once
 
 #include "nodes/data/image.h"
@@ -13,17 +13,17 @@
 namespace terrazzo {
 
 struct Section {
-  Image image;         // particles' colours over the binder's, antialiased by exact coverage
-  Labels labels;       // profile k of `profiles` is id k + 1
-  Profiles profiles;   // one per connected region
-  Table table;         // a row per profile: section, particle, class, area mm², perimeter mm, holes, weight
-  double overlap = 0;  // area that more than one particle claims / all area
+  Image image;        // particle colors over the binder color, antialiased by exact coverage
+  Labels labels;      // profile k of `profiles` is id k + 1
+  Profiles profiles;  // one per connected region
+  Table table;        // one row per profile: section, particle, class, area mm², perimeter mm, holes, weight
+  double overlap = 0;  // area covered by more than one particle / total area
 };
 
-// Cuts particles of a periodic box. In a tile (axis planes) every profile is whole, weight 1. In a window
-// those that its border cuts have weight 0, their visible area and outline, and the others stand for window /
-// (area in which a profile of their width and height lies whole), after Miles (1974) and Lantuéjoul (1978).
-// Throws Error as check_particles does.
+// Cuts the particles of a periodic box. In a tile (axis planes), every profile is whole and has weight 1. In
+// a window, profiles cut by the border have weight 0 and the area and outline of their visible part. Other
+// profiles have the weight window area / (area in which a profile of their width and height is entirely
+// visible), after Miles (1974) and Lantuéjoul (1978). Throws the errors of check_particles.
 Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {});
 
 }  // namespace terrazzo

@@ -11,7 +11,7 @@ namespace terrazzo {
 
 namespace {
 
-// Reads a grid at points in space, repeating one period where the volume has one.
+// Samples a grid at points in space. Periodic volumes repeat.
 template <class Grid>
 class Sampler {
  public:
@@ -31,9 +31,9 @@ class Sampler {
     return sum;
   }
 
-  // The value that the eight voxels around hold most of, by their trilinear weights: its regions have smooth
-  // edges where the nearest voxel's would fray into steps and specks on oblique planes. Ties go to the
-  // smaller.
+  // The most frequent value among the eight surrounding voxels, weighted trilinearly. On oblique planes this
+  // gives smooth region edges, where the nearest voxel would give steps and specks. Ties go to the nearest
+  // voxel's value.
   T majority(const Vec3& world) const {
     int base[3];
     double t[3];
@@ -58,7 +58,7 @@ class Sampler {
   void locate(const Vec3& world, int* base, double* t) const {
     const openvdb::Vec3d at = grid_.worldToIndex(openvdb::Vec3d(world.x(), world.y(), world.z()));
     for (int k = 0; k < 3; ++k) {
-      // Planes through voxel centres read them alone, whatever the rounding of their position.
+      // Snap to voxel centers, so that rounding does not blend in a neighbor.
       const double whole = std::round(at[k]), v = std::abs(at[k] - whole) < 1e-6 ? whole : at[k];
       base[k] = static_cast<int>(std::floor(v)), t[k] = v - base[k];
     }
@@ -82,7 +82,7 @@ class Sampler {
 Vec3f vector_of(const openvdb::Vec3s& v) { return {v[0], v[1], v[2]}; }
 Vec3f vector_of(float v) { return {v, v, v}; }
 
-// sample(sampler, point, x, row, section) at every pixel's centre.
+// Calls sample(sampler, point, x, row, section) at every pixel center.
 template <class Grid, class Sample>
 void sweep(const Grid& grid, const Volume& volume, const SectionLayout& layout, const Vec3& corner,
            const Work& work, Sample sample) {
@@ -102,7 +102,7 @@ void sweep(const Grid& grid, const Volume& volume, const SectionLayout& layout, 
 }  // namespace
 
 VolumeBox volume_box(const Volume& volume) {
-  if (volume.grids.empty()) throw Error("no-grids", "the volume holds no grids");
+  if (volume.grids.empty()) throw Error("no-grids", "the volume has no grids");
   const auto& transform = volume.grids[0]->transform();
   const openvdb::Vec3d voxel = transform.voxelSize();
   VolumeBox box;
@@ -114,7 +114,7 @@ VolumeBox volume_box(const Volume& volume) {
               openvdb::Coord(volume.resolution[0] - 1, volume.resolution[1] - 1, volume.resolution[2] - 1)};
   else
     for (const auto& g : volume.grids) active.expand(g->evalActiveVoxelBoundingBox());
-  if (active.empty()) throw Error("empty-volume", "no voxel of the volume is active");
+  if (active.empty()) throw Error("empty-volume", "the volume has no active voxels");
   const openvdb::Vec3d lo = transform.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
   const openvdb::Vec3d hi = transform.indexToWorld(active.max().asVec3d() + openvdb::Vec3d(0.5));
   for (int k = 0; k < 3; ++k) box.corner[k] = std::min(lo[k], hi[k]), box.size[k] = std::abs(hi[k] - lo[k]);
@@ -128,8 +128,8 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   const auto density = volume.find<openvdb::FloatGrid>("density");
   const auto id = volume.find<openvdb::Int32Grid>("id");
   if (!color && !density)
-    throw Error("no-color", "the volume has neither a grid Cd (vectors) nor density (floats) to show",
-                "give one of its grids that name");
+    throw Error("no-color", "the volume has neither a grid Cd (vectors) nor a grid density (floats)",
+                "rename one of its grids to Cd or density");
 
   VolumeSection out;
   out.color_grid = color ? "Cd" : "density";
@@ -144,7 +144,7 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   else
     sweep(*density, volume, layout, box.corner, work.part(0, 0.5), shade);
 
-  // −1: binder. Without ids every grain of density is of one value, so that only connection tells them apart.
+  // −1: binder. Without ids all particles have the same value and are separated only by connectivity.
   PixelRegions pixels(layout, out.image);
   if (id)
     sweep(*id, volume, layout, box.corner, work.part(0.5, 0.9),

@@ -1,4 +1,4 @@
-// What plane sections of a volume show.
+// Plane sections of a volume.
 #pragma once
 
 #include "nodes/data/volume.h"
@@ -6,22 +6,23 @@
 
 namespace terrazzo {
 
-// The box that a volume's planes are measured in: one period, or the active voxels where it has none.
+// The box in which planes are placed: one period, or the bounding box of the active voxels if the volume is
+// not periodic.
 struct VolumeBox {
   Vec3 corner = Vec3::Zero();  // mm
   Vec3 size = Vec3::Zero();    // mm
   bool periodic = false;
-  double voxel = 1;  // mm, the finest edge
+  double voxel = 1;  // mm, the shortest voxel edge
 };
 // Throws Error "no-grids" or "empty-volume".
 VolumeBox volume_box(const Volume&);
 
-// Trilinear samples at pixel centres of `Cd`, or of `density` as grey. Labels: connected regions of equal
-// `id` ≥ 0 (that which the voxels around hold most of; 4 neighbours), or of density ≥ ½ where there is no id.
-// Profiles are those regions, area counted in pixels, without contours. The layout is relative to the box's
-// corner. Throws Error "no-color" where there is neither Cd nor density.
+// The image holds trilinear samples of `Cd`, or of `density` as gray, at pixel centers. Labels are
+// 4-connected regions of equal `id` ≥ 0 (by majority among the surrounding voxels), or of density ≥ ½ if
+// there is no id. Profiles are those regions, with areas counted in pixels and without contours. The layout
+// is relative to the box's corner. Throws Error "no-color" if there is neither Cd nor density.
 struct VolumeSection : Section {
-  std::string color_grid, label_grid;  // what was used; label_grid is empty where there was none
+  std::string color_grid, label_grid;  // the grids used; label_grid is empty if there was none
 };
 VolumeSection cut_volume(const Volume&, const SectionLayout&, const Work& = {});
 

@@ -10,16 +10,16 @@
 namespace terrazzo {
 namespace {
 
-constexpr double depth =
-    6;  // pixels: half the radius of the least round part that the full contrast sets apart
+// Pixels: half the radius of the smallest disk that stays separate at a contrast of one spread.
+constexpr double depth = 6;
 
 struct Contact {
   double length = 0, gradient = 0;
 };
 
-// Bodies that are no bodies of their own join the neighbour that they touch most: slivers, what lies mostly
-// inside the other, and what has no edge towards it (where the colour changes over more than six pixels).
-// Returns whether any did.
+// Joins dubious bodies to the neighbor with the longest contact: slivers, bodies mostly enclosed by the
+// neighbor, and bodies without an edge towards it (where the color changes over more than six pixels).
+// Returns whether any joined.
 bool join_slivers(std::vector<std::int32_t>& bodies, const Mosaic& m, const std::vector<float>& gradient,
                   double min_area) {
   const auto pieces = measure_pieces(bodies, m.width, m.height);
@@ -76,14 +76,13 @@ void renumber(std::vector<std::int32_t>& labels) {
 std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::uint8_t>& particles,
                                        const std::vector<bool>& patch_is_particle, double min_area,
                                        const Work& work) {
-  // Pixels that came to the particles when the outline was refined take the patch next to them.
+  // Pixels that refine_outline added to the particles get the patch of their neighbors.
   std::vector<std::int32_t> seeds(particles.size(), 0);
   for (std::size_t i = 0; i < seeds.size(); ++i)
     if (particles[i] && patch_is_particle[m.patches[i] - 1]) seeds[i] = m.patches[i];
   const std::vector<float> gradient = gradient_of(m.smooth);
   auto labels = watershed(gradient, m.width, m.height, seeds, particles, work);
-  // The binder, and particle pixels with no particle patch beside them, count as one more region that merges
-  // with none.
+  // The binder, and particle pixels that touch no particle patch, form one more region that never merges.
   const std::int32_t outside = static_cast<std::int32_t>(m.colors.size()) + 1;
   bool any_outside = false;
   for (auto& l : labels)

@@ -1,4 +1,4 @@
-// Touching particles told apart by colour.
+// Separation of touching particles by color.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,10 @@
 
 namespace terrazzo {
 
-// Parts `particles` (non-zero: particle) into bodies of one colour, numbered from 1: patches merged as long
-// as the squared error per length of border stays below ten pixels times the picture's colour variance, which
-// mottling does not reach and two materials do. Slivers and what lies mostly inside another body join it.
+// Splits `particles` (non-zero: particle) into bodies of uniform color, numbered from 1. Patches merge while
+// the squared error per length of border stays below six pixels times the picture's color variance. Mottling
+// stays below this threshold; two different materials exceed it. Slivers and bodies mostly enclosed by
+// another body join it.
 std::vector<std::int32_t> color_bodies(const Mosaic&, const std::vector<std::uint8_t>& particles,
                                        const std::vector<bool>& patch_is_particle, double min_area,
                                        const Work&);

@@ -10,10 +10,10 @@
 namespace terrazzo {
 namespace {
 
-constexpr float least_side =
-    0.002f;  // a share of ½ would put the outline onto a pixel's centre, on either side
+// A coverage of exactly ½ would put the outline on a pixel center, on either side.
+constexpr float least_side = 0.002f;
 
-// Pixels within `reach` of the other side, by the chessboard distance.
+// Pixels within `reach` of the other side, by chessboard distance.
 std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width, int height, int reach) {
   std::vector<std::uint8_t> out(mask.size(), 0);
   for (int y = 0; y < height; ++y)
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width,
   return out;
 }
 
-// Mean colour of the pixels of one side around each place.
+// Local mean color of the pixels on one side.
 struct SideMean {
   LabImage color, weight;
   Vec3f at(std::size_t i) const { return color.pixels[i] / weight.pixels[i][0]; }
@@ -48,8 +48,8 @@ SideMean weighted_mean(const LabImage& image, const std::vector<float>& weights,
   return m;
 }
 
-// The pixels at the outline are mixed by the picture's blur, and in a thin gap or a small particle all are:
-// the deeper a pixel lies, up to three pixels, the more it tells of its side's colour.
+// The image's blur mixes the pixels at the outline, and in a thin gap or a small particle all pixels. So
+// pixels count more for their side's color the deeper they are, up to a depth of three pixels.
 std::vector<float> purity(const std::vector<std::uint8_t>& mask, bool inside,
                           const std::vector<float>& depth2) {
   std::vector<float> w(mask.size(), 0.0f);
@@ -58,8 +58,8 @@ std::vector<float> purity(const std::vector<std::uint8_t>& mask, bool inside,
   return w;
 }
 
-// The binder is one material: where a gap is too thin to show its colour, it is that of the nearest wider
-// places.
+// The binder is one material: where a gap is too thin to show the binder's color, use that of the nearest
+// wider gaps.
 SideMean binder_mean(const LabImage& image, const std::vector<float>& pure, const Work& work) {
   SideMean m = weighted_mean(image, pure, 2.5f, work);
   for (const float sigma : {8.0f, 24.0f}) {
@@ -90,8 +90,8 @@ std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int 
 }
 
 std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& particles, const Work& work) {
-  // A pixel that two colours share is their mean in light. A grey picture is taken for a signal (a
-  // micrograph, a scan), whose mean is that of the values as they were written.
+  // A pixel shared by two colors has their mean in linear light. A gray image is treated as a signal (a
+  // micrograph, a scan), which is averaged in its encoded values.
   LabImage light = m.image;
   work.parallel(light.pixels.size(), 1 << 14, [&](std::size_t b, std::size_t e) {
     for (std::size_t i = b; i < e; ++i) {
@@ -99,8 +99,8 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
       if (m.grey) light.pixels[i] = linear_to_srgb(light.pixels[i]);
     }
   });
-  // Noise goes by a blur, which leaves the place of a straight edge's half alone. Diffusion that stops at
-  // edges does not: it draws mixed pixels to the side that is nearer in perceived colour.
+  // Remove noise by a blur, which preserves the position of the half level of a straight edge. Edge-stopping
+  // diffusion does not: it pulls mixed pixels to the side with the closer perceived color.
   const float blurring = m.spread > 0 ? std::min(1.4f * m.noise / m.spread, 1.5f) : 0.0f;
   float noise_left = m.noise;
   if (blurring > 0.3f) {
@@ -125,7 +125,8 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
     share[i] = std::clamp((light.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
     read[i] = 1;
   }
-  // Only pixels that touch the outline may change sides, twice: noise further in makes no holes.
+  // Only pixels at the outline may change sides, in four rounds, so that noise in the interior makes no
+  // holes.
   for (int round = 0; round < 4; ++round) {
     const auto edge = band(particles, m.width, m.height, 1);
     for (std::size_t i = 0; i < share.size(); ++i)

@@ -1,4 +1,4 @@
-// How much of each pixel a particle covers, read from the picture.
+// Particle coverage of each pixel, estimated from the image.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace terrazzo {
 
-// Moves the outline of `particles` (non-zero: particle) to where the picture's colour is half-way between the
-// local mean colours on its two sides (normalised convolution), by at most two pixels, and gives the covered
-// share of every pixel: 1 and 0 away from the outline, between at it. The share agrees with the mask: ≥ ½
-// exactly where non-zero. Where the two sides differ by less than 6 × noise, the mask stays and its own
-// smoothed edge gives the share.
+// Moves the outline of `particles` (non-zero: particle) to where the color is half-way between the local mean
+// colors of both sides (normalized convolution), by at most three pixels. Returns the coverage of every
+// pixel: 1 and 0 away from the outline, values in between at the outline. The coverage agrees with the mask:
+// it is ≥ ½ exactly where the mask is non-zero. Where both sides differ by less than 4 × the noise, the mask
+// is kept and its smoothed edge determines the coverage.
 std::vector<float> refine_outline(const Mosaic&, std::vector<std::uint8_t>& particles, const Work&);
 
-// The same from a mask alone.
+// Coverage from a mask only, by smoothing its edge.
 std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,
                                    const Work&);
 

@@ -13,8 +13,8 @@ namespace terrazzo {
 namespace {
 
 constexpr int sample_count = 8000;
-constexpr int coarse_side = 320;  // pixels: shapes are judged on a coarse copy
-constexpr double ordinary = 0.6;  // solidity × outline share that tells nothing
+constexpr int coarse_side = 320;  // pixels; shapes are scored on a coarse copy
+constexpr double ordinary = 0.6;  // neutral value of solidity × share of the outline that borders the binder
 
 struct Coarse {
   int width, height;
@@ -85,8 +85,8 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
                    std::uint64_t seed, const Work& work) {
   Ground ground;
   ground.clusters = find_clusters(sections, k, seed, work);
-  // Uneven light: found from the clusters, taken away, and the clusters found again, as long as it is more
-  // than a little against the distance of the nearest two.
+  // Estimate uneven light from the clusters, remove it and cluster again, as long as it is not negligible
+  // compared with the distance of the two closest clusters.
   for (int round = 0; even_light && round < 2; ++round) {
     const float apart = least_distance(ground.clusters);
     bool changed = false;
@@ -102,8 +102,8 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)
     throw Error("one-colour",
-                "the image shows one colour only: there is nothing to tell particles from binder",
-                "check the picture, or give labels");
+                "the image has only one color, so particles cannot be separated from the binder",
+                "check the image, or connect labels");
   std::vector<Coarse> coarse;
   for (const auto& m : sections) coarse.push_back(coarse_copy(m, ground.clusters));
 
@@ -111,7 +111,7 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
   const double none = -std::numeric_limits<double>::infinity();
   ground.score = none;
   for (std::size_t c = 0; c < n; ++c) {
-    if (hint.kind == Hint::Kind::Darkest && c != 0) continue;  // clusters rise in lightness
+    if (hint.kind == Hint::Kind::Darkest && c != 0) continue;  // clusters are sorted by lightness
     if (hint.kind == Hint::Kind::Lightest && c != n - 1) continue;
     if (hint.kind == Hint::Kind::Color && static_cast<int>(c) != ground.clusters.nearest(hint.color))
       continue;

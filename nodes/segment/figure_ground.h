@@ -1,4 +1,4 @@
-// Which colour clusters are particles, and which the ground that they lie in.
+// Classification of color clusters as particles or binder.
 #pragma once
 
 #include <string>
@@ -11,21 +11,22 @@ namespace terrazzo {
 
 struct Hint {
   enum class Kind { Auto, Darkest, Lightest, Color } kind = Kind::Auto;
-  Vec3f color = Vec3f::Zero();  // patch colour
+  Vec3f color = Vec3f::Zero();  // as from patch_color()
 };
 
 struct Ground {
   Clusters clusters;
   std::vector<bool> is_binder;  // by cluster
-  double score = 0;  // of the choice: area of the particles' pieces times how far they look like particles
+  double score = 0;  // of the choice: area of the particle pieces times how much they look like particles
   bool binder(const Vec3f& patch_color) const { return is_binder[clusters.nearest(patch_color)]; }
 };
 
-// Clusters the patches' colours (k given, or 0: the most for which the silhouette stays within a tenth of its
-// best and above .75, at most 6) and finds the binder: the set of clusters whose complement, parted at its
-// necks, falls into the most convex pieces with the most of their outline on the binder. The set grows from
-// the best single cluster (or the one hinted at) as long as that helps: so interstitial pores join the
-// binder, round ones stay particles. Throws Error "one-colour" where there are no two colours.
+// Clusters the colors of the patches and finds the binder. `k` is the number of clusters; 0 selects the
+// largest number up to 6 whose silhouette is at least 0.75 and within a tenth of the best. The binder is the
+// set of clusters whose complement, split at its necks, consists of the most convex pieces with the largest
+// share of outline on the binder. The set grows from the best single cluster (or the hinted one) as long as
+// the score improves. So interstitial pores join the binder and round pores stay particles. `even_light` also
+// removes uneven light. Throws Error "one-colour" if there are fewer than two clusters.
 Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, bool even_light,
                    std::uint64_t seed, const Work&);
 

@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-constexpr std::size_t rows = 16;  // rows a task
+constexpr std::size_t rows = 16;  // rows per task
 
 template <class Row>
 void each_row(const LabImage& image, const Work& work, Row&& row) {

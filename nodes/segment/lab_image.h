@@ -10,25 +10,24 @@ namespace terrazzo {
 
 struct LabImage {
   int width = 0, height = 0;
-  std::vector<Vec3f> pixels;  // Oklab, in reading order
+  std::vector<Vec3f> pixels;  // Oklab, row by row from the top
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
 LabImage lab_section(const Image&, int section, const Work&);
 
-// Standard deviation of the noise in lightness: median of |Immerkær's Laplacian difference| (Immerkær 1996,
-// with the median in the place of the mean, so that edges do not count). Fine texture counts as noise.
+// Standard deviation of the lightness noise: the median of |Immerkær's Laplacian difference| (Immerkær 1996,
+// with the median instead of the mean, to ignore edges). Fine texture counts as noise.
 float noise_of(const LabImage&);
 
-// Edge-stopping diffusion (Perona and Malik 1990, second flux) on colour vectors: flattens what varies by
-// less than `contrast` (Oklab distance) between neighbours over about √(2·rounds·0.2) pixels, and keeps edges
-// above it.
+// Edge-stopping diffusion (Perona and Malik 1990, second flux) of color vectors. Flattens differences below
+// `contrast` (Oklab distance) between neighbors over about √(2·rounds·0.2) pixels and keeps edges above it.
 LabImage diffuse(LabImage, float contrast, int rounds, const Work&);
 
-// Component-wise median of 3 × 3.
+// Component-wise 3 × 3 median.
 LabImage median3(const LabImage&, const Work&);
 
-// Gaussian of standard deviation `sigma` pixels, mirrored at the border.
+// Gaussian blur with standard deviation `sigma` in pixels, mirrored at the border.
 LabImage blur(const LabImage&, float sigma, const Work&);
 
 }  // namespace terrazzo

@@ -29,7 +29,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
   std::int64_t binder_pixels = 0;
   for (int section = 0; section < labels.sections; ++section) {
     const std::size_t first = section_size * section;
-    // Ids are numbered through all sections; within one they count from its own first.
+    // Ids run through all sections; here they are renumbered from 1 within the section.
     std::int32_t low = 0x7fffffff, high = 0;
     for (std::size_t i = first; i < first + section_size; ++i)
       if (labels.ids[i] > 0) low = std::min(low, labels.ids[i]), high = std::max(high, labels.ids[i]);

@@ -1,4 +1,4 @@
-// What is measured of labelled particles.
+// Measurement of labeled particles.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace terrazzo {
 
-// Profiles of all sections: areas and outlines (mm, y up) from `coverage` (per pixel of the stack; see
-// coverage.h), mean colours over the pixels that lie inside by more than a pixel where there are any, border
-// marks and weights. A profile that touches the border (its label holds a pixel of the outermost rows or
-// columns) has weight 0; any other, of w × h pixels, can lie whole in (W − w − 1)(H − h − 1) places of the W
-// × H that its corner can take, and weighs the inverse (Miles 1974; Lantuéjoul 1980).
+// Profiles of all sections: areas and outlines (mm, y up) from `coverage` (per pixel of the stack, see
+// coverage.h), border flags, weights, and mean colors over the pixels more than one pixel inside, if there
+// are any. A profile touches the border if its label includes a pixel of the outermost rows or columns; its
+// weight is then 0. Any other profile of w × h pixels fits completely at (W − w − 1)(H − h − 1) of the W × H
+// positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
 Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage, const Work&);
 
 }  // namespace terrazzo

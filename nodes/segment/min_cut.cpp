@@ -9,7 +9,7 @@ namespace {
 
 struct Arc {
   std::int32_t to;
-  std::int64_t left;  // capacity; its reverse is the arc with the last bit of the index flipped
+  std::int64_t left;  // capacity left; the reverse arc has the index with the last bit flipped
 };
 
 class Flow {
@@ -24,7 +24,7 @@ class Flow {
     arcs_.push_back({a, back});
   }
 
-  // Saturates; afterwards level ≥ 0 marks the source's side.
+  // Computes the maximum flow. Afterwards level ≥ 0 marks the source's side.
   void run(int source, int sink, const Work& work) {
     while (find_levels(source, sink)) {
       work.check();
@@ -49,7 +49,7 @@ class Flow {
     return level_[sink] >= 0;
   }
 
-  // One augmenting path along rising levels, by depth first search without recursion.
+  // Pushes flow along one path of increasing levels. Depth-first search without recursion.
   bool push_path(int source, int sink) {
     std::vector<std::int32_t>& path = path_;
     path.clear();

@@ -65,13 +65,10 @@ void compute(Context& c) {
   }
   if (!given && method == "auto" && s.method == Method::Regions)
     c.warn(
-        "colours stand no further apart than the texture: particles were taken by edge and shape, and some "
-        "are missed; "
-        "give labels where that matters");
+        "the colors differ too little compared with the texture: particles were found by edge and shape, and "
+        "some were missed; connect labels if that matters");
   if (at_border == s.profiles.profiles.size())
-    c.warn(
-        "every profile touches the border of the picture: none has a weight, so nothing can be unfolded from "
-        "them");
+    c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
   c.output("binder", binder_table(s.profiles));
   c.output("labels", std::move(s.labels));
   c.output("profiles", std::move(s.profiles));
@@ -82,45 +79,44 @@ void compute(Context& c) {
 NodeType segment_node() {
   return NodeType("Segment", 2)
       .doc_(
-          "Finds the particles of a section in its photograph: patches of even colour, which of them are "
-          "binder, where "
-          "particles touch; measures each profile.")
+          "Finds the particles of a section in its photograph and measures each profile: divides the image "
+          "into patches of uniform color, decides which of them are binder, and splits touching particles.")
       .source_(
-          "Profiles as Jagnow, Dorsey, Rushmeier 2004 need them, which were drawn by hand there; methods in "
-          "the README")
-      .input("image", "Image", "photograph, or a stack of them")
-      .optional_input("labels", {"Labels"}, "measured instead of segmenting")
-      .output("labels", "Labels", "the particle of each pixel, 0 in the binder")
-      .output("profiles", "Profiles", "one a particle, with its outline")
-      .output("binder", "Table", "one row: r, g, b (scene-linear), area_fraction, count (of profiles)")
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
-                     .range(2, 12)
-                     .doc_("Colour clusters; auto: the most that stay well apart"))
+          "Profiles as needed by Jagnow, Dorsey, Rushmeier 2004, who outlined them by hand; methods: see "
+          "README")
+      .input("image", "Image", "Photograph, or a stack of section photographs")
+      .optional_input("labels", {"Labels"}, "Labels to measure instead of segmenting the image")
+      .output("labels", "Labels", "Particle number of each pixel; 0: binder")
+      .output("profiles", "Profiles", "One profile per particle, with its outline")
+      .output("binder", "Table",
+              "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
       .parameter(
-          Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
-              .keyword("darkest")
-              .keyword("lightest")
-              .doc_(
-                  "The binder's colour, or which cluster it is; auto: what leaves the most convex particles"))
+          Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+              .range(2, 12)
+              .doc_("Number of color clusters. auto: the largest number of clearly separate clusters."))
+      .parameter(Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
+                     .keyword("darkest")
+                     .keyword("lightest")
+                     .doc_("Color of the binder. darkest, lightest: the cluster that is the binder. auto: "
+                           "the binder that leaves the most convex particles."))
       .parameter(Parameter::number("split", 0.5)
                      .range(0, 1)
-                     .doc_("How readily touching particles are parted: 0 never, 1 at every neck"))
+                     .doc_("Strength of splitting touching particles. 0: never. 1: at every neck."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "min_area", "auto")
                      .unit_("pixels")
                      .range(0, 1e9)
-                     .doc_("Smaller particles are dropped and counted; auto: 12, up to 48 where pits and "
-                           "noise are frequent; 25 by regions"))
-      .parameter(
-          Parameter::integer("color_classes", 1)
-              .keyword("auto")
-              .range(1, 32)
-              .doc_("Classes of profiles by their mean colour (k-means), the most frequent first; auto: by "
-                    "silhouette, 2 to 8"))
-      .parameter(
-          Parameter::choice("method", "auto", {"auto", "clusters", "regions"})
-              .doc_("clusters: colour tells particles from binder; regions: edge and shape do, for "
-                    "photographs of rough faces; auto: by how far colours stand apart against the texture"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991.0).doc_("Of the starts of k-means"))
+                     .doc_("Minimum particle size. Smaller particles are dropped and counted. auto: 12, up "
+                           "to 48 if pits and noise are frequent; 25 for method regions."))
+      .parameter(Parameter::integer("color_classes", 1)
+                     .keyword("auto")
+                     .range(1, 32)
+                     .doc_("Number of profile classes by mean color (k-means), the most frequent class "
+                           "first. auto: 2 to 8, chosen by silhouette."))
+      .parameter(Parameter::choice("method", "auto", {"auto", "clusters", "regions"})
+                     .doc_("clusters: separates particles from binder by color. regions: finds particles by "
+                           "edge and shape, for photographs of rough surfaces. auto: chooses by the ratio of "
+                           "color differences to texture."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991.0).doc_("Random seed of k-means"))
       .compute_(compute);
 }
 

@@ -9,9 +9,9 @@
 namespace terrazzo {
 namespace {
 
-constexpr double edge_width = 6;  // pixels: what takes longer to change has no edge
+constexpr double edge_width = 6;  // pixels; a color change over a longer distance is not an edge
 
-// Value below which half of the weight lies.
+// Value with half of the weight at or below it.
 float weighted_median(std::vector<std::pair<float, float>> values) {
   std::sort(values.begin(), values.end());
   double all = 0, sum = 0;
@@ -21,10 +21,10 @@ float weighted_median(std::vector<std::pair<float, float>> values) {
   return 0;
 }
 
-// What the binder usually looks like where one of its clusters is.
+// Typical color of the binder in one of its clusters.
 struct Usual {
   Vec3f color = Vec3f::Zero();
-  float reach = 0;  // distance beyond which a colour stands out
+  float reach = 0;  // distance at which a color starts to stand out
 };
 
 std::vector<Usual> usual_binders(const Mosaic& m, const Ground& ground,
@@ -53,7 +53,7 @@ std::vector<Usual> usual_binders(const Mosaic& m, const Ground& ground,
 }
 
 struct Rim {
-  double free = 0, beside_particles = 0;  // lengths, pixel edges
+  double free = 0, beside_particles = 0;  // lengths in pixel edges
   double gradient = 0, difference = 0;    // sums along the free part
 };
 
@@ -63,7 +63,7 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
                     const Work& work) {
   const std::vector<Usual> usual = usual_binders(m, ground, is_particle);
   if (usual.empty()) return;
-  // How far each patch stands out, in reaches of the binder that it is nearest to.
+  // How far each patch stands out, relative to the reach of the closest binder color.
   const std::size_t n = m.colors.size();
   std::vector<float> odd(n, 0);
   for (std::size_t k = 0; k < n; ++k) {
@@ -108,8 +108,8 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
         r.beside_particles <= 0.4 * (r.free + r.beside_particles) && r.gradient > r.difference / edge_width)
       added[m.patches[i] - 1] = true;
   }
-  // A mottled body comes near the binder's colour in places: patches half as odd join where most of their
-  // outline lies along it.
+  // A mottled body is close to the binder's color in places. So patches that stand out half as far join if
+  // more than half of their outline borders added patches.
   for (int round = 0; round < 3; ++round) {
     std::vector<double> outline(n, 0), along(n, 0);
     each_border([&](std::size_t from, std::size_t to) {

@@ -1,4 +1,4 @@
-// Particles of a colour so rare, or so near the binder's, that no cluster is theirs.
+// Particles whose color is too rare, or too close to the binder's, to form a cluster.
 #pragma once
 
 #include <vector>
@@ -8,12 +8,13 @@
 
 namespace terrazzo {
 
-// Marks as particles the patches of the binder that stand out from it: further from the usual colour (median)
-// of every binder cluster than four times that cluster's median deviation, four times the picture's usual
-// contrast and three tenths of its spread, or half as far where most of their outline lies along such;
-// together at least min_area large and of solidity above .7; with an edge all around, which is where the
-// whole difference is crossed within six pixels; and not mere rims: no more than two fifths of their outline
-// may lie along particles found before.
+// Marks patches that stand out from the binder as particles. A patch stands out if its distance to the
+// typical color (median) of every binder cluster exceeds four times that cluster's median deviation, four
+// times the image's usual contrast, and 0.3 times its spread. Connected patches become a particle if their
+// area is at least min_area, their solidity is above 0.7, they have an edge all around (their full color
+// difference occurs within six pixels), and at most 0.4 of their outline borders particles found before,
+// which excludes mere rims. Patches that stand out half as far join if most of their outline borders added
+// patches.
 void add_odd_bodies(const Mosaic&, const Ground&, double min_area, std::vector<bool>& patch_is_particle,
                     const Work&);
 

@@ -10,7 +10,8 @@ struct Window {
   int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
 };
 
-// Values at pixel centres, one pixel of margin; a node is a cell edge between two pixel centres.
+// Values at pixel centers, with a margin of one pixel. A contour point is on a cell edge between two pixel
+// centers.
 class Contour {
  public:
   Contour(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage, int width, int height,
@@ -28,11 +29,12 @@ class Contour {
       }
   }
 
-  // All loops, each keeping the inside to its left in a frame whose y points down the rows, as crossing
-  // points in pixels from the picture's top left corner.
+  // All loops as crossing points in pixels from the top left corner of the image, y down. Each loop keeps the
+  // inside to its left once y points up.
   std::vector<std::vector<Vec2>> loops() {
-    // A directed segment enters a cell by one edge and leaves it by another: next_[edge] is where a loop goes
-    // on. Edges: 2·(cell corner index) + 0 for the edge to the right, + 1 for the edge down.
+    // A directed segment enters a cell through one edge and leaves it through another: next_[edge] is the
+    // next edge of the loop. Edge indices: 2·(cell corner index) + 0 for the edge to the right, + 1 for the
+    // edge down.
     next_.assign(2 * value_.size(), -1);
     for (int y = 0; y + 1 < rows_; ++y)
       for (int x = 0; x + 1 < columns_; ++x) cell(x, y);
@@ -62,8 +64,8 @@ class Contour {
     const std::int32_t top = right_of(x, y), bottom = right_of(x, y + 1), left = down_of(x, y),
                        right = down_of(x + 1, y);
     auto go = [&](std::int32_t from, std::int32_t to) { next_[from] = to; };
-    // Corners in reading order: 1 top left, 2 top right, 4 bottom left, 8 bottom right. The inside lies to
-    // the right of each segment on the screen, which is to the left once y points up.
+    // Corners in reading order: 1 top left, 2 top right, 4 bottom left, 8 bottom right. The inside is to the
+    // right of each segment on the screen, and so to its left once y points up.
     switch (in(x, y) + 2 * in(x + 1, y) + 4 * in(x, y + 1) + 8 * in(x + 1, y + 1)) {
       case 1:
         go(left, top);
@@ -82,7 +84,7 @@ class Contour {
         break;
       case 6:
         go(top, left), go(bottom, right);
-        break;  // diagonal: joined
+        break;  // diagonal corners are joined
       case 7:
         go(bottom, right);
         break;
@@ -91,7 +93,7 @@ class Contour {
         break;
       case 9:
         go(left, bottom), go(right, top);
-        break;  // diagonal: joined
+        break;  // diagonal corners are joined
       case 10:
         go(top, bottom);
         break;

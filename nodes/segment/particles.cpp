@@ -24,7 +24,7 @@ std::vector<std::int32_t> raster_of(const Mask& mask, bool of) {
   return r;
 }
 
-// Calls on_pair(a, b) for the two values of every pixel edge.
+// Calls on_pair(a, b) with the two values at every edge between pixels.
 template <class Pair>
 void each_edge(const std::vector<std::int32_t>& raster, int width, int height, Pair&& on_pair) {
   for (int y = 0; y < height; ++y)
@@ -35,11 +35,11 @@ void each_edge(const std::vector<std::int32_t>& raster, int width, int height, P
     }
 }
 
-// Holes smaller than min_area or a hundredth of what surrounds them.
+// Fills holes smaller than min_area or a hundredth of the surrounding part.
 void fill_pinholes(Mask& mask, int width, int height, double min_area) {
   const Components solid = connected_components(raster_of(mask, true), width, height, false);
   const Components gaps = connected_components(raster_of(mask, false), width, height, true);
-  std::vector<std::int32_t> around(gaps.count(), 0);  // −1 where more than one part, or the border
+  std::vector<std::int32_t> around(gaps.count(), 0);  // −1: more than one part, or the border
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
@@ -62,9 +62,9 @@ void fill_pinholes(Mask& mask, int width, int height, double min_area) {
   }
 }
 
-// 12 pixels have about the least of a shape. Where sizes below come ever more often (pits, noise), the tail
-// that they form may reach further up: to where doubling the size makes parts more frequent again, at
-// most 48.
+// 12 pixels are about the smallest recognizable shape. If ever smaller parts are ever more frequent (pits,
+// noise), this tail may extend to larger sizes: up to where doubling the size makes parts more frequent
+// again, at most 48.
 double automatic_min_area(const Components& parts) {
   double least = 12;
   for (; least < 48; least *= 2) {
@@ -79,7 +79,7 @@ double automatic_min_area(const Components& parts) {
   return least;
 }
 
-// Parts below min_area, and ragged ones below eight times that: cracks and roughened places.
+// Drops parts below min_area, and ragged parts below eight times min_area, such as cracks and rough spots.
 void drop_specks(Mask& mask, const Components& parts, int width, int height, double min_area,
                  Particles2D& out) {
   const auto pieces = measure_pieces(parts.ids, width, height);
@@ -93,7 +93,7 @@ void drop_specks(Mask& mask, const Components& parts, int width, int height, dou
     if (parts.ids[i] != 0 && dropped[parts.ids[i] - 1]) mask[i] = 0;
 }
 
-// Pieces smaller than min_area join the piece that they touch most.
+// Joins pieces smaller than min_area to the piece with the longest contact.
 void join_crumbs(std::vector<std::int32_t>& labels, int width, int height, double min_area) {
   for (int round = 0; round < 3; ++round) {
     const auto pieces = measure_pieces(labels, width, height);
@@ -124,7 +124,7 @@ void renumber(std::vector<std::int32_t>& labels) {
     if (l != 0) l = number.emplace(l, static_cast<std::int32_t>(number.size()) + 1).first->second;
 }
 
-// Holes that one particle alone encloses belong to it, up to half its size.
+// Holes enclosed by a single particle become part of it, up to half its area.
 std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height) {
   std::vector<std::int32_t> free(labels.size());
   for (std::size_t i = 0; i < free.size(); ++i) free[i] = labels[i] == 0;
@@ -153,9 +153,9 @@ std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height
   return filled;
 }
 
-// Distance to a cluster in its own spreads: a patch that lies far outside a tight cluster belongs to a wide
-// one even when that one's centre is further off. The square root of the deviance of round normal clusters,
-// shifted to be positive.
+// Distance to a cluster in units of the cluster's spread: a patch far outside a tight cluster belongs to a
+// wide cluster even if the wide cluster's center is farther away. It is the square root of the deviance of
+// isotropic normal clusters, shifted to be positive.
 class ClusterDistance {
  public:
   explicit ClusterDistance(const Clusters& clusters) : clusters_(clusters) {
@@ -178,10 +178,10 @@ class ClusterDistance {
   std::vector<float> spread_, offset_;
 };
 
-// Which patches are particles: the nearest cluster says so, but patches with no edge between them stay
-// together. Evidence of colour grows with a patch's outline and not with its area, since what misleads it
-// (light, stain) is the same all over the patch; so a patch goes with its neighbours where the share of its
-// outline that has no edge outweighs how much nearer its colour is to its own side.
+// Decides which patches are particles. The nearest cluster decides, but patches without an edge between them
+// stay together. The color evidence grows with a patch's outline and not with its area, since errors of color
+// (light, stains) are the same all over a patch. So a patch joins its neighbors' side if the share of its
+// outline without an edge outweighs its color evidence.
 std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Work& work) {
   const std::size_t n = m.colors.size();
   const std::vector<float> gradient = gradient_of(m.smooth);
@@ -189,8 +189,8 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
   std::nth_element(sorted.begin(), quartile, sorted.end());
   const double usual = 3.1 * *quartile + 1e-6;
-  std::map<std::pair<std::int32_t, std::int32_t>, std::pair<double, double>>
-      borders;  // length, sum of gradients
+  // Length, sum of gradients.
+  std::map<std::pair<std::int32_t, std::int32_t>, std::pair<double, double>> borders;
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) {
       const std::size_t i = m.index(x, y);
@@ -222,7 +222,8 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   return min_cut(binder, particle, edges, work);
 }
 
-// Each pixel takes the value that most of the (2·reach + 1)² around it have; its own, where that has as many.
+// Gives each pixel the most frequent value of the (2·reach + 1)² pixels around it. Ties keep the pixel's own
+// value.
 std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int width, int height, int reach,
                                    const Work& work) {
   std::vector<std::int32_t> out = labels;

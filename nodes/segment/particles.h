@@ -1,4 +1,4 @@
-// From particle pixels to single particles.
+// From particle pixels to individual particles.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,25 @@
 namespace terrazzo {
 
 struct SplitOptions {
-  double strength = 0.5;  // 0…1, as in split_at_necks
-  double min_area = -1;   // pixels: smaller parts are dropped; negative: found
+  double strength = 0.5;  // 0 to 1, as in split_at_necks
+  double min_area = -1;   // pixels; smaller parts are dropped; negative: automatic
 };
 
 struct Particles2D {
   std::vector<std::int32_t> labels;  // from 1
   std::vector<float> coverage;       // of each pixel
-  double min_area = 0;               // pixels, the one used
-  std::int64_t specks = 0;           // parts dropped for their size
+  double min_area = 0;               // pixels, the value used
+  std::int64_t specks = 0;           // number of parts dropped as too small
   std::int64_t speck_pixels = 0;
-  std::int64_t holes = 0;  // holes filled
+  std::int64_t holes = 0;  // number of holes filled
 };
 
-// Particle pixels by cluster, outline refined, small holes filled, specks dropped, parted at necks and along
-// borders of two distinct colours, then holes filled that lie within one particle.
+// Classifies the pixels by cluster, refines the outline, fills small holes, drops specks, splits at necks and
+// along borders of two distinct colors, and then fills holes within single particles.
 Particles2D find_particles(const Mosaic&, const Ground&, const SplitOptions&, const Work&);
 
-// The regions of a photograph that look like particles by edge and shape (region_tree.h), for pictures whose
-// colours do not part particles from binder.
+// Finds the regions that look like particles by edge and shape (region_tree.h), for images whose colors do
+// not separate particles from binder.
 Particles2D find_particles_by_regions(const Mosaic&, double likeness, const Vec3f* binder,
                                       const SplitOptions&, const Work&);
 

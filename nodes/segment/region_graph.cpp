@@ -62,7 +62,8 @@ void RegionGraph::merge(double scale, const Work& work) {
     if (root(a) != a || root(b) != b) continue;
     const auto found = regions_[a].borders.find(b);
     if (found == regions_[a].borders.end()) continue;
-    // Costs are brought up to date only here: they change with every merge, and mostly rise.
+    // Costs change with every merge, mostly upwards, so they are updated only when they reach the top of the
+    // queue.
     const double now = cost_of(regions_[a], regions_[b], found->second);
     if (now > cost * (1 + 1e-9)) {
       queue.emplace(now, a, b);

@@ -1,4 +1,4 @@
-// Regions of a picture, their colours and their borders, and how they merge.
+// Regions of an image with their colors and borders, and region merging.
 #pragma once
 
 #include <cstdint>
@@ -11,29 +11,28 @@ namespace terrazzo {
 
 struct Region {
   double area = 0;                                // pixels
-  double weight = 0;                              // sum of the pixels' weights
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of weight × colour
-  std::map<std::int32_t, float> borders;          // neighbour → length, pixel edges
+  double weight = 0;                              // sum of the pixel weights
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of weight × color
+  std::map<std::int32_t, float> borders;          // neighbor → length in pixel edges
   Vec3f color() const { return (sum / (weight > 0 ? weight : 1.0)).cast<float>(); }
 };
 
 class RegionGraph {
  public:
-  // `labels` from 1, none missing; `weights` per pixel let flat pixels tell more of a region's colour than
-  // its rim.
+  // `labels` are numbered from 1 without gaps. `weights` per pixel let flat pixels count more for a region's
+  // color than pixels at its rim.
   RegionGraph(const LabImage&, const std::vector<std::int32_t>& labels, const std::vector<float>& weights);
 
-  // Merges neighbours in the order of what the merge costs in squared error per length of the border that
-  // vanishes (Mumford and Shah's piecewise constant energy; Koepfler, Lopez and Morel 1994) until that
-  // exceeds `scale`.
+  // Merges neighbors in the order of the increase in squared error per length of the removed border, until
+  // that cost exceeds `scale` (piecewise constant Mumford–Shah energy; Koepfler, Lopez and Morel 1994).
   void merge(double scale, const Work&);
 
-  // Takes a region (label from 1) out: it has no neighbours any more and merges with none.
+  // Isolates a region (label from 1): it has no neighbors anymore and never merges.
   void isolate(std::int32_t label);
 
-  // Region of each pixel, numbered from 1 in the order of first appearance.
+  // Region of each pixel, numbered from 1 in order of first appearance.
   std::vector<std::int32_t> labels() const;
-  std::vector<Region> regions() const;  // by that number − 1, borders included
+  std::vector<Region> regions() const;  // at that number − 1, including borders
 
  private:
   std::int32_t root(std::int32_t) const;

@@ -43,9 +43,9 @@ double cost_of(const Candidate& a, const Candidate& b, const Contact& contact) {
   return edge * (1.3 - united(a, b, contact).ellipticity()) / std::min(1.5, 0.3 + neck);
 }
 
-// A region that still stands while the tree grows: the candidate that it is now, and its neighbours' slots.
+// A current region while the tree grows: its candidate, and the slots of its neighbors.
 struct Slot {
-  int candidate = -1;  // −1 once merged into another
+  int candidate = -1;  // −1 after merging into another
   std::map<int, Contact> contacts;
 };
 
@@ -154,8 +154,8 @@ RegionTree build_region_tree(const Mosaic& m, const Work& work) {
       const Contact& joint = slots[a].contacts[c];
       queue.emplace(cost(a, c, joint), std::min(a, c), std::max(a, c));
     }
-    // A region that all but fills the picture is no particle, and walking its many neighbours each time would
-    // be slow.
+    // A region that fills half of the image is not a particle, and visiting its many neighbors every time
+    // would be slow.
     if (u.area < 0.5 * static_cast<double>(m.patches.size()))
       all[whole].around = difference_around(slots, all, slots[a], u);
     slots[b].contacts.clear();

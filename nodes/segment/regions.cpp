@@ -21,10 +21,10 @@ float spread_of(const LabImage& image) {
   return static_cast<float>(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
 }
 
-// Usual colour difference of pixels four apart: noise and texture. From the lower quartile, since in a
-// picture of many small particles every other pair has an edge between it; 2.4 takes it to the median that
-// noise and texture alone would have (2.1 for normal ones of one channel, less of three, more where texture
-// is patchy).
+// Usual color difference of pixels four apart, a measure of noise and texture. It uses the lower quartile,
+// since in an image of many small particles half of the pairs have an edge between them. The factor 2.4
+// converts it to the median of noise and texture alone (2.1 for normal noise in one channel, less for three
+// channels, more if texture is patchy).
 float usual_difference(const LabImage& image) {
   constexpr int apart = 4;
   std::vector<float> all;
@@ -88,8 +88,8 @@ Mosaic make_mosaic(const Image& source, int section, const Work& work) {
                        [](const Vec3f& p) { return std::abs(p[1]) < 1e-3f && std::abs(p[2]) < 1e-3f; });
   for (auto& p : m.image.pixels) p = patch_color(p);
   m.spread = spread_of(m.image);
-  // Where noise or fine texture is nearly as strong as what there is to see, it must go before edges can be
-  // told.
+  // If noise or fine texture is nearly as strong as the image's contrast, blur it first, so that edges can be
+  // recognized.
   const float blurring = m.spread > 0 ? std::clamp(3 * m.noise / m.spread, 0.0f, 2.0f) : 0.0f;
   if (blurring < 0.7f) {
     m.smooth = diffuse(m.image, std::max(3 * m.noise, 0.01f), 20, work.part(0, 0.5));

@@ -1,5 +1,7 @@
 #include "nodes/segment/segment.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "graph/diagnostic.h"
@@ -16,13 +18,13 @@ void check_image(const Image& image) {
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     if (!image.pixels[i].allFinite())
       throw Error("bad-pixels",
-                  "the image holds NaN or infinity at column " + std::to_string(i % image.width) + ", row " +
-                      std::to_string(i / image.width % image.height) + " of section " +
+                  "the image contains NaN or infinity at column " + std::to_string(i % image.width) +
+                      ", row " + std::to_string(i / image.width % image.height) + " of section " +
                       std::to_string(i / image.width / image.height),
-                  "repair the picture before segmenting it");
+                  "replace those pixels before segmenting the image");
 }
 
-// Colour classes of profiles by k-means on their mean colours, numbered by falling number of profiles.
+// Classifies profiles by k-means on their mean colors. Classes are numbered by decreasing number of profiles.
 void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
   auto& profiles = s.profiles.profiles;
   std::vector<Vec3f> colors;
@@ -48,8 +50,8 @@ void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
   }
 }
 
-// Phases stand far apart against the usual difference between neighbouring patches; in a photograph of a
-// rough face, texture and shadow are about as strong as what tells stones from sand.
+// Separate phases differ strongly compared with the usual difference between neighboring patches. In a
+// photograph of a rough surface, texture and shadow are about as strong as the difference of stones and sand.
 Method fitting_method(const std::vector<Mosaic>& sections) {
   double apart = 0, usual = 0;
   for (const auto& m : sections) apart += m.spread, usual += m.contrast;
@@ -101,9 +103,9 @@ Segmentation segment(const Image& image, const SegmentOptions& options, const Wo
   }
   if (s.labels.classes.empty())
     throw Error("no-particles",
-                "no particle is left: " + std::to_string(s.specks) + " parts are smaller than min_area (" +
-                    std::to_string(s.min_area) + " pixels)",
-                "lower min_area, or tell the binder's colour by binder");
+                "no particles are left: " + std::to_string(s.specks) + " parts are smaller than min_area (" +
+                    fmt::format("{:g}", s.min_area) + " pixels)",
+                "lower min_area, or set binder to the binder's color");
   s.profiles = measure_profiles(image, s.labels, coverage, work.part(0.8, 1));
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
@@ -114,28 +116,28 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   check_image(image);
   if (labels.width != image.width || labels.height != image.height || labels.sections != image.sections)
     throw Error("unequal-size",
-                "labels are " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
-                    " pixels in " + std::to_string(labels.sections) + " sections, the image " +
-                    std::to_string(image.width) + " × " + std::to_string(image.height) + " in " +
+                "the labels have " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
+                    " pixels in " + std::to_string(labels.sections) + " sections, but the image has " +
+                    std::to_string(image.width) + " × " + std::to_string(image.height) + " pixels in " +
                     std::to_string(image.sections),
-                "give labels of the same picture");
+                "connect labels of the same image");
   Segmentation s;
   s.labels = labels;
   s.labels.pixel_size = image.pixel_size;
-  // Ids must be 1…n by section; others are given new numbers in that order.
+  // Ids must be 1…n in section order; others are renumbered.
   std::vector<std::int32_t> number(labels.classes.size() + 1, 0);
   std::vector<std::int32_t> classes;
   for (auto& id : s.labels.ids) {
     if (id < 0 || id > labels.count())
-      throw Error("bad-labels", "label " + std::to_string(id) + " is not among the " +
-                                    std::to_string(labels.count()) + " that have a class");
+      throw Error("bad-labels", "a pixel has the label " + std::to_string(id) + ", but only " +
+                                    std::to_string(labels.count()) + " labels have a class");
     if (id == 0) continue;
     if (number[id] == 0)
       classes.push_back(labels.classes[id - 1]), number[id] = static_cast<std::int32_t>(classes.size());
     id = number[id];
   }
   s.labels.classes = std::move(classes);
-  if (s.labels.classes.empty()) throw Error("no-particles", "the labels hold no particle");
+  if (s.labels.classes.empty()) throw Error("no-particles", "the labels contain no particles");
   std::vector<float> coverage;
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
   for (int i = 0; i < labels.sections; ++i) {

@@ -8,7 +8,7 @@ namespace terrazzo {
 LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work) {
   std::vector<Vec3f> residual;
   for (const auto& c : m.colors) residual.push_back(c - clusters.centers[clusters.nearest(c)]);
-  // On a grid of cells, since the field is slow.
+  // The field is smooth, so compute it on a coarse grid.
   const int cell = std::max(1, std::max(m.width, m.height) / 64);
   LabImage grid{(m.width + cell - 1) / cell, (m.height + cell - 1) / cell, {}};
   grid.pixels.assign(static_cast<std::size_t>(grid.width) * grid.height, Vec3f::Zero());

@@ -1,4 +1,4 @@
-// Uneven light across a picture.
+// Uneven light across an image.
 #pragma once
 
 #include "nodes/segment/clustering.h"
@@ -6,14 +6,14 @@
 
 namespace terrazzo {
 
-// How far the colours of a place lie from the clusters' centres, averaged over an eighth of the picture: slow
-// changes of light and staining (as in adaptive clustering; Pappas 1992). Per pixel, patch colours.
+// Deviation of the local colors from the cluster centers, averaged over about an eighth of the image: slow
+// changes of light, and stains (as in adaptive clustering; Pappas 1992). Patch colors, per pixel.
 LabImage shading_of(const Mosaic&, const Clusters&, const Work&);
 
 // Root mean square of a field.
 float strength_of(const LabImage&);
 
-// Takes a shading away and makes the patches again.
+// Subtracts the shading and computes the patches again.
 void take_shading_away(Mosaic&, const LabImage& shading, const Work&);
 
 }  // namespace terrazzo

@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-// Lower envelope of parabolas along one line: f[q] + (p − q)².
+// Lower envelope of the parabolas f[q] + (p − q)² along one line.
 void transform_line(const float* f, float* out, int n, std::vector<int>& v, std::vector<float>& z) {
   v.resize(n), z.resize(n + 1);
   int k = 0;
@@ -34,8 +34,8 @@ void transform_line(const float* f, float* out, int n, std::vector<int>& v, std:
 
 std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int width, int height,
                                     bool border_is_outside, const Work& work) {
-  // Down the columns: distance to the nearest change of value, counted; then along the rows, within runs of
-  // one value.
+  // First count the distance to the nearest change of value along each column, then transform each run of
+  // equal values along the rows.
   const float far = 1e12f;
   std::vector<float> down(raster.size(), far), out(raster.size(), 0);
   work.parallel(width, 64, [&](std::size_t b, std::size_t e) {
@@ -63,7 +63,7 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
         int end = x + 1;
         while (end < width && raster[row + end] == raster[row + x]) ++end;
         if (raster[row + x] != 0) {
-          // A run with a wall of distance zero at either end, or none at the border.
+          // Each end of a run is a wall of distance zero, except at the border if that is not outside.
           const bool left = x > 0 || border_is_outside, right = end < width || border_is_outside;
           f.assign(1, left ? 0.0f : far);
           for (int i = x; i < end; ++i) f.push_back(down[row + i]);
@@ -89,7 +89,7 @@ std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster
   });
   work.check();
 
-  // Basins grow from their summits down; where two meet, the meeting pixel is their neck.
+  // Basins grow from their summits down. Where two basins meet, the meeting pixel is their neck.
   const double widest = std::sqrt(std::clamp(strength, 0.0, 1.0));
   std::vector<std::int32_t> parent;
   std::vector<float> summit;

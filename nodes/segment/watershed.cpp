@@ -24,7 +24,7 @@ void neighbours(int i, int width, int height, Visit&& visit) {
   if (y + 1 < height) visit(i + width);
 }
 
-// Numbers the plateaus that have no lower neighbour.
+// Numbers the plateaus without a lower neighbor.
 std::vector<std::int32_t> minima(const std::vector<std::uint16_t>& q, int width, int height) {
   std::vector<std::int32_t> seeds(q.size(), 0);
   std::vector<std::uint8_t> seen(q.size(), 0);

@@ -19,7 +19,7 @@ std::array<double, 3> rising(const Vec3& v) {
   return s;
 }
 
-// Carlson's R_F and R_D by duplication; z > 0 in R_D. Both series end below 1e-13 relative.
+// Carlson's R_F and R_D by duplication; R_D needs z > 0. Both series are truncated below 1e-13 relative.
 double carlson_rf(double x, double y, double z) {
   for (int i = 0; i < 60; ++i) {
     const double l = std::sqrt(x * y) + std::sqrt(y * z) + std::sqrt(z * x);
@@ -57,7 +57,7 @@ double carlson_rg(double x, double y, double z) {
   std::array<double, 3> v{x, y, z};
   std::sort(v.begin(), v.end());
   x = v[0], y = v[1], z = v[2];
-  // 2 R_G = z R_F − (x − z)(y − z) R_D / 3 + √(xy/z), stable with z the largest
+  // 2 R_G = z R_F − (x − z)(y − z) R_D / 3 + √(xy/z), which is stable if z is the largest.
   return (z * carlson_rf(x, y, z) - (x - z) * (y - z) * carlson_rd(x, y, z) / 3 + std::sqrt(x * y / z)) / 2;
 }
 
@@ -68,7 +68,7 @@ ClosedForm ellipsoid_closed_form(const Vec3& extents) {
   ClosedForm f;
   f.volume = 4 * pi / 3 * a * b * c;
   f.mean_caliper = 2 * carlson_rg(a * a, b * b, c * c);
-  // The surface is 4π abc R_G of the inverse squares (Carlson's form of Legendre's result).
+  // The surface area is 4π abc R_G of the inverse squares (Carlson's form of Legendre's result).
   f.surface_area = 4 * pi * a * b * c * carlson_rg(1 / (a * a), 1 / (b * b), 1 / (c * c));
   f.max_section_area = pi * b * c;
   return f;
@@ -97,7 +97,8 @@ ClosedForm superquadric_closed_form(const Vec3& extents, double e1, double e2) {
 }
 
 ClosedForm platonic_closed_form(const std::string& kind, double e) {
-  // H̄ = E·θ/(4π) with E the sum of the edges and θ the angle between the normals of two neighbouring faces.
+  // H̄ = E·θ/(4π), where E is the sum of the edges and θ the angle between the normals
+  // of two neighboring faces.
   const double e2 = e * e, e3 = e2 * e, s5 = std::sqrt(5.0), s3 = std::sqrt(3.0);
   ClosedForm f;
   if (kind == "tetrahedron") {

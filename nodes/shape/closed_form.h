@@ -1,4 +1,4 @@
-// Exact measures of the solids that have them, to check tessellations against and to report in their place.
+// Exact measures of solids with closed forms, to verify tessellations and to replace their measures.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,8 @@
 
 namespace terrazzo {
 
-// Of a solid whose bounding box has the edges `extents`, mm. Empty where no closed form is used.
+// Measures of a solid; fields without an implemented closed form are empty. `extents` are the edges of
+// its bounding box, mm.
 struct ClosedForm {
   std::optional<double> volume;            // mm³
   std::optional<double> surface_area;      // mm²
@@ -20,17 +21,17 @@ ClosedForm sphere_closed_form(double diameter);
 // Mean caliper 2·R_G(a², b², c²) of the semi-axes.
 ClosedForm ellipsoid_closed_form(const Vec3& extents);
 ClosedForm box_closed_form(const Vec3& extents);
-// Upright elliptic cylinder; the mean caliper only where its section is a circle.
+// Upright elliptic cylinder; mean caliper and surface area only if its section is a circle.
 ClosedForm cylinder_closed_form(const Vec3& extents);
-// Volume alone: 2abc·ε₁ε₂·B(ε₁/2 + 1, ε₁)·B(ε₂/2, ε₂/2) of the semi-axes (Jaklič, Leonardis, Solina 2000,
-// eq. 2.60).
+// Only the volume: 2abc·ε₁ε₂·B(ε₁/2 + 1, ε₁)·B(ε₂/2, ε₂/2) of the semi-axes (Jaklič, Leonardis,
+// Solina 2000, eq. 2.60).
 ClosedForm superquadric_closed_form(const Vec3& extents, double e1, double e2);
-// Regular "tetrahedron", "octahedron", "dodecahedron" or "icosahedron" of the given edge, mm.
+// Regular "tetrahedron", "octahedron", "dodecahedron" or "icosahedron" with the given edge, mm.
 ClosedForm platonic_closed_form(const std::string& kind, double edge);
 
-// Carlson's symmetric elliptic integral R_G: the mean over all directions u of √(x u₁² + y u₂² + z u₃²).
-// Arguments ≥ 0, at most one of them zero. Carlson (1995), "Numerical computation of real or complex elliptic
-// integrals".
+// Carlson's symmetric elliptic integral R_G: the mean over all directions u of √(x u₁² + y u₂² +
+// z u₃²). Arguments ≥ 0, at most one of them zero. Carlson (1995), "Numerical computation of real
+// or complex elliptic integrals".
 double carlson_rg(double x, double y, double z);
 
 }  // namespace terrazzo

@@ -15,7 +15,7 @@ namespace terrazzo {
 
 namespace {
 
-// A solid of arbitrary scale with what is known of it exactly.
+// A solid of arbitrary scale with its exact measures.
 struct Solid {
   Mesh mesh;
   ClosedForm exact;
@@ -26,10 +26,10 @@ Vec3 axes_of(const Context& c) {
   const auto a = c.numbers("axes");
   const Vec3 axes(a[0], a[1], a[2]);
   if (axes.maxCoeff() > 1000 * axes.minCoeff())
-    throw Error(
-        "bad-axes",
-        fmt::format("the longest axis is {:.4g} times the shortest", axes.maxCoeff() / axes.minCoeff()),
-        "keep them within a factor of 1000")
+    throw Error("bad-axes",
+                fmt::format("the longest of the axes is {:.4g} times the shortest; at most 1000 is allowed",
+                            axes.maxCoeff() / axes.minCoeff()),
+                "choose axes within a factor of 1000")
         .parameter("axes");
   return axes / axes.maxCoeff();
 }
@@ -40,7 +40,7 @@ Solid solid(const Context& c, const std::string& kind) {
   const bool equal = axes.minCoeff() == axes.maxCoeff();
   if (kind == "sphere") {
     if (!equal)
-      throw Error("bad-axes", "a sphere has three equal axes", "use kind: ellipsoid").parameter("axes");
+      throw Error("bad-axes", "the axes of a sphere must be equal", "use kind: ellipsoid").parameter("axes");
     return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
   }
   if (kind == "ellipsoid") return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
@@ -57,7 +57,7 @@ Solid solid(const Context& c, const std::string& kind) {
   return s;
 }
 
-// Puts exact measures in the place of the tessellation's, then scales everything to the particle size `size`.
+// Replaces the tessellation's measures with exact ones, then scales everything to the particle size `size`.
 Shape sized(std::string name, Solid s, double size, double probability, const Work& work) {
   Shape shape = measure_shape(std::move(name), std::move(s.mesh), probability, work);
   shape.smooth = s.smooth;
@@ -108,8 +108,8 @@ void compute(Context& c) {
     }
   } else {
     if (c.integer("count") != 1)
-      throw Error("bad-count", fmt::format("{} copies of one {} are one shape", c.integer("count"), kind),
-                  "only stones differ from each other: set count to 1 or kind to rock")
+      throw Error("bad-count", fmt::format("count must be 1 for kind {}; it is {}", kind, c.integer("count")),
+                  "set count to 1, or kind to a stone (rock, pebble, shard, clinker)")
           .parameter("count");
     shapes.shapes.push_back(sized(kind, solid(c, kind), size, 1, c.work()));
   }
@@ -131,44 +131,44 @@ void compute(Context& c) {
 NodeType shape_node() {
   return NodeType("Shape", 1)
       .doc_(
-          "A shape given by its name: solids of elementary geometry, superquadrics, or angular stones from a "
-          "seed. "
-          "Volume, surface, mean caliper and largest section are exact where a closed form is known.")
+          "Creates an elementary solid, a superquadric, or random stones. Volume, surface area, mean caliper "
+          "diameter and largest section are exact where a closed form is implemented.")
       .source_("closed forms: Santaló 1976; superquadrics: Barr 1981")
-      .output("shapes", "Shapes", "one shape, or `count` different stones of equal probability")
-      .parameter(Parameter::choice(
-                     "kind", "sphere",
-                     {"sphere", "ellipsoid", "box", "cylinder", "tetrahedron", "octahedron", "dodecahedron",
-                      "icosahedron", "superquadric", "rock", "pebble", "shard", "clinker"})
-                     .doc_("which solid; of stones, from a seed: rock, angular; pebble, worn smooth; shard, "
-                           "longish with a few flat sides; clinker, lobed and bent, far from convex"))
+      .output("shapes", "Shapes", "One shape, or `count` different stones of equal probability")
+      .parameter(
+          Parameter::choice(
+              "kind", "sphere",
+              {"sphere", "ellipsoid", "box", "cylinder", "tetrahedron", "octahedron", "dodecahedron",
+               "icosahedron", "superquadric", "rock", "pebble", "shard", "clinker"})
+              .doc_("Kind of solid. The stones are random: rock is angular; pebble is worn smooth; shard is "
+                    "elongated with a few flat sides; clinker is lobed, bent and far from convex."))
       .parameter(Parameter::number("size", 1).unit_("mm").above(0).doc_(
-          "the particle's size √(4·A_max/π), A_max being its largest plane section: a sphere's diameter"))
+          "Particle size √(4·A_max/π), where A_max is the area of the largest plane section; for a sphere, "
+          "the diameter"))
+      .parameter(Parameter::numbers("axes", {1, 1, 1})
+                     .count(3, 3)
+                     .above(0)
+                     .doc_("Proportions along x, y, z: the diameters of an ellipsoid, the edges of a box, "
+                           "the width, depth and height of a cylinder, the mean proportions of a stone. Only "
+                           "their ratios matter; `size` sets the scale."))
+      .parameter(Parameter::numbers("exponents", {0.4, 0.4})
+                     .count(2, 2)
+                     .range(0.1, 2.5)
+                     .doc_("Exponents of a superquadric, along z and around z. Near 0: box. 1: ellipsoid. 2: "
+                           "octahedron."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the stones"))
+      .parameter(Parameter::integer("count", 1).range(1, 100).doc_("Number of different stones"))
       .parameter(
-          Parameter::numbers("axes", {1, 1, 1})
-              .count(3, 3)
-              .above(0)
-              .doc_("proportions along x, y, z: of the diameters of an ellipsoid, the edges of a box, the "
-                    "width, depth and height "
-                    "of a cylinder; of a rock the mean ones. Their scale does not matter: `size` sets it"))
+          Parameter::integer("facets", 13).range(4, 30).doc_("Number of large fracture faces of a rock"))
       .parameter(
-          Parameter::numbers("exponents", {0.4, 0.4})
-              .count(2, 2)
-              .range(0.1, 2.5)
-              .doc_(
-                  "of a superquadric, along z and around it: near 0 a box, 1 an ellipsoid, 2 an octahedron"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the stones"))
-      .parameter(Parameter::integer("count", 1).range(1, 100).doc_("how many different stones"))
-      .parameter(Parameter::integer("facets", 13).range(4, 30).doc_("large fracture faces of a rock"))
-      .parameter(Parameter::integer("chips", 6).range(0, 20).doc_("corners and edges broken off a rock"))
+          Parameter::integer("chips", 6).range(0, 20).doc_("Number of corners and edges broken off a rock"))
       .parameter(Parameter::number("roughness", 0.02)
                      .range(0, 0.1)
-                     .doc_("unevenness of a rock's faces, as a share of its radius"))
+                     .doc_("Amplitude of the roughness of a rock's faces, relative to its radius"))
       .parameter(Parameter::integer("detail", 3)
                      .range(0, 6)
-                     .doc_("tessellation: 20·4^detail triangles of a sphere or the other stones, about "
-                           "60·2^detail of a "
-                           "rock"))
+                     .doc_("Tessellation level: 20·4^detail triangles for a sphere and for pebble, shard and "
+                           "clinker, about 60·2^detail for a rock"))
       .compute_(compute);
 }
 

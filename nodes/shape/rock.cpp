@@ -13,10 +13,10 @@ namespace terrazzo {
 
 namespace {
 
-// Streams of one rock's seed.
+// Random streams of one rock.
 enum Stream : std::uint64_t { kProportions = 101, kFacets, kChips, kHollows, kField };
 
-// Edges shorter than this share of the radius give slivers that look like faults and slow contacts down.
+// Shorter edges, relative to the radius, create slivers that look like defects and slow down contact tests.
 constexpr double kShortestEdge = 0.06;
 
 Vec3 random_direction(Random& r) {
@@ -24,7 +24,7 @@ Vec3 random_direction(Random& r) {
   return {s * std::cos(a), s * std::sin(a), z};
 }
 
-// Adds the half-space where it leaves a polyhedron without slivers.
+// Adds the half-space if it leaves a polyhedron without slivers.
 bool cut(std::vector<HalfSpace>& planes, const HalfSpace& h) {
   planes.push_back(h);
   const auto p = intersect(planes);
@@ -35,14 +35,14 @@ bool cut(std::vector<HalfSpace>& planes, const HalfSpace& h) {
 
 ConvexPolyhedron fractured(const RockOptions& o, const Work& work) {
   Random r(o.seed, kFacets, o.item);
-  // The tetrahedron bounds the body until the facets do.
+  // The tetrahedron bounds the body until there are enough facets.
   std::vector<HalfSpace> planes;
   const Quat q(Eigen::AngleAxisd(r.uniform(0, 2 * std::numbers::pi), random_direction(r)));
   for (const Vec3& n : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) {
     const Vec3 m = (q * n.normalized() + 0.35 * random_direction(r)).normalized();
     planes.push_back({m, r.uniform(0.62, 0.9)});
   }
-  // Directions keep apart, the less the more of them there are, so that faces stay large.
+  // Directions keep a minimum angle, smaller for more facets, so that faces stay large.
   double apart = std::sqrt(4 * std::numbers::pi / o.facets) * 0.75;
   for (int tries = 0; static_cast<int>(planes.size()) < o.facets && tries < 400; ++tries) {
     work.check();
@@ -54,7 +54,7 @@ ConvexPolyhedron fractured(const RockOptions& o, const Work& work) {
     };
     if (std::none_of(planes.begin(), planes.end(), near)) cut(planes, {n, offset});
   }
-  // What sticks out beyond the sphere is cut, then random corners.
+  // Cut off corners far outside the sphere, then random corners.
   Random c(o.seed, kChips, o.item);
   int chipped = 0;
   for (int tries = 0; tries < 60 + 4 * o.chips; ++tries) {
@@ -82,7 +82,7 @@ void split_long_edges(Mesh& mesh, double limit, const Work& work) {
   for (;;) {
     work.check();
     std::map<std::pair<int, int>, int> midpoint;
-    // An edge is split in this round where it is the longest of both its triangles: a conforming bisection.
+    // An edge is split in this round if it is the longest of both its triangles: a conforming bisection.
     auto longest = [&](const Triangle& t) {
       int best = 0;
       double length = -1;
@@ -119,8 +119,8 @@ void split_long_edges(Mesh& mesh, double limit, const Work& work) {
   }
 }
 
-// Conchoidal chips: spheres at edges whose inside is broken away. Points inside move to where their ray from
-// the centre enters the sphere.
+// Conchoidal chips: spheres at edges whose interior is removed. Points inside move to where their ray from
+// the center enters the sphere.
 void hollow(Mesh& mesh, const ConvexPolyhedron& body, const RockOptions& o) {
   Random r(o.seed, kHollows, o.item);
   for (int i = 0; i < (o.chips + 1) / 2; ++i) {
@@ -148,7 +148,7 @@ void roughen(Mesh& mesh, const RockOptions& o) {
   std::array<double, kWaves> phase, weight;
   double power = 0;
   for (int i = 0; i < kWaves; ++i) {
-    const double length = r.uniform(0.25, 1.2);  // of the radius
+    const double length = r.uniform(0.25, 1.2);  // relative to the radius
     wave[i] = random_direction(r) * (2 * std::numbers::pi / length);
     phase[i] = r.uniform(0, 2 * std::numbers::pi);
     weight[i] = length;
@@ -166,7 +166,8 @@ void roughen(Mesh& mesh, const RockOptions& o) {
 Mesh rock_mesh(const RockOptions& o, const Work& work) {
   const auto body = fractured(o, work);
   Mesh mesh = triangulate(body);
-  // The unit sphere's area in equilateral triangles; bisection leaves edges at about .7 of the limit.
+  // Edge length of equilateral triangles that tile the unit sphere; bisection leaves edges at about
+  // 0.7 of the limit.
   split_long_edges(mesh, std::sqrt(4 * std::numbers::pi / (60 << o.detail) * 4 / std::sqrt(3.0)) * 1.35,
                    work);
   hollow(mesh, body, o);

@@ -13,7 +13,7 @@ namespace terrazzo {
 
 namespace {
 
-// One factor for all vertices, so that the tessellation has the solid's own volume.
+// Scales all vertices by one factor, so that the tessellation has the solid's volume.
 void match_volume(Mesh& mesh, double volume) {
   const double s = std::cbrt(volume / mesh_volume(mesh));
   for (auto& v : mesh.vertices) v *= s;
@@ -39,7 +39,7 @@ Mesh cube_grid(int n) {
           };
           int q[4] = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};
           if (side == 0) std::swap(q[1], q[3]);
-          // The diagonal that points away from the face's middle keeps the mesh symmetric.
+          // Diagonals that point away from the middle of the face keep the mesh symmetric.
           if ((2 * i < n) == (2 * j < n)) {
             mesh.triangles.push_back({q[0], q[1], q[2]});
             mesh.triangles.push_back({q[0], q[2], q[3]});
@@ -51,15 +51,16 @@ Mesh cube_grid(int n) {
   return mesh;
 }
 
-// The dual: a vertex for each face of the icosahedron, a pentagon (three triangles) for each of its vertices.
+// The dual of the icosahedron: a vertex for each of its faces, a pentagon (three triangles) for
+// each of its vertices.
 Mesh dodecahedron() {
   const Mesh ico = icosahedron_mesh();
   Mesh m;
   for (const auto& t : ico.triangles)
     m.vertices.push_back((ico.vertices[t[0]] + ico.vertices[t[1]] + ico.vertices[t[2]]) / 3);
   for (int v = 0; v < 12; ++v) {
-    std::map<int, std::pair<int, int>>
-        next;  // neighbour → the neighbour that follows it, and the face between
+    // Neighbor → the next neighbor around v, and the face between.
+    std::map<int, std::pair<int, int>> next;
     for (int f = 0; f < 20; ++f)
       for (int k = 0; k < 3; ++k)
         if (ico.triangles[f][k] == v)
@@ -90,7 +91,7 @@ Mesh box_mesh(const Vec3& extents) {
 
 Mesh cylinder_mesh(const Vec3& extents, int detail) {
   const int n = 8 << detail;
-  // The regular n-gon of the circle's area.
+  // The regular n-gon with the area of the circle.
   const double angle = 2 * std::numbers::pi / n, r = std::sqrt(angle / std::sin(angle));
   const Vec3 s = extents / 2;
   Mesh mesh;
@@ -112,7 +113,7 @@ Mesh cylinder_mesh(const Vec3& extents, int detail) {
 Mesh superquadric_mesh(const Vec3& extents, double e1, double e2, int detail) {
   Mesh mesh = cube_grid(1 << detail);
   for (auto& v : mesh.vertices) {
-    // Scaled by the largest coordinate first: powers up to 2/0.1 of small numbers would vanish.
+    // Scale by the largest coordinate first: powers up to 2/0.1 of small numbers would underflow.
     const double xy = std::pow(std::pow(std::abs(v.x()), 2 / e2) + std::pow(std::abs(v.y()), 2 / e2), e2 / 2);
     const double m = std::max(xy, std::abs(v.z()));
     const double f = std::pow(xy / m, 2 / e1) + std::pow(std::abs(v.z()) / m, 2 / e1);

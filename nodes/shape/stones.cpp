@@ -21,8 +21,8 @@ Vec3 random_direction(Random& r) {
   return {s * std::cos(a), s * std::sin(a), z};
 }
 
-// Scales radii by exp of a random field of the direction, of wavelengths `shortest` to `longest` (of the
-// radius) and standard deviation `sd`: rays stay rays, so nothing folds.
+// Scales radii by exp of a random field over directions, with wavelengths from `shortest` to `longest`
+// (relative to the radius) and standard deviation `sd`. Points stay on their rays, so nothing folds.
 void swell(Mesh& mesh, Random r, double sd, double shortest, double longest) {
   constexpr int kWaves = 32;
   std::vector<Vec3> wave;
@@ -47,7 +47,7 @@ void swell(Mesh& mesh, Random r, double sd, double shortest, double longest) {
   for (std::size_t i = 0; i < f.size(); ++i) mesh.vertices[i] *= std::exp(f[i] - mean);
 }
 
-// Presses what sticks out of planes flat, to a hundredth of its height.
+// Flattens the parts beyond each of `sides` planes to a hundredth of their height.
 void flatten(Mesh& mesh, Random r, int sides, double from, double to) {
   std::vector<Vec3> normals;
   for (int tries = 0; static_cast<int>(normals.size()) < sides && tries < 1000; ++tries) {
@@ -96,7 +96,7 @@ Mesh stone_mesh(const StoneOptions& o, const Work& work) {
     flatten(mesh, random(kSides), 5, 0.72, 0.85);
     stretch();
   } else {
-    // A lobed bar, thin enough that the bend does not press its inner side together.
+    // A lobed bar, thin enough that the bend does not fold its inner side.
     swell(mesh, random(kField), 0.22, 0.9, 3);
     axes = axes.cwiseProduct(Vec3(2, 0.8, 0.9));
     stretch();

@@ -13,8 +13,8 @@ namespace {
 std::string word(const Table& t, std::size_t row, const char* column) {
   const int c = t.column(column);
   if (c < 0 || !std::holds_alternative<std::string>(t.rows[row][static_cast<std::size_t>(c)]))
-    throw Error("not-metrics", fmt::format("a table has no column '{}' of words", column),
-                "connect tables of ShapeMetrics");
+    throw Error("not-metrics", fmt::format("a table has no text column '{}'", column),
+                "connect tables from ShapeMetrics");
   return std::get<std::string>(t.rows[row][static_cast<std::size_t>(c)]);
 }
 
@@ -22,7 +22,7 @@ std::string word(const Table& t, std::size_t row, const char* column) {
 
 Table average_deviations(const std::vector<const Table*>& tables, const std::vector<std::string>& measures) {
   if (tables.empty() || tables[0]->rows.empty())
-    throw Error("no-tables", "there are no tables to average", "connect tables of ShapeMetrics");
+    throw Error("no-tables", "there are no tables to average", "connect tables from ShapeMetrics");
   const Table& first = *tables[0];
   Table out;
   out.columns = {"measure", "sections"};
@@ -33,20 +33,21 @@ Table average_deviations(const std::vector<const Table*>& tables, const std::vec
   for (const Table* t : tables) {
     if (t->rows.size() != 2 * names.size())
       throw Error("other-methods",
-                  fmt::format("a table has {} rows, the first {}", t->rows.size(), 2 * names.size()),
-                  "every table needs the same methods");
+                  fmt::format("a table has {} rows, but the first table requires {}", t->rows.size(),
+                              2 * names.size()),
+                  "use the same methods in every table");
     for (std::size_t row = 0; row < t->rows.size(); ++row)
       if (row % names.size() != 0 && word(*t, row, "name") != names[row % names.size()])
         throw Error("other-methods",
                     fmt::format("row {} is '{}' in one table and '{}' in another", row + 1,
                                 names[row % names.size()], word(*t, row, "name")),
-                    "every table needs the same methods");
+                    "use the same methods in every table");
   }
   for (const auto& measure : measures) {
     const std::string column = measure + " deviation %";
     if (first.column(column) < 0)
       throw Error("not-metrics", fmt::format("the tables have no column '{}'", column),
-                  "name a measure of ShapeMetrics");
+                  "set measures to names of ShapeMetrics measures");
     for (const bool central : {true, false}) {
       std::vector<Table::Cell> cells{measure, std::string(central ? "central" : "random")};
       for (std::size_t k = 1; k < names.size(); ++k) {

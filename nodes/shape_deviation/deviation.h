@@ -1,4 +1,4 @@
-// Average deviations over tables of ShapeMetrics.
+// Averages deviations over tables from ShapeMetrics.
 #pragma once
 
 #include <string>
@@ -8,9 +8,10 @@
 
 namespace terrazzo::shape_deviation {
 
-// Columns: measure, sections, then a method each (all rows' names but the first): the mean over tables of the
-// absolute deviation of that method's mean from the first row's, %. Throws Error "not-metrics" where a table
-// lacks a column, "other-methods" where its rows' names are not the first table's.
+// Columns: measure, sections, then one per method (the names of all rows but the first): the mean over the
+// tables of the absolute deviation of the method's mean from that of the first row, %. Throws Error
+// "no-tables" without tables or rows, "not-metrics" if a table lacks a column, "other-methods" if its row
+// names differ from those of the first table.
 Table average_deviations(const std::vector<const Table*>&, const std::vector<std::string>& measures);
 
 }  // namespace terrazzo::shape_deviation

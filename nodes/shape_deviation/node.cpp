@@ -20,15 +20,15 @@ void compute(Context& c) {
 NodeType shape_deviation_node() {
   return NodeType("ShapeDeviation", 1)
       .doc_(
-          "How far the sections of shape methods are from the originals', averaged over several originals: a "
-          "row "
-          "per measure and kind of section, a column per method.")
+          "Averages the deviations of shape methods' section measures over several originals: one row per "
+          "measure and kind of section, one column per method.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, table II")
       .input_list("tables", {"Table"},
-                  "of ShapeMetrics, one an original, whose row is the first; the same methods in each")
-      .output("table", "Table", "means of absolute deviations, %")
+                  "Tables from ShapeMetrics, one per original, with the original in the first row and the "
+                  "same methods in each")
+      .output("table", "Table", "Means of absolute deviations, in %")
       .parameter(Parameter::texts("measures", {"area/perimeter²", "total curvature rad"})
-                     .doc_("columns of ShapeMetrics, without `mean`"))
+                     .doc_("Measures to average: column names of ShapeMetrics without `mean`"))
       .compute_(compute);
 }
 

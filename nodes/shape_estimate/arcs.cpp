@@ -15,7 +15,7 @@ struct Crossing {
   double radius = -1;  // along the ray; −1: none
   std::size_t segment = 0;
   double fraction = 0;
-  int count = 0;  // of all crossings of the ray
+  int count = 0;  // number of crossings of the ray
 };
 
 Crossing outermost(const Outline& o, const Vec2& center, double angle) {
@@ -80,7 +80,8 @@ std::vector<Arc> cut(const Outline& o, const Vec2& center, const std::vector<dou
   for (const double angle : angles) {
     at.push_back(outermost(o, center, angle));
     if (at.back().radius <= 0)
-      throw Error("no-crossing", "profile " + std::to_string(o.id) + " does not surround its centre",
+      throw Error("no-crossing",
+                  "the outline of profile " + std::to_string(o.id) + " does not enclose its center",
                   "choose another profile");
   }
   std::vector<Arc> arcs(angles.size());
@@ -107,7 +108,7 @@ std::vector<Arc> cut(const Outline& o, const Vec2& center, const std::vector<dou
 }
 
 Vec2 cut_center(const Outline& o, const std::vector<double>& angles) {
-  // Crossings that come too near to the centre would stretch their region out of shape.
+  // Crossings close to the center would distort their region when it is scaled.
   const double near = 0.1 * std::sqrt(o.area);
   const auto extra = [&](const Vec2& c) {
     int count = 0;
@@ -152,7 +153,7 @@ std::vector<double> knots(const Arc& arc, int spans) {
     int best = -1;
     for (int j = 1; j < spans; ++j) {
       if (std::find(held.begin(), held.end(), j) != held.end()) continue;
-      // Between its held neighbours there must be room for every knot in between.
+      // There must be room for every knot between j and its fixed neighbors.
       const auto above = std::upper_bound(held.begin(), held.end(), j);
       const double room = 0.3 / spans;
       if (t - k[*(above - 1)] < room * (j - *(above - 1)) || k[*above] - t < room * (*above - j)) continue;

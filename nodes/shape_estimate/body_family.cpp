@@ -18,7 +18,7 @@ constexpr int kDegrees = 4, kHarmonics = harmonic_count(kDegrees);
 constexpr int kLowDegrees = 3, kLowHarmonics = harmonic_count(kLowDegrees);
 constexpr int kPlanes = 6, kCuts = 16, kFields = Fields::kCount;
 
-// Splits edges longer than `limit`, longest first and in both their triangles, in rounds.
+// Splits edges longer than `limit` in rounds, if they are the longest edge of both their triangles.
 void split_edges(Mesh& mesh, double limit) {
   using Edge = std::pair<std::int32_t, std::int32_t>;
   for (int round = 0; round < 12; ++round) {
@@ -70,7 +70,7 @@ Mat3 covariance(const Mesh& mesh) {
   return sum;
 }
 
-// Steps to the mean of the neighbours, and so on, `rounds` times.
+// Laplacian smoothing: moves vertices halfway to the mean of their neighbors, `rounds` times.
 std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
   std::vector<Vec3> at = mesh.vertices;
   for (int r = 0; r < rounds; ++r) {
@@ -86,7 +86,7 @@ std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
   return at;
 }
 
-// About the centroid, in the principal axes, of the volume of the unit sphere.
+// Moves the centroid to the origin, aligns the principal axes, and scales to the volume of the unit sphere.
 void normalise(Mesh& m) {
   transform(m, Mat3::Identity(), -mesh_centroid(m));
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(m));
@@ -141,7 +141,7 @@ class Deformed : public BodyFamily {
       p = p.cwiseProduct(stretch);
     }
     for (int k = 0; k < kPlanes; ++k) {
-      const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // of the body's reach
+      const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // relative to the body's extent
       if (depth == 0) continue;
       double high = 0;
       for (const Vec3& p : mesh.vertices) high = std::max(high, planes_[static_cast<std::size_t>(k)].dot(p));
@@ -156,8 +156,8 @@ class Deformed : public BodyFamily {
 
  private:
   Mesh body_;
-  std::vector<Vec3> smoothing_;  // of each vertex
-  Eigen::MatrixXd swells_;       // [vertex][harmonic, then field], each of unit mean square
+  std::vector<Vec3> smoothing_;  // displacement of each vertex
+  Eigen::MatrixXd swells_;       // [vertex][harmonic, then field], each with unit mean square
   std::vector<Vec3> planes_;
 };
 
@@ -168,7 +168,7 @@ class Cut : public BodyFamily {
     for (const Vec3& n : planes_) {
       double high = 0;
       for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));
-      // Planes cut off something of what they touch.
+      // Start inside the body, so that planes cut off a part of it.
       reach_.push_back(0.88 * high);
     }
   }
@@ -186,7 +186,7 @@ class Cut : public BodyFamily {
     const ConvexPolyhedron p = intersect(sides);
     if (p.corners.size() < 4) return {};
     Mesh mesh = triangulate(p);
-    // Corners where more than three planes meet do not close.
+    // Corners where more than three planes meet do not produce a closed mesh.
     if (mesh.vertices.size() != 2 + mesh.triangles.size() / 2 || !mesh_faults(mesh).empty()) return {};
     split_edges(mesh, 0.32);
     int at = kCuts;

@@ -1,4 +1,4 @@
-// Families of bodies, each a body and what a few dozen numbers make of it.
+// Families of bodies: each maps a few dozen numbers to a body.
 #pragma once
 
 #include <Eigen/Dense>
@@ -9,8 +9,8 @@
 
 namespace terrazzo::shape_estimate {
 
-// Bodies of about unit radius by a vector of numbers, of which 0 is the start. Closed and of genus 0, or
-// without triangles where the numbers make none.
+// Bodies of about unit radius as a function of a parameter vector; 0 is the starting body. Meshes are closed
+// and of genus 0, or without triangles if the parameters yield no body.
 class BodyFamily {
  public:
   virtual ~BodyFamily() = default;
@@ -18,27 +18,26 @@ class BodyFamily {
   virtual Mesh body(const Eigen::VectorXd& x) const = 0;
 };
 
-// A body deformed by maps that do not fold space, so that what does not pass through itself does not begin
-// to:
-//   stretching along two of the principal axes (exponents; the third keeps the volume),
-//   swelling: radii times exp of a sum of real spherical harmonics of the degrees 2 to 4,
-//   roughness: the same with fixed random fields of shorter waves,
-//   flattening: what sticks out of planes of well spread directions pressed to a twentieth,
-// and, before those, smoothing and sharpening of the surface (a share of the step to its smoothed self),
-// which is no map of space and kept within bounds. Edges longer than an eighth of the radius are split first,
-// so that there is something to deform.
+// A body deformed by fold-free maps of space, so that a body without self-intersections stays without them:
+//   stretching along two of the principal axes (exponents; the third preserves the volume),
+//   swelling: radii times exp of a sum of real spherical harmonics of degrees 2 to 4,
+//   roughness: the same with fixed random fields of shorter wavelengths,
+//   flattening: the parts beyond planes of well-separated directions, flattened to a twentieth,
+// and, before those, smoothing and sharpening of the surface (a multiple of the step to its smoothed
+// version), which is not a map of space and therefore bounded. Edges longer than an eighth of the radius are
+// split first, for enough vertices to deform.
 std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed);
 
-// A convex polyhedron of planes of well spread directions, at first as far out as the body reaches: their
-// distances, then wear (smoothing of edges), swelling of the degrees 2 and 3, roughness and stretching as
-// above. Sharp edges are where planes meet, which a deformed tessellation cannot have.
+// A convex polyhedron bounded by planes of well-separated directions, initially close to the extent of the
+// body. Parameters: the planes' distances, then wear (smoothing of edges), swelling of degrees 2 and 3,
+// roughness and stretching as above. Unlike a deformed tessellation, it has sharp edges where planes meet.
 std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed);
 
-// A ball made a body by the maps of a modeller (Barr 1984): swelled by spherical harmonics of the degrees 2
-// to 5 and by random fields of shorter waves, pressed flat against planes whose directions move too,
-// stretched, tapered, and its long axis bent into an arc: a body then that has no point whose rays leave it
-// once. 0 is number `guess` of a low-discrepancy sequence of such bodies: bent or straight, flat-sided or
-// round, long, flat, lumpy.
+// A ball deformed by modeling operations (Barr 1984): swelled by spherical harmonics of degrees 2 to 5
+// and by random fields of shorter wavelengths, flattened against planes whose directions are parameters
+// too, stretched, tapered, and with its long axis bent into an arc, so that the body need not be
+// star-shaped. 0 is element `guess` of a low-discrepancy sequence of such bodies: bent or straight,
+// flat-sided or round, elongated, flat, lumpy.
 std::unique_ptr<BodyFamily> modelled_bodies(std::uint64_t seed, int guess);
 
 }  // namespace terrazzo::shape_estimate

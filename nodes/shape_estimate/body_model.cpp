@@ -17,15 +17,15 @@ namespace {
 using std::numbers::pi;
 
 constexpr int kDegrees = 5, kHarmonics = harmonic_count(kDegrees), kPlanes = 8, kFields = Fields::kCount;
-constexpr int kLevel = 4;  // of the ball's triangles: three edges to the shortest wave
+constexpr int kLevel = 4;  // subdivision level of the ball: three edges per shortest wavelength
 
-// Numbers 0…1 of a low-discrepancy sequence (Roberts 2018), `k` of 6.
+// Coordinate `k` of 6 of element `index` of a low-discrepancy sequence (Roberts 2018), 0…1.
 double spread(int index, int k) {
   constexpr double kStep[] = {0.8990, 0.8083, 0.7267, 0.6534, 0.5874, 0.5281};
   return std::fmod(0.5 + kStep[k] * (index + 1), 1.0);
 }
 
-// What swells a vertex of the ball.
+// The ball and, for each vertex, the functions by which it can swell.
 struct Ball {
   Mesh mesh;
   Eigen::MatrixXd swells;  // [vertex][harmonic, then field]
@@ -41,15 +41,15 @@ struct Ball {
   }
 };
 
-// How far a plane presses in what stands `d` above it: all of it far above, over a margin of `soft` part of
-// it.
+// Displacement by a plane of a point at height `d` above it: d far above, 0 far below, with a smooth
+// transition of width `soft`.
 double pressed(double d, double soft) {
   const double t = d / soft;
   return t > 20 ? d : t < -20 ? 0 : soft * std::log1p(std::exp(t));
 }
 
-// Bends the x axis into an arc of `turn` radians towards the direction `to` of the y–z plane, less where the
-// inner side would be pressed together.
+// Bends the x axis into an arc of `turn` radians towards the direction `to` of the y–z plane, or less if the
+// inner side would fold.
 void bend(Mesh& mesh, double turn, double to) {
   if (std::abs(turn) < 1e-3) return;
   const double c = std::cos(to), s = std::sin(to);
@@ -72,9 +72,9 @@ class Modelled : public BodyFamily {
   Modelled(std::uint64_t seed, int guess)
       : fields_(seed), ball_(fields_), planes_(spread_directions(seed, kPlanes)) {
     const auto u = [&](int k) { return spread(guess, k); };
-    const auto half = [&](int k) { return std::max(0.0, 2 * u(k) - 1); };  // of half of all nothing
+    const auto half = [&](int k) { return std::max(0.0, 2 * u(k) - 1); };  // zero for half of the bodies
     const double turn = u(2) > 0.5 ? 0.6 + 2 * half(2) : 0;
-    long_ = 0.9 * u(0) + 0.2 * turn;  // a bend shows on long bodies only
+    long_ = 0.9 * u(0) + 0.2 * turn;  // a bend is visible only on elongated bodies
     flat_ = 0.6 * u(1);
     bend_ = {turn * std::cos(pi * u(3)), turn * std::sin(pi * u(3))};
     depth_ = u(4) > 0.5 ? 0.05 + 0.2 * half(4) : 0;
@@ -102,7 +102,7 @@ class Modelled : public BodyFamily {
       mesh.vertices[v] *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
     const double soft = 0.015 * std::exp(bounded(1.2 * x[at + 3 * kPlanes], 3));
     for (int k = 0; k < kPlanes; ++k, at += 3) {
-      const double depth = std::min(0.6, depth_ + 0.2 * x[at]);  // of the body's reach
+      const double depth = std::min(0.6, depth_ + 0.2 * x[at]);  // relative to the body's extent
       if (depth <= 0) continue;
       const Mat3 frame = frame_about(planes_[static_cast<std::size_t>(k)]);
       const Vec3 n = (frame.col(2) + bounded(0.3 * x[at + 1], 0.8) * frame.col(0) +

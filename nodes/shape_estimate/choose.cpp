@@ -18,9 +18,9 @@ namespace {
 using Features = std::array<double, 4>;
 constexpr std::size_t kConvexity = 2;
 
-constexpr std::size_t kMost = 1500;  // candidates; choosing is quadratic in them
+constexpr std::size_t kMost = 1500;  // candidates; the choice is quadratic in their number
 
-// Each in units of its own standard deviation.
+// Standardizes each feature: zero mean, unit standard deviation.
 std::vector<Features> features_of(const std::vector<Outline>& outlines) {
   std::vector<Features> f;
   for (const auto& o : outlines)
@@ -40,7 +40,7 @@ double distance(const Features& a, const Features& b) {
   return std::sqrt(d);
 }
 
-// The profile with the least sum of distances to all, each of its weight.
+// The profile with the smallest weighted sum of distances to all members.
 int medoid(const std::vector<Features>& f, const std::vector<double>& weight, const std::vector<int>& members,
            const Work& work) {
   int best = members[0];
@@ -76,14 +76,14 @@ std::vector<int> medoids(const std::vector<Features>& f, const std::vector<doubl
                          std::uint64_t seed, const Work& work) {
   std::vector<int> all(f.size());
   std::iota(all.begin(), all.end(), 0);
-  // Profiles that ran together or frayed in segmentation are among the least convex of any material.
+  // Profiles that were merged or frayed by segmentation are among the least convex of any material.
   std::stable_sort(all.begin(), all.end(), [&](int a, int b) { return f[a][kConvexity] > f[b][kConvexity]; });
   all.resize(std::max(k, all.size() - all.size() / 3));
   const int common = medoid(f, weight, all, work);
   std::stable_sort(all.begin(), all.end(),
                    [&](int a, int b) { return distance(f[a], f[common]) < distance(f[b], f[common]); });
   all.resize(std::max(k, all.size() - all.size() / 8));
-  // Starting points by k-means++, so that one crowd does not take them all.
+  // Initialize with k-means++, so that one cluster does not receive all starting points.
   Random r(seed, 201);
   std::vector<int> chosen{all[r.below(all.size())]};
   std::vector<double> gap(f.size(), std::numeric_limits<double>::infinity());
@@ -99,7 +99,7 @@ std::vector<int> medoids(const std::vector<Features>& f, const std::vector<doubl
     int next = -1;
     for (const int i : all)
       if (next < 0 && gap[i] > 0 && (at -= gap[i]) <= 0) next = i;
-    for (const int i : all)  // equal features: any that is left
+    for (const int i : all)  // equal features: any remaining profile
       if (next < 0 && !taken(i)) next = i;
     chosen.push_back(next);
   }
@@ -134,7 +134,7 @@ std::string Candidates::text() const {
   add(without_contour, "without a contour");
   add(cut_by_border, "cut by the border");
   add(too_small, "too small");
-  add(faulty, "with a contour that crosses itself or encloses nothing");
+  add(faulty, "with a contour that crosses itself or encloses no area");
   add(other_class, "of other classes");
   return parts;
 }
@@ -183,7 +183,7 @@ Candidates candidates_of(const Profiles& profiles, const CandidateOptions& optio
     out.too_small += static_cast<int>(std::erase_if(open, small));
     if (open.empty()) return out;
   }
-  // A tenth of all from above: particles that grew together are larger than any.
+  // The reference size is that of the largest decile: particles that grew together are larger than any.
   const double large = open[open.size() / 10].area, least = options.smallest * options.smallest * large;
   for (const auto& o : open) {
     work.check();
@@ -204,11 +204,11 @@ std::vector<Outline> outlines_by_id(const Profiles& profiles, const std::vector<
   for (const auto id : ids) {
     if (id < 1 || id > static_cast<std::int64_t>(profiles.profiles.size()))
       throw Error("bad-profile", fmt::format("there is no profile {}", id),
-                  fmt::format("ids go from 1 to {}", profiles.profiles.size()));
+                  fmt::format("use ids from 1 to {}", profiles.profiles.size()));
     const auto& contour = profiles.profiles[static_cast<std::size_t>(id) - 1].contour;
     if (const auto fault = outline_fault(contour); !fault.empty())
       throw Error("bad-profile", fmt::format("profile {} cannot be used: {}", id, fault),
-                  "choose another one");
+                  "choose another profile");
     out.push_back(make_outline(static_cast<int>(id), contour, crease));
   }
   return out;
@@ -229,7 +229,7 @@ std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>& outlin
     chosen =
         rule == "diverse" ? farthest_first(f, weight, wanted, work) : medoids(f, weight, wanted, seed, work);
   }
-  // By falling aspect ratio, then dealt round: each shape gets rounder and longer ones.
+  // Sort by decreasing aspect ratio, then deal out, so that each shape gets rounder and longer profiles.
   std::stable_sort(chosen.begin(), chosen.end(),
                    [&](int a, int b) { return outlines[a].aspect > outlines[b].aspect; });
   std::vector<std::vector<int>> hands(shapes);
@@ -244,7 +244,7 @@ std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>& outlin
         hands[order[s]].push_back(chosen[at]);
         continue;
       }
-      // Too few for all: a profile that this shape has not, while there is one.
+      // Not enough for all: reuse a profile that this shape does not have yet, if there is one.
       for (std::size_t tries = 0, i = r.below(chosen.size());; ++tries, i = (i + 1) % chosen.size()) {
         auto& hand = hands[order[s]];
         if (tries < chosen.size() && std::find(hand.begin(), hand.end(), chosen[i]) != hand.end()) continue;

@@ -33,7 +33,7 @@ std::array<Polygon, 3> silhouettes_of(std::vector<Outline> profiles, int order) 
   const Outline &c0 = profiles[kOrders[order % 6][0]], &c1 = profiles[kOrders[order % 6][1]],
                 &c2 = profiles[kOrders[order % 6][2]];
   const double a = c0.width, b = c0.height, c = c0.width * c2.height / c2.width;
-  // The paper leaves mirror images open: those that cut least of each other's silhouettes.
+  // The paper does not define the mirror images: choose those that cut off least of each other's silhouettes.
   std::array<Polygon, 3> best;
   double least = 2;
   for (int m1 = 0; m1 < 4; ++m1)
@@ -52,7 +52,7 @@ std::array<Polygon, 3> silhouettes_of(std::vector<Outline> profiles, int order) 
 }
 
 double silhouette_deviation(const std::array<Polygon, 3>& p) {
-  // Depths at which polygon `k` is entered and left along a line of one of its coordinates.
+  // Depths at which a line at constant value of one coordinate enters and leaves polygon `k`.
   const auto spans = [&](int k, bool first, double w) {
     std::vector<double> at;
     const Polygon& q = p[static_cast<std::size_t>(k)];
@@ -72,7 +72,7 @@ double silhouette_deviation(const std::array<Polygon, 3>& p) {
     for (const auto& a : own)
       for (const auto& b : own) diameter = std::max(diameter, (a - b).squaredNorm());
     diameter = std::sqrt(diameter);
-    // (x_k, x_k+1) is seen where some x_k+2 lies in both other polygons.
+    // (x_k, x_k+1) is visible if some x_k+2 is inside both other polygons.
     const auto seen = [&](const Vec2& q) {
       if (!polygon_contains(own, q)) return false;
       const auto one = spans((k + 1) % 3, true, q.y()), two = spans((k + 2) % 3, false, q.x());
@@ -101,7 +101,7 @@ Estimate csg(const EstimateRequest& request, const Work& work) {
   auto polygons = silhouettes_of(three, request.base);
   Estimate out;
   out.deviation = silhouette_deviation(polygons);
-  // Points that say nothing make faces that nobody sees.
+  // Remove points that do not matter, because each creates faces.
   const double tolerance[] = {2e-2, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
   for (auto& p : polygons) {
     Vec2 low = p[0], high = p[0];
@@ -110,7 +110,7 @@ Estimate csg(const EstimateRequest& request, const Work& work) {
   }
   out.mesh = intersect_extrusions(polygons, work);
   if (out.mesh.triangles.empty())
-    throw Error("no-intersection", "the extrusions of three profiles have nothing in common",
+    throw Error("no-intersection", "the extrusions of the three profiles do not intersect",
                 "choose other profiles");
   out.smooth = false;
   return out;

@@ -17,8 +17,8 @@ namespace {
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// What made a vertex: the faces of three edges (edge of polygon 0, 1, 2), or the line over a corner (corner
-// −1 − i in the place of its polygon's edge) and the face that crosses it (the third is kNone).
+// What created a vertex: the faces of three edges (edge of polygon 0, 1, 2), or the line over a corner
+// (stored as −1 − corner instead of its polygon's edge) and the face that crosses it (the third is kNone).
 using Made = std::array<int, 3>;
 constexpr int kNone = 1 << 30;
 
@@ -35,7 +35,7 @@ class Solid {
  public:
   explicit Solid(const std::array<Polygon, 3>& polygons) : polygons_(polygons) {}
 
-  // Empty where a face's outlines do not close: a special position.
+  // Empty if the outlines of a face do not close, because the polygons are in special position.
   std::optional<Mesh> build(const Work& work) {
     for (int k = 0; k < 3; ++k)
       for (int e = 0; e < size(k); ++e) {
@@ -49,8 +49,8 @@ class Solid {
   int size(int k) const { return static_cast<int>(polygons_[k].size()); }
   const Vec2& point(int k, int i) const { return polygons_[k][static_cast<std::size_t>(i % size(k))]; }
 
-  // The face over edge e of polygon k: coordinates are the length along the edge and the height along axis
-  // k + 2. Polygon k + 1 holds (x_k+1, height), polygon k + 2 (height, x_k).
+  // The face over edge e of polygon k. Its coordinates are the length along the edge and the height along
+  // axis k + 2. Polygon k + 1 holds (x_k+1, height), polygon k + 2 (height, x_k).
   bool add_face(int k, int e) {
     const Vec2 from = point(k, e), edge = point(k, e + 1) - from;
     const double length = edge.norm();
@@ -67,7 +67,7 @@ class Solid {
       return polygon_contains(polygons_[k2], {p.y(), from.x() + p.x() / length * edge.x()});
     };
 
-    // Edges of the two other polygons as they cross the face, cut at its ends.
+    // Edges of the two other polygons that cross the face, clipped to its ends.
     std::vector<Piece> ones, twos;
     const auto gather = [&](int other, bool first, std::vector<Piece>& out) {
       const double start = first ? from.y() : from.x(), run = first ? edge.y() : edge.x();
@@ -101,7 +101,7 @@ class Solid {
     gather(k2, false, twos);
     const std::vector<int> edge2 = index_;
 
-    // Where those of the one cross those of the other.
+    // Intersections between the edges of the two polygons.
     std::vector<std::vector<std::pair<double, Corner>>> cut1(ones.size()), cut2(twos.size());
     for (std::size_t i = 0; i < ones.size(); ++i)
       for (std::size_t j = 0; j < twos.size(); ++j) {
@@ -131,7 +131,7 @@ class Solid {
     return close(k, e, length);
   }
 
-  // The line over a corner: between where it enters and leaves both other polygons.
+  // The line over a corner: the intervals inside both other polygons.
   void add_end(int k, int corner, double along, const Vec2& at) {
     const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
     std::vector<std::pair<double, Made>> cuts;
@@ -156,7 +156,7 @@ class Solid {
     }
   }
 
-  // Joins the pieces to loops and fills them with triangles.
+  // Joins the pieces into loops and triangulates them.
   bool close(int k, int e, double length) {
     std::map<Made, std::vector<std::pair<int, int>>> at;  // piece, end
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
@@ -195,7 +195,7 @@ class Solid {
     return it->second;
   }
 
-  // Ears by the least angle, so that triangles are no flatter than they must be.
+  // Ear clipping, sharpest ear first, to avoid flat triangles.
   void fill(int k, int e, double length, std::vector<Corner> loop) {
     double area = 0;
     for (std::size_t i = 0; i < loop.size(); ++i)
@@ -225,7 +225,7 @@ class Solid {
         const double cosine = (a - b).dot(c - b) / ((a - b).norm() * (c - b).norm());
         if (cosine > least) least = cosine, best = i;
       }
-      if (best == n) best = any;  // nothing but rounding forbids it: any triangle keeps the mesh closed
+      if (best == n) best = any;  // only rounding can cause this: any triangle keeps the mesh closed
       mesh_.triangles.push_back(
           {index[left[(best + n - 1) % n]], index[left[best]], index[left[(best + 1) % n]]});
       left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
@@ -273,7 +273,7 @@ Mesh largest_piece(const Mesh& mesh) {
 }
 
 void simplify(const Polygon& p, std::size_t from, std::size_t to, double distance, std::vector<char>& keep) {
-  // Points from … to, indices running past the end.
+  // Simplifies the points from … to; indices may run past the end.
   const auto at = [&](std::size_t i) { return p[i % p.size()]; };
   double most = 0;
   std::size_t farthest = from;
@@ -303,7 +303,7 @@ bool polygon_contains(const Polygon& polygon, const Vec2& p) {
 }
 
 Polygon simplified(const Polygon& p, double distance) {
-  // From the two ends of the longest extent, which stay.
+  // Start from the two ends of the extent in x, which are kept.
   std::size_t low = 0, high = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (p[i].x() < p[low].x()) low = i;
@@ -336,7 +336,7 @@ Mesh intersect_extrusions(const std::array<Polygon, 3>& polygons, const Work& wo
     if (!mesh || (!mesh->triangles.empty() && !mesh_faults(*mesh).empty())) continue;
     return mesh->triangles.empty() ? *mesh : largest_piece(*mesh);
   }
-  throw Error("no-intersection", "the extrusions of three profiles could not be intersected",
+  throw Error("no-intersection", "the extrusions of the three profiles could not be intersected",
               "choose other profiles");
 }
 

@@ -9,14 +9,15 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// What differences are hardly visible, in the order of OutlineFeature: the least unit.
+// Just visible differences in the order of OutlineFeature, used as the smallest unit.
 constexpr std::array<double, kOutlineFeatures + 1> kLeastSpread{0.0012, 0.12,  0.03, 0.006, 4,    0.7,
                                                                 0.02,   0.015, 0.1,  0.05,  0.15, 0.1};
-// The five that describe what one sees first count in full.
+// The features that people notice first have the largest weights.
 constexpr std::array<double, kOutlineFeatures + 1> kImportance{1.5, 1.5, 1,   1,   1,   0.5,
                                                                0.7, 0.5, 0.5, 0.5, 0.5, 0};
 
-// Of one size: what large sections look like is the nearest that random ones come to central ones.
+// Weight of the means' Mahalanobis distance. Weight of area-weighted means for particles of one size: large
+// sections are the random sections that are closest to central ones.
 constexpr double kToldByMeans = 0.5, kByArea = 20;
 
 }  // namespace
@@ -56,7 +57,7 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
     const Eigen::Map<const Eigen::Matrix<double, kOutlineFeatures, 1>> x(points[i].data());
     covariance += observed.weight[i] / total * x * x.transpose();
   }
-  // What is hardly visible is not told, and a sample's covariance is none too sure.
+  // Differences below visibility should not matter, and the covariance of a sample is uncertain.
   for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     covariance(i, i) = 1.1 * covariance(i, i) + std::pow(kLeastSpread[k] * scale_[k], 2);
@@ -155,7 +156,7 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
     double shift = 0, reached = 0;
     std::size_t i = 0;
     for (std::size_t k = 0; k < kQuantiles; ++k) {
-      // Between neighbours, so that the quantiles move smoothly with the body.
+      // Interpolate between neighbors, so that the quantiles move smoothly with the body.
       const double level = total * (static_cast<double>(k) + 0.5) / kQuantiles;
       while (i + 1 < sorted.size() && reached + sorted[i].second < level) reached += sorted[i++].second;
       const double t = (level - reached) / sorted[i].second;
@@ -168,8 +169,8 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
       out[at + static_cast<Eigen::Index>(k)] = std::sqrt(weight / kQuantiles) * d;
       shift += d / kQuantiles;
     }
-    // The distance holds the squared difference of means already; means count thrice, since an observer of
-    // many profiles sees them best.
+    // The quantile distance already contains the squared difference of means; means have three times the
+    // weight, because an observer of many profiles sees them best.
     out[at + kEach - 1] = std::sqrt(2 * weight) * shift;
   }
   return out;
@@ -187,7 +188,7 @@ std::vector<double> FeatureTarget::cumulative(const FeatureSample& s) const {
       while (i < sorted.size() && sorted[i].first <= quantiles_[a][k]) below += sorted[i++].second;
       out.push_back(below / total);
     }
-    // And the mean, in units of a standard deviation.
+    // Append the mean, in units of a standard deviation.
     double mean = 0;
     for (const auto& [v, w] : sorted) mean += std::clamp(v, -6.0, 6.0) * w / total;
     out.push_back(mean);

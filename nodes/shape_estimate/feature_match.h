@@ -1,4 +1,4 @@
-// How unlike the profiles of a body are to observed ones.
+// Measures how much the profiles of a body differ from observed ones.
 #pragma once
 
 #include <Eigen/Dense>
@@ -10,26 +10,28 @@
 
 namespace terrazzo::shape_estimate {
 
-// The joint distribution of observed features, ready for comparison: features in units of their spread (of
-// what is just visible where they hardly spread), and their quantiles along the axes and along random
+// The joint distribution of observed features, prepared for comparison: features in units of their spread (or
+// of a just visible difference, if that is larger), and their quantiles along the axes and along random
 // directions (sliced Wasserstein distance: Rabin, Peyré, Delon, Bernot 2011).
 class FeatureTarget {
  public:
-  // `sizes`: root areas count too, in units of their mean: for particles that are known to be of one size.
+  // `sizes`: root areas, in units of their mean, are compared too, for particles known to have one size.
   FeatureTarget(const FeatureSample& observed, bool sizes, std::uint64_t seed);
 
-  // Weighted mean over features of the squared Wasserstein distance of order 2 along each, plus as much of
-  // the mean over random directions: 0 where the distributions are one. Differences of means count thrice.
-  // And half the squared Mahalanobis distance of the means, which is what Fisher's discriminant could tell a
-  // profile by: features vary together, and what breaks that shows although each alone is within its spread.
+  // Weighted mean over features of the squared Wasserstein distance of order 2 along each, plus the mean
+  // over random directions with equal weight; 0 if the distributions are equal. Differences of means
+  // have three times the weight. Adds half the squared Mahalanobis distance of the means, by which
+  // Fisher's discriminant could distinguish profiles: features are correlated, and a difference that
+  // breaks the correlation is visible even if each feature is within its spread. With `sizes`, adds the
+  // differences of area-weighted means.
   double distance(const FeatureSample&) const;
-  // That as a sum of squares. Empty where the sample is.
+  // Vector whose squared norm is the distance. Empty if the sample is empty.
   Eigen::VectorXd residuals(const FeatureSample&) const;
 
-  // Weighted distribution functions of every axis and direction at the observed quantiles, one after the
-  // other: what is linear in a mixture's shares.
+  // Weighted distribution functions of every axis and direction at the observed quantiles, each followed by
+  // its mean, concatenated. They are linear in the shares of a mixture.
   std::vector<double> cumulative(const FeatureSample&) const;
-  // The same of the observed, and what each entry counts.
+  // The same for the observed profiles, and the weight of each entry.
   const std::vector<double>& observed_cumulative() const { return observed_; }
   std::vector<double> importance() const;
 
@@ -51,7 +53,7 @@ class FeatureTarget {
   std::vector<Point> directions_;
   std::vector<std::array<double, kQuantiles>> quantiles_;  // axes, then directions
   std::vector<double> observed_;
-  Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures> whitening_;  // of differences of means
+  Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures> whitening_;  // whitens differences of means
 };
 
 }  // namespace terrazzo::shape_estimate

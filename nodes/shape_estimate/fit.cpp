@@ -17,11 +17,12 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-constexpr std::size_t kPlanes = 192, kMostPlanes = 512;  // of each trial: as many as there are profiles
-constexpr std::size_t kLastPlanes = 1536;                // of the bodies kept
+// Planes per trial: the number of profiles within these bounds. kLastPlanes: planes for the final bodies.
+constexpr std::size_t kPlanes = 192, kMostPlanes = 512;
+constexpr std::size_t kLastPlanes = 1536;
 constexpr std::size_t kHands = 4;
-constexpr int kPoints = 128;          // as ShapeMetrics has it
-constexpr std::size_t kGuesses = 96;  // modelled bodies that one of may be near
+constexpr int kPoints = 128;          // as in ShapeMetrics
+constexpr std::size_t kGuesses = 96;  // number of modeled starting bodies
 
 struct Start {
   Mesh mesh;
@@ -29,7 +30,7 @@ struct Start {
   double distance = 0;
 };
 
-// Bodies by the other methods, lying and upright.
+// Bodies from the other methods; those of the cylinders both lying and upright.
 std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) {
   struct Task {
     std::size_t hand;
@@ -53,16 +54,16 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
       r.all = request.all;
       r.index = static_cast<int>(tasks[i].hand);
       r.seed = request.seed;
-      // Silhouettes without their fine detail, which extrusion would make ridges of.
+      // Omit fine detail of silhouettes, which extrusion would turn into ridges.
       r.subdivision = tasks[i].method->silhouettes ? -1 : 1;
       r.axis = tasks[i].axis;
       try {
         Mesh mesh = tasks[i].method->run(r, work.quiet()).mesh;
-        // What passes through itself would go on doing so.
+        // The deformations cannot remove self-intersections.
         if (mesh_volume(mesh) > 0 && self_intersections(mesh, work.quiet()) == 0)
           made[i] = Start{std::move(mesh), tasks[i].method->name, 0};
       } catch (const Error&) {
-        // Profiles that this method cannot take: the others can.
+        // This method cannot use these profiles; the others can.
       }
     }
   });
@@ -72,7 +73,7 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
   return out;
 }
 
-// The share of a mixture that a sample is to have.
+// Rescales the weights of a sample to its share of a mixture.
 FeatureSample with_share(FeatureSample s, double share) {
   const double total = total_weight(s);
   for (double& w : s.weight) w *= share / total;
@@ -85,8 +86,8 @@ void append(FeatureSample& to, const FeatureSample& s) {
   to.weight.insert(to.weight.end(), s.weight.begin(), s.weight.end());
 }
 
-// Shares ≥ 0 of sum 1 whose mixture's distribution functions are nearest to the observed, by projected
-// gradient; a little drawn to equal shares, for the observed are a sample.
+// Shares ≥ 0 with sum 1 for which the mixture's distribution functions are closest to the observed ones, by
+// projected gradient. A small ridge draws them to equal shares, because the observed profiles are a sample.
 std::vector<double> shares_of(const FeatureTarget& target, const std::vector<FeatureSample>& samples) {
   const auto n = static_cast<Eigen::Index>(samples.size());
   const auto importance = target.importance();
@@ -107,7 +108,7 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
   const double step = 1 / h.trace();
   for (int i = 0; i < 20000; ++i) {
     const Eigen::VectorXd moved = w - step * (h * w - g);
-    // Onto the simplex (Held, Wolfe, Crowder 1974).
+    // Project onto the simplex (Held, Wolfe, Crowder 1974).
     std::vector<double> sorted(moved.data(), moved.data() + n);
     std::sort(sorted.rbegin(), sorted.rend());
     double sum = 0, level = 0;
@@ -130,9 +131,9 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   for (const Outline& o : *request.all)
     blur.push_back(o.blur / o.perimeter), convexity.push_back(o.convexity);
   std::nth_element(blur.begin(), blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2), blur.end());
-  // At least as much as hides the triangles of a body from those of an original. Where pixels' steps had to
-  // be smoothed, as much as hides the fray that segmentation leaves, from observed and made sections alike;
-  // and the tenth that is least convex stays out, for it is what ran together.
+  // The blur must hide the triangles of a body and of an original. If pixel steps had to be smoothed, it must
+  // also hide the frayed outlines of segmentation, in both observed and simulated sections; then the least
+  // convex tenth is excluded too, because it contains merged profiles.
   const double pixels = blur[blur.size() / 2];
   measuring.blur = pixels > 0 ? std::clamp(3 * pixels, 0.012, 0.03) : 0.0045;
   std::sort(convexity.begin(), convexity.end());
@@ -153,8 +154,8 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
 
   auto starts = starting_bodies(request, work.part(0, 0.05));
   if (starts.empty())
-    throw Error("no-start", "none of the other methods makes a body of these profiles",
-                "look at the profiles, or choose others by their ids");
+    throw Error("no-start", "none of the other methods can build a body from these profiles",
+                "check the profiles, or choose others by their ids");
   const auto sample = [&](const Mesh& mesh, std::size_t planes) {
     FeatureSample s = sample_sections(mesh, planes, measuring);
     drop_small(s, request.smallest);
@@ -180,7 +181,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   std::vector<Mesh> bodies;
   FeatureSample before;
   const int count = request.count;
-  enum class Kind { Deformed, Cut, Modelled } kind = Kind::Deformed;  // of the family that won the first time
+  enum class Kind { Deformed, Cut, Modelled } kind = Kind::Deformed;  // family that won for the first body
   for (int k = 0; k < count; ++k) {
     const double from = 0.15 + 0.83 * k / count;
     const Work part = work.part(from, from + 0.83 / count);
@@ -199,13 +200,13 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
       const FeatureSample s = with_those_before(sample(mesh, planes));
       return target.residuals(s);
     };
-    // A few rounds with each that may lead somewhere, then the rest of the best.
+    // A few rounds with each promising start, then the remaining rounds with the best.
     struct Run {
       std::unique_ptr<BodyFamily> family;
       std::string from;
       Kind kind;
       LeastSquares at;
-      int guess = -1;  // of a modelled body
+      int guess = -1;  // index of a modeled body
     };
     std::vector<Run> runs;
     const std::size_t n = starts.size();
@@ -253,11 +254,11 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
                                   [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
     go(best, request.rounds, 0.25, part.part(0.5, 1));
     if (k == 0) kind = best.kind;
-    // Not the same again.
+    // Do not start from the same modeled body again.
     if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
     bodies.push_back(best.family->body(best.at.x));
     fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
-    // Those so far have equal shares of the profiles.
+    // All bodies so far have equal shares of the profiles.
     FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));
     for (double& w : before.weight) w *= (k + 1.0) / (k + 2);
     append(before, own);
@@ -272,7 +273,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   double mean = 0, sum = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (shares[i] <= 0) continue;
-    // Shares are of profiles: a body's number by how many profiles one of it shows.
+    // Convert shares of profiles to shares by number: divide by how many profiles one body shows.
     fit.bodies[i].probability = shares[i] / total_weight(samples[i]);
     sum += fit.bodies[i].probability;
     append(together, with_share(samples[i], shares[i]));

@@ -38,7 +38,7 @@ std::vector<std::vector<Vec2>> frame_curves(const MorphFrame& frame) {
   const std::size_t morphs = frame.radius.size() / 2;
   for (std::size_t k = 0; k < morphs; ++k) {
     std::vector<Vec2> curve;
-    // Counter-clockwise from the right end of the base line; arcs run from their pole.
+    // Counter-clockwise from the right end of the base line; arcs start at their pole.
     const auto add = [&](const Arc& arc, double side, bool from_pole) {
       const std::size_t n = arc.points.size();
       for (std::size_t i = 0; i + 1 < n; ++i) {

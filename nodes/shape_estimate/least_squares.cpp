@@ -45,7 +45,7 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
         Eigen::MatrixXd m = square;
         m.diagonal().array() += ridge + damping * kDampings[k] * level;
         Eigen::VectorXd move = m.ldlt().solve(fall);
-        // No further than the differences can speak for.
+        // Limit the step to where the finite differences are valid.
         const double most = 10 * o.step, far = move.norm();
         if (far > most) move *= most / far;
         tries[k].x = best.x + move;

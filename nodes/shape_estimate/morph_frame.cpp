@@ -11,7 +11,7 @@ namespace {
 
 using std::numbers::pi;
 
-// A morph profile's reach from where its axis and its base line cross.
+// Extents of a morph profile from the intersection of its axis and its base line.
 struct Reach {
   double right, top, left, bottom;
 };
@@ -38,7 +38,7 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     return std::abs(std::log(a.aspect)) < std::abs(std::log(b.aspect));
   });
 
-  // Behind the base the others keep their order.
+  // The other profiles keep their order after the base.
   std::rotate(profiles.begin(), profiles.begin() + base, profiles.begin() + base + 1);
 
   MorphFrame frame;
@@ -48,8 +48,8 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
   frame.base = cut(profiles[0], cut_center(profiles[0], angles), angles);
   for (const auto& arc : frame.base) frame.radius.push_back(arc.points.front().norm());
 
-  // The longest chord gets the longest profile where profiles lie, the roundest where they stand on end:
-  // either way the heights that they ask for are nearest to each other.
+  // The longest chord gets the longest profile if profiles lie, the roundest if they stand upright: in both
+  // cases the heights that they require are closest to each other.
   std::vector<std::size_t> chord(morphs);
   std::iota(chord.begin(), chord.end(), 0);
   std::stable_sort(chord.begin(), chord.end(), [&](auto a, auto b) {

@@ -9,8 +9,8 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// Levels of subdivision for which an edge stays sharp: worn edges of barely a corner's angle round off
-// sooner.
+// Number of subdivision levels for which an edge stays sharp: worn edges with barely the angle of a
+// corner become rounded sooner.
 double sharpness(double corner_degrees) {
   const double a = std::abs(corner_degrees);
   return a == 0 ? 0 : std::clamp(a / 20, 1.0, 5.0);
@@ -19,13 +19,13 @@ double sharpness(double corner_degrees) {
 // One side of the base plane as a grid: rows from the pole (0) to the base (`rows`), columns around the axis.
 struct Side {
   std::vector<std::vector<Vec3>> points;        // [row][column]
-  std::vector<std::vector<double>> row_crease;  // [row][column]: of the edge from this column to the next
+  std::vector<std::vector<double>> row_crease;  // [row][column]: of the edge to the next column
 };
 
 struct Columns {
   std::vector<std::size_t> sector;
-  std::vector<double> t;         // within the sector, of the base's arc length
-  std::vector<double> fraction;  // within the sector, of its columns
+  std::vector<double> t;         // within the sector, by the base's arc length
+  std::vector<double> fraction;  // within the sector, by column number
   std::vector<Vec2> point;       // of the base
   std::vector<double> crease;    // of the base's corner there
 };
@@ -39,7 +39,7 @@ Columns columns_of(const MorphFrame& frame, int spans) {
       c.t.push_back(k[i]);
       c.fraction.push_back(static_cast<double>(i) / spans);
       c.point.push_back(frame.base[j].at(k[i]));
-      // A corner at a half-plane may lie just on its other side.
+      // A corner at a half-plane may be just on its other side.
       double corner = frame.base[j].corner_at(k[i], 0.1 / spans);
       if (i == 0) {
         const double before =
@@ -52,7 +52,7 @@ Columns columns_of(const MorphFrame& frame, int spans) {
   return c;
 }
 
-// Eq. 1 on the knots of the neighbouring morph curves: m = (1 − t_b) m₀ + t_b m₁, swept along the base.
+// Eq. 1 on the knots of the neighboring morph curves: m = (1 − t_b) m₀ + t_b m₁, swept along the base.
 Side side_of(const MorphFrame& frame, const std::vector<Arc>& arcs, const Columns& columns, int rows) {
   const std::size_t n = columns.t.size(), sectors = arcs.size();
   std::vector<std::vector<double>> t(sectors), sharp(sectors);
@@ -113,7 +113,7 @@ ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& co
   return mesh;
 }
 
-// So few control points as keep the profiles to this share of their diameter.
+// Use the fewest control points that reproduce the profiles to this share of their diameter.
 constexpr double kDeviation = 0.008;
 
 Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& work) {
@@ -128,13 +128,13 @@ Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& 
 
 Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, const Work& work) {
   Estimate out;
-  // A finer tessellation is asked for where more of the profiles is to be kept.
+  // A finer tessellation implies that more of the profiles should be preserved.
   const int most = request.control           ? request.control
                    : request.subdivision < 2 ? 4 + 2 * request.subdivision
                                              : 24;
   for (int control = request.control ? request.control : 3; control <= most;) {
     work.check();
-    // A control grid so fine needs less subdivision for as fine a surface.
+    // A fine control grid needs less subdivision for an equally fine surface.
     const int level =
         !request.control && control > 10 ? std::min(request.subdivision, 1) : request.subdivision;
     Mesh mesh = surface(frame, control, level, work);
@@ -144,7 +144,7 @@ Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, 
       out.deviation = deviation;
     }
     if (deviation < kDeviation || control == most) break;
-    // Towards as many as would do if deviations fell with their square.
+    // Extrapolate to the number that would suffice if the deviation fell with its square.
     control = std::clamp(static_cast<int>(control * std::sqrt(deviation / kDeviation)), control + 1, most);
   }
   int corners = 0;

@@ -16,7 +16,7 @@ namespace terrazzo {
 
 namespace {
 
-using namespace shape_estimate;  // the methods' own names; other nodes have an Outline too
+using namespace shape_estimate;  // not in terrazzo itself, because other nodes have an Outline too
 
 const EstimateMethod& method_of(const std::string& name) {
   const auto& all = estimate_methods();
@@ -24,10 +24,10 @@ const EstimateMethod& method_of(const std::string& name) {
 }
 
 struct Chosen {
-  std::vector<std::vector<Outline>> shapes;  // the profiles of each
+  std::vector<std::vector<Outline>> shapes;  // profiles of each shape
   std::vector<Outline> all;
   bool by_id = false;
-  bool same = false;  // every shape is made of the same profiles
+  bool same = false;  // every shape uses the same profiles
 };
 
 constexpr std::size_t kFitHands = 4, kFitLeast = 12;
@@ -36,15 +36,16 @@ constexpr std::size_t kFitHands = 4, kFitLeast = 12;
   const bool no_outlines =
       !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
   throw Error("too-few-profiles",
-              fmt::format("a shape is made of {} profiles, but of {} there are: {}", each,
-                          profiles.profiles.size(), candidates.text()),
-              no_outlines ? "these profiles are areas without outlines: take them from Segment or Section"
-                          : "give a larger or sharper image, lower smallest, or choose profiles by their ids")
+              fmt::format("a shape needs {} profiles; of the {} given: {}", each, profiles.profiles.size(),
+                          candidates.text()),
+              no_outlines
+                  ? "these profiles are areas without outlines: connect profiles from Segment or Section"
+                  : "use a larger or sharper image, lower smallest, or choose profiles by their ids")
       .parameter("profiles");
 }
 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
-  // What makes all shapes at once starts from a few more hands than one.
+  // The method that estimates all shapes together starts from several groups of profiles.
   const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
   auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
   if (method.most) each = std::min(each, method.most);
@@ -60,7 +61,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   if (!rule.empty()) {
     if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
     if (method.run && candidates.outlines.size() < shapes * each)
-      c.warn(fmt::format("{} shapes of {} profiles each share {} profiles", shapes, each,
+      c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
                          candidates.outlines.size()));
     const auto hands = choose_profiles(candidates.outlines, rule, shapes, each,
                                        static_cast<std::uint64_t>(c.integer("seed")), c.work());
@@ -80,13 +81,13 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   }
   if (ids.size() < method.least)
     throw Error("too-few-profiles",
-                fmt::format("a shape is made of at least {} profiles, and {} {} given", method.least,
-                            ids.size(), ids.size() == 1 ? "is" : "are"),
-                "name more profiles, or one of them several times")
+                fmt::format("a shape needs at least {} profiles; {} {} given", method.least, ids.size(),
+                            ids.size() == 1 ? "is" : "are"),
+                "list more profiles, or repeat one of them")
         .parameter("profiles");
   for (const auto id : ids)
     if (profiles.profiles[static_cast<std::size_t>(id) - 1].touches_border)
-      c.warn(fmt::format("profile {} is cut by the border: its outline is not whole", id));
+      c.warn(fmt::format("profile {} is cut by the border, so its outline is incomplete", id));
   out.by_id = true;
   out.same = outlines.size() < shapes * each || shapes == 1;
   for (std::size_t s = 0; s < shapes; ++s) {
@@ -95,7 +96,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
                                   : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
   }
   if (!out.same && outlines.size() > shapes * each)
-    c.warn(fmt::format("the last {} of {} profiles are not used", outlines.size() - shapes * each,
+    c.warn(fmt::format("the last {} of the {} profiles are not used", outlines.size() - shapes * each,
                        outlines.size()));
   out.all = std::move(candidates.outlines);
   return out;
@@ -106,7 +107,7 @@ struct Made {
   std::int64_t self_intersections = 0;
 };
 
-// As asked; where that passes through itself, with another base curve, which keeps the same profiles.
+// Builds the shape as requested. If it intersects itself, tries other base curves with the same profiles.
 Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, const Work& work) {
   Made best;
   const int n = static_cast<int>(request.chosen.size()), first = request.base;
@@ -124,14 +125,13 @@ Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, 
 
 void compute_fit(Context& c, const Chosen& chosen) {
   if (chosen.all.size() < kFitLeast)
-    throw Error("too-few-profiles",
-                fmt::format("a distribution needs at least {} usable profiles, and there are {}", kFitLeast,
-                            chosen.all.size()),
-                "give a larger image or several sections, lower smallest, or take another method")
+    throw Error(
+        "too-few-profiles",
+        fmt::format("fit needs at least {} usable profiles; there are {}", kFitLeast, chosen.all.size()),
+        "use a larger image or several sections, lower smallest, or use another method")
         .parameter("method");
   if (chosen.all.size() < 60)
-    c.warn(fmt::format("{} profiles tell little of a distribution: the shapes follow their lot too",
-                       chosen.all.size()));
+    c.warn(fmt::format("only {} profiles: the shapes will also fit sampling noise", chosen.all.size()));
   FitRequest request;
   request.hands = chosen.shapes;
   request.all = &chosen.all;
@@ -146,7 +146,7 @@ void compute_fit(Context& c, const Chosen& chosen) {
   for (auto& body : fit.bodies) {
     const auto crossing = static_cast<double>(self_intersections(body.mesh, c.work()));
     const std::string name = fmt::format("fit {} from {}", shapes.shapes.size() + 1, body.from);
-    if (crossing > 0) c.warn(fmt::format("{} passes through itself ({} pairs of triangles)", name, crossing));
+    if (crossing > 0) c.warn(fmt::format("{} intersects itself ({} pairs of triangles)", name, crossing));
     crossings += crossing;
     triangles += static_cast<double>(body.mesh.triangles.size());
     Shape shape = measure_shape(name, std::move(body.mesh), body.probability, c.work().part(0.95, 1));
@@ -182,14 +182,14 @@ void compute(Context& c) {
     request.control = c.keyword("control").empty() ? static_cast<int>(c.integer("control")) : 0;
     const bool upright = axis == "long" || (axis == "alternate" && s % 2 == 1);
     request.axis = upright ? "long" : "short";
-    // The same profiles again: another one of them becomes the base.
+    // If the profiles are the same again, use another one of them as the base.
     const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
     request.base = chosen.same ? static_cast<int>(s % permutations) : 0;
     Made made = make(method, request, !chosen.same, work);
     std::string name;
     for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
     if (made.self_intersections > 0)
-      c.warn(fmt::format("the shape of {} passes through itself ({} pairs of triangles)", name,
+      c.warn(fmt::format("the shape of {} intersects itself ({} pairs of triangles)", name,
                          made.self_intersections));
     const Mesh& mesh = made.estimate.mesh;
     if (const auto handles = 1 - (static_cast<std::int64_t>(mesh.vertices.size()) -
@@ -198,8 +198,9 @@ void compute(Context& c) {
         handles > 0)
       c.warn(fmt::format("the shape of {} has {} handle{}", name, handles, handles == 1 ? "" : "s"));
     if (method.silhouettes && made.estimate.deviation > 0.01)
-      c.warn(fmt::format("the silhouettes of {} cut each other: kept to {:.1f} % of their diameter", name,
-                         100 * made.estimate.deviation));
+      c.warn(fmt::format(
+          "the silhouettes of {} cut each other: they are reproduced only to {:.1f} % of their diameter",
+          name, 100 * made.estimate.deviation));
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
     triangles += shape.mesh.triangles.size();
@@ -216,10 +217,10 @@ void compute(Context& c) {
 
 Parameter method_parameter() {
   std::vector<std::string> names;
-  std::string doc = "how profiles become a shape:";
+  std::string doc = "Method that turns profiles into shapes.";
   for (const auto& m : estimate_methods()) {
     names.push_back(m.name);
-    doc += fmt::format(" {} ({}{} profile{}): {};", m.name, m.least,
+    doc += fmt::format(" {} ({}{} profile{}): {}.", m.name, m.least,
                        m.most == m.least ? ""
                        : m.most          ? fmt::format(" to {}", m.most)
                                          : " or more",
@@ -234,64 +235,68 @@ Parameter method_parameter() {
 NodeType shape_estimate_node() {
   return NodeType("ShapeEstimate", 6)
       .doc_(
-          "Plausible particle shapes from the outlines of their plane sections. Nothing tells how the "
-          "sections of "
-          "different particles lie in space; each method makes one assumption.")
+          "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
+          "of different particles are arranged in space is unknown; each method makes a different "
+          "assumption.")
       .source_(
           "Jagnow, Dorsey, Rushmeier 2008, section 3; Hobolth, Jensen 2002; Dischler, Ghazanfarpour 1999")
-      .input("profiles", "Profiles", "with contours, as from Segment or Section")
-      .output(
-          "shapes", "Shapes",
-          "`count` shapes of the size that the profiles have; of equal probability, but of fit of their own")
+      .input("profiles", "Profiles", "Profiles with contours, as from Segment or Section")
+      .output("shapes", "Shapes",
+              "`count` shapes at the scale of the profiles, equally probable, except with `fit`, which "
+              "estimates probabilities")
       .parameter(method_parameter())
       .parameter(
           Parameter::with_keyword(ParameterKind::Ints, "profiles", "representative")
               .keyword("largest")
               .keyword("diverse")
               .range(1, 1e9)
-              .doc_(
-                  "which profiles: the most usual kinds, the largest, the most different ones, or ids as in "
-                  "Labels (1 is the first): groups of `profiles_per_shape`, or fewer, of which all shapes "
-                  "are then "
-                  "made, each with another one as its base"))
+              .doc_("Profiles to use. representative: the most common kinds. largest: the largest. diverse: "
+                    "the most different. Otherwise ids as in Labels (1 is the first): `profiles_per_shape` "
+                    "ids per shape; with fewer, every shape uses all of them, each with a different base."))
       .parameter(Parameter::integer("count", 3)
                      .range(1, 100)
-                     .doc_("how many different shapes; of fit, at most: those of no weight are left out"))
+                     .doc_("Number of different shapes. With fit, the maximum: shapes of negligible weight "
+                           "are dropped."))
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
-                     .doc_("profiles that a shape is made of, within what its method takes"))
-      .parameter(Parameter::integer("subdivision", 1)
-                     .range(0, 4)
-                     .doc_("levels of Catmull–Clark subdivision; each gives four times the triangles (about "
-                           "500 to 2000 at "
-                           "1) and, with control: auto, more control points a quarter; more than ten are "
-                           "subdivided once"))
+                     .doc_("Number of profiles per shape, within the limits of the method"))
+      .parameter(
+          Parameter::integer("subdivision", 1)
+              .range(0, 4)
+              .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
+                    "triangles (about 500 to 2000 at 1). With control: auto, each level also allows more "
+                    "control points; grids with more than ten per quarter are subdivided only once."))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "control", "auto")
                      .range(2, 24)
-                     .doc_("control points a quarter of a curve; auto: so few as keep the profiles within "
-                           "0.8 % of their "
-                           "diameter, up to 4 + 2·subdivision, or 24 where that is 2 or more"))
+                     .doc_("Number of control points per quarter of a curve. auto: the fewest that reproduce "
+                           "the profiles within 0.8 % of their diameter, at most 4 + 2·subdivision, or 24 if "
+                           "subdivision is 2 or more."))
       .parameter(Parameter::choice("axis", "short", {"short", "long", "alternate"})
-                     .doc_("how profiles stand on the base: lying, as in the paper, for flat and equant "
-                           "shapes; upright, "
-                           "for elongated ones; or in turn"))
+                     .doc_("Orientation of profiles on the base. short: lying, as in the paper, for flat and "
+                           "equant shapes. long: upright, for elongated shapes. alternate: both in turn."))
       .parameter(
           Parameter::number("crease", 30)
               .unit_("degrees")
               .range(10, 180)
-              .doc_("a turn of the outline of at least this makes a sharp edge; 180: everything is smooth"))
+              .doc_("Smallest turn of the outline that becomes a sharp edge. 180: all edges are smooth."))
       .parameter(
           Parameter::number("smallest", 0.4)
               .range(0, 1)
-              .doc_("leave out profiles smaller than this share of the √area that a tenth of them exceed"))
-      .parameter(Parameter::choice("sizes", "unknown", {"unknown", "equal"})
-                     .doc_("of fit: whether the particles are known to be of one size, so that the areas of "
-                           "their profiles tell of their shape"))
-      .parameter(Parameter::integer("rounds", 8).range(1, 60).doc_("of fit: of the search for each shape"))
+              .doc_(
+                  "Smallest profile to use: √area relative to the √area that a tenth of the profiles exceed"))
+      .parameter(
+          Parameter::choice("sizes", "unknown", {"unknown", "equal"})
+              .doc_("Particle sizes, for method fit. equal: all particles have one size, so the areas of "
+                    "their profiles carry information about their shape. unknown: areas are not used."))
+      .parameter(Parameter::integer("rounds", 8)
+                     .range(1, 60)
+                     .doc_("Number of search rounds per shape, for method fit"))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "class", "any")
                      .range(0, 1e6)
-                     .doc_("colour or particle class whose profiles are used"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the choice of profiles"))
+                     .doc_("Color or particle class whose profiles are used"))
+      .parameter(Parameter::integer("seed", 1)
+                     .range(0, 9007199254740991)
+                     .doc_("Random seed of the choice of profiles and of random shapes"))
       .compute_(compute);
 }
 

@@ -78,7 +78,8 @@ std::vector<Vec2> resampled(const std::vector<Vec2>& p, std::size_t n) {
   return out;
 }
 
-// Gaussian of `sigma` mm along evenly spaced points, scaled to keep the area.
+// Gaussian smoothing with standard deviation `sigma` (mm) of evenly spaced points, scaled
+// to preserve the area.
 std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
   const double step = length(p) / static_cast<double>(p.size());
   const int n = static_cast<int>(p.size()),
@@ -100,7 +101,7 @@ std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
   return out;
 }
 
-// Inserts points so that no step is longer than `longest`; keeps all that are there.
+// Inserts points so that no step is longer than `longest`; keeps all existing points.
 std::vector<Vec2> densified(const std::vector<Vec2>& p, double longest) {
   std::vector<Vec2> out;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -128,7 +129,7 @@ double hull_area(std::vector<Vec2> p) {
   return signed_area(hull);
 }
 
-// Centroid to the origin, the long principal axis of the area's second moments to x.
+// Moves the centroid to the origin and aligns the long principal axis of the area's second moments with x.
 void align(std::vector<Vec2>& p) {
   double area = 0;
   Vec2 first = Vec2::Zero();
@@ -156,13 +157,13 @@ void align(std::vector<Vec2>& p) {
 double normal_density(double u) { return std::exp(-0.5 * u * u) / std::sqrt(2 * pi); }
 double normal_share(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
 
-// The share of a corner's turn that arms of length u (in standard deviations) on either side of it see once a
-// Gaussian has gone over the curve: the smoothed ramp's second difference.
+// The share of a corner's turn that is measured with arms of length u (in standard deviations) on either
+// side, after Gaussian smoothing of the curve: the second difference of the smoothed ramp.
 double seen_turn(double u) {
   return (u * (2 * normal_share(u) - 1) + 2 * normal_density(u) - 2 * normal_density(0)) / u;
 }
 
-// Turns are told as they were before the smoothing by `blur`.
+// Turns are corrected to what they were before smoothing by `blur`.
 void find_corners(Outline& o, double window, double blur, double crease) {
   const double near_share = blur > 0 ? seen_turn(window / blur) : 1,
                far_share = blur > 0 ? seen_turn(2 * window / blur) : 1;
@@ -174,7 +175,7 @@ void find_corners(Outline& o, double window, double blur, double crease) {
     const auto over = [&](double w) {
       return turn(o.points[i] - curve(s - w), curve(s + w) - o.points[i]) * 180 / pi;
     };
-    // An arc turns twice as far over twice the length and a bump turns back, but a corner turns no further.
+    // Over twice the length, an arc turns twice as far and a bump turns back, but a corner turns no further.
     const double near = over(window) / near_share, far = over(2 * window) / far_share,
                  sign = near < 0 ? -1 : 1;
     strength[i] = sign * std::max(0.0, std::min({sign * near, sign * far, sign * (2 * near - far)}));
@@ -199,8 +200,8 @@ void find_corners(Outline& o, double window, double blur, double crease) {
   }
 }
 
-// Gives corners back the tips that smoothing took: a corner of turn θ sinks by the smoothed ramp's distance
-// from the ramp, 2 sin(θ/2) σ (φ(u) − |u| Φ(−|u|)) at u standard deviations from it.
+// Restores the tips of corners that smoothing removed: a corner of turn θ recedes by the distance between the
+// ramp and the smoothed ramp, 2 sin(θ/2) σ (φ(u) − |u| Φ(−|u|)) at u standard deviations from it.
 void restore_tips(Outline& o, double window, double blur) {
   const std::size_t n = o.points.size();
   const std::vector<Vec2> soft = o.points;
@@ -248,7 +249,7 @@ std::string outline_fault(const std::vector<Vec2>& contour) {
   if (p.size() < 3) return fmt::format("its contour has only {} point{}", p.size(), p.size() == 1 ? "" : "s");
   const double area = signed_area(p), around = length(p);
   if (!(std::abs(area) > 1e-6 * around * around)) return "its contour encloses no area";
-  // Sweep over x: only segments whose intervals meet are tested.
+  // Sweep over x: only segments with overlapping intervals are tested.
   const std::size_t n = p.size();
   std::vector<std::size_t> order(n);
   std::iota(order.begin(), order.end(), 0);
@@ -281,12 +282,12 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
     for (std::size_t i = 0; i < p.size(); ++i) steps.push_back((p[(i + 1) % p.size()] - p[i]).norm());
     std::sort(steps.begin(), steps.end());
     const double sigma = 1.2 * steps[steps.size() / 2];
-    // Pixels' steps are of one length; sections of meshes have long ones too.
+    // Pixel steps have equal length; sections of meshes also have long steps.
     const bool even = steps[steps.size() - 1 - steps.size() / 50] < 2 * steps[steps.size() / 2];
     const std::size_t n = std::max(kPoints, 2 * p.size());
     const auto soft = smoothed(resampled(p, n), sigma);
-    // Steps of pixels turn to and fro; a curve that is sampled and not stepped turns as far as its smoothed
-    // self.
+    // Pixel steps turn back and forth; a curve that is sampled but not stepped turns no more
+    // than its smoothed version.
     if (even && total_turn(p) > 1.25 * total_turn(soft) && outline_fault(soft).empty()) {
       p = resampled(soft, kPoints);
       blur = sigma;

@@ -8,7 +8,7 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// Whether the open segment a–b passes through the inside of the triangle (Möller, Trumbore 1997).
+// Whether the open segment a–b crosses the interior of the triangle (Möller, Trumbore 1997).
 bool passes(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q, const Vec3& r) {
   const Vec3 d = b - a, e = q - p, f = r - p, h = d.cross(f);
   const double det = e.dot(h), tiny = 1e-12 * e.norm() * f.norm() * d.norm();
@@ -25,8 +25,7 @@ bool cut_each_other(const Mesh& m, const Triangle& a, const Triangle& b) {
   int shared = 0;
   for (const int v : a) shared += std::find(b.begin(), b.end(), v) != b.end();
   if (shared >= 2) return false;
-  // An edge at a shared corner cannot pass through the inside of the other triangle: the strict test leaves
-  // it out.
+  // An edge at a shared corner cannot cross the interior of the other triangle; the strict test excludes it.
   for (int k = 0; k < 3; ++k) {
     if (passes(m.vertices[a[k]], m.vertices[a[(k + 1) % 3]], m.vertices[b[0]], m.vertices[b[1]],
                m.vertices[b[2]]))
@@ -75,7 +74,7 @@ std::int64_t self_intersections(const Mesh& mesh, const Work& work) {
           each(box[t], [&](std::size_t at, const Vec3i& where) {
             for (const int o : grid[at]) {
               if (o <= static_cast<int>(t)) continue;
-              // A pair is tested in the first cell that both reach.
+              // A pair is tested only in the first cell that both reach.
               if (where != box[t].low.cwiseMax(box[o].low)) continue;
               count += cut_each_other(mesh, mesh.triangles[t], mesh.triangles[o]);
             }

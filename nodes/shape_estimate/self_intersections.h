@@ -1,4 +1,4 @@
-// How often a mesh passes through itself.
+// Counts the self-intersections of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,9 @@
 
 namespace terrazzo::shape_estimate {
 
-// Pairs of triangles that cut each other, other than along shared corners. Pairs that share an edge are not
-// tested; touching within rounding may count or not. A uniform grid finds the pairs: O(n) for even meshes.
+// Number of pairs of triangles that intersect, other than at shared corners. Pairs that share an edge
+// are not tested; contact within rounding may or may not count. A uniform grid finds the pairs: O(n)
+// for evenly sized triangles.
 std::int64_t self_intersections(const Mesh&, const Work& = {});
 
 }  // namespace terrazzo::shape_estimate

@@ -19,8 +19,8 @@ using std::numbers::pi;
 
 constexpr int kRays = 256;
 
-// P̄_n^m(x) √((2n+1)/4π (n−m)!/(n+m)!), without the Condon–Shortley phase, for all n ≥ m up to `terms`: by the
-// stable recurrence in n. [m][n].
+// P̄_n^m(x) √((2n+1)/4π (n−m)!/(n+m)!), without the Condon–Shortley phase, for all n ≥ m up to `terms`, by the
+// stable recurrence in n. Indexed [m][n].
 std::vector<std::vector<double>> legendre(int terms, double x) {
   std::vector<std::vector<double>> p(static_cast<std::size_t>(terms) + 1,
                                      std::vector<double>(static_cast<std::size_t>(terms) + 1, 0));
@@ -39,7 +39,7 @@ std::vector<std::vector<double>> legendre(int terms, double x) {
   return p;
 }
 
-// Evenly spread points and the triangles between them.
+// Evenly spread points and their triangulation.
 Mesh sphere(std::size_t points) {
   std::vector<Vec3> at;
   for (std::size_t i = 0; i < points / 2; ++i) {
@@ -49,7 +49,7 @@ Mesh sphere(std::size_t points) {
   return convex_hull(at);
 }
 
-// Radii of an outline about a centre inside, at its outermost crossings: what is not star-shaped becomes so.
+// Radii of an outline about an inner center, at its outermost crossings; this makes any outline star-shaped.
 std::vector<double> radii(const Outline& o, const Vec2& center) {
   std::vector<double> angles;
   for (int i = 0; i < kRays; ++i) angles.push_back(2 * pi * i / kRays);
@@ -93,8 +93,8 @@ std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
   const int terms = static_cast<int>(kappa.size()) - 1;
   std::vector<double> lambda(kappa.size(), 0);
   if (terms < 2) return lambda;
-  // Upper triangular, but back substitution gives negative variances: Lawson and Hanson's least squares
-  // instead, in κ relative to what it is, since variances fall over orders of magnitude.
+  // The system is upper triangular, but back substitution yields negative variances. Use Lawson and Hanson's
+  // nonnegative least squares instead, in relative errors of κ, because variances span orders of magnitude.
   const int n = terms - 1;
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd b(n);
@@ -170,7 +170,7 @@ Estimate spherical_harmonics(const EstimateRequest& request, const Work& work) {
       }
     }
   });
-  // The model lets radii fall below nothing; a body's cannot.
+  // The model allows negative radii; a body does not.
   for (std::size_t v = 0; v < vertices.size(); ++v)
     vertices[v] = vertices[v].normalized() * (spectrum.radius * std::max(0.05, d[v]));
   out.smooth = true;

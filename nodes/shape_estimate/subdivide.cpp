@@ -41,7 +41,7 @@ class Surface {
     refiner_.reset(Factory::Create(d, Factory::Options(osd::Sdc::SCHEME_CATMARK, osd::Sdc::Options())));
     if (!refiner_)
       throw Error("bad-control-mesh", "the control mesh is not a surface that can be subdivided");
-    // A level at least, since limit points are asked of a refined mesh.
+    // At least one level, because limit points require a refined mesh.
     osd::Far::TopologyRefiner::UniformOptions options(std::max(1, level));
     options.fullTopologyInLastLevel = true;
     refiner_->RefineUniform(options);
@@ -61,7 +61,7 @@ class Surface {
     return out;
   }
 
-  // The vertex of the last level that a control vertex became.
+  // The vertex of the last level that descends from a control vertex.
   int descendant(int v) const {
     for (int l = 0; l < refiner_->GetMaxLevel(); ++l) v = refiner_->GetLevel(l).GetVertexChildVertex(v);
     return v;
@@ -98,7 +98,7 @@ class Surface {
 Mesh interpolating_surface(const ControlMesh& mesh, int level, int iterations, const Work& work) {
   std::vector<Point> control;
   for (const auto& v : mesh.vertices) control.push_back({v});
-  // One level shows the limits of the control vertices, unless creases fade later than that.
+  // One level is enough for the limits of the control vertices, unless creases fade after more levels.
   const Surface probe(mesh, 1), surface(mesh, level);
   const Surface& fit = level > 1 && !mesh.crease_edges.empty() ? surface : probe;
   for (int i = 0; i < iterations; ++i) {

@@ -12,11 +12,11 @@ namespace terrazzo::shape_metrics {
 
 namespace {
 
-constexpr std::size_t kBatch = 1024;  // sections whose loops are held at a time
+constexpr std::size_t kBatch = 1024;  // number of sections whose loops are kept in memory
 constexpr auto kCircularity = static_cast<std::size_t>(OutlineFeature::Circularity);
 constexpr auto kTotalCurvature = static_cast<std::size_t>(OutlineFeature::TotalCurvature);
 
-// Sums of features and of their squares about the values of the first profile met, for the digits.
+// Sums of features, of their squares, and of curvature histograms.
 struct Sums {
   std::size_t n = 0;
   std::array<double, kOutlineFeatures> sum{}, square{};
@@ -103,7 +103,7 @@ SectionSummary summarise(const Shapes& shapes, SectionKind kind, const MetricsCh
               [](const Sums& a, const Sums& b) { return a + b; }) +
           all;
   }
-  if (all.n == 0) throw Error("no-profile", "no section of the shapes has an area", "look at the shapes");
+  if (all.n == 0) throw Error("no-profile", "no section of the shapes has an area", "check the shapes");
   SectionSummary out;
   out.profiles = all.n;
   const auto n = static_cast<double>(all.n);

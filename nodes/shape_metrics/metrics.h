@@ -12,24 +12,26 @@
 
 namespace terrazzo::shape_metrics {
 
-inline constexpr int kCurvatureBins =
-    48;  // of curvature, from −4 to 8 circles', 0.25 wide; ends take what is beyond
+// Curvature bins from −4 to 8, 0.25 wide, in units of the curvature of a circle of equal length. The end
+// bins include values beyond.
+inline constexpr int kCurvatureBins = 48;
 inline constexpr double kCurvatureFrom = -4, kCurvatureStep = 0.25;
 
-// Of all profiles of the sections of one kind; disjoint profiles of a section count apart.
+// Statistics over all profiles of the sections of one kind; disjoint profiles of a
+// section are counted separately.
 struct SectionSummary {
   std::size_t profiles = 0;
   std::array<double, kOutlineFeatures> mean{}, sd{};
-  std::array<double, kCurvatureBins> curvature{};  // share of the outlines' length
+  std::array<double, kCurvatureBins> curvature{};  // share of the length of the outlines
 };
 
 struct MetricsChoice {
-  std::size_t sections = 10000;  // of each kind
+  std::size_t sections = 10000;  // number of each kind
   std::uint64_t seed = 1;
   OutlineMeasuring measuring;
 };
 
-// Throws Error "no-profile" where every section is without area.
+// Throws Error "no-profile" if no section has an area.
 SectionSummary summarise(const Shapes&, SectionKind, const MetricsChoice&, const Work& = {});
 
 struct MetricsRow {
@@ -37,10 +39,10 @@ struct MetricsRow {
   SectionSummary central, random;
 };
 
-// Columns: name, sections ("central", "random"), profiles, then mean and sd of each measure, and how far each
-// mean is from the first row's of the same kind, %.
+// Columns: name, sections ("central", "random"), profiles, then for each measure its mean, its standard
+// deviation, and the deviation of the mean from that of the first row of the same kind, %.
 Table table_of(const std::vector<MetricsRow>&);
-// Figure 13 of Jagnow et al. 2008: means with standard deviations of total curvature and area/perimeter²,
+// Figure 13 of Jagnow et al. 2008: means and standard deviations of total curvature and area/perimeter²,
 // central above random; below them the distribution of curvature.
 Image figure_of(const std::vector<MetricsRow>&);
 

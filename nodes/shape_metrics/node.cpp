@@ -34,10 +34,10 @@ std::vector<Population> populations(const Context& c) {
       for (const Shape& s : shapes.shapes) out.push_back({s.name, alone(s)});
     }
   }
-  if (out.empty()) throw Error("no-shapes", "there are no shapes to measure", "connect some to shapes");
+  if (out.empty()) throw Error("no-shapes", "there are no shapes to measure", "connect at least one shape");
   for (const auto& p : out) {
     if (p.shapes.shapes.empty())
-      throw Error("no-shapes", p.name + " holds no shapes", "look at what comes before");
+      throw Error("no-shapes", p.name + " has no shapes", "check the node that produces them");
     for (const Shape& s : p.shapes.shapes)
       if (const auto faults = mesh_faults(s.mesh); !faults.empty())
         throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
@@ -45,8 +45,8 @@ std::vector<Population> populations(const Context& c) {
   if (c.keyword("names").empty()) {
     const auto names = c.texts("names");
     if (names.size() != out.size())
-      throw Error("bad-names", fmt::format("{} names for {} rows", names.size(), out.size()),
-                  "one name a row, in the order of the wires")
+      throw Error("bad-names", fmt::format("there are {} names for {} rows", names.size(), out.size()),
+                  "set one name per row, in the order of the wires")
           .parameter("names");
     for (std::size_t i = 0; i < out.size(); ++i) out[i].name = names[i];
   }
@@ -82,30 +82,30 @@ void compute(Context& c) {
 NodeType shape_metrics_node() {
   return NodeType("ShapeMetrics", 1)
       .doc_(
-          "What sections of shapes look like: mean and spread of area/perimeter² and total curvature over "
-          "central "
-          "and random sections, and of curvature along the outline, symmetry, anisotropy and corners.")
-      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.1, figure 13; what section 5 asks for")
+          "Describes the sections of shapes: mean and standard deviation of area/perimeter² and total "
+          "curvature over central and random sections, and of curvature along the outline, symmetry, "
+          "anisotropy and corners.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.1, figure 13; measures suggested in section 5")
       .input_list("shapes", {"Shapes"},
-                  "one set, each shape of which is measured, or several, each measured as a population; rows "
-                  "are compared with the first")
+                  "One set, each shape of which is measured, or several sets, each measured as a population. "
+                  "Rows are compared with the first.")
       .output("table", "Table",
-              "a row per shape or set and kind of section: mean, standard deviation and deviation from the "
-              "first row of each measure")
-      .output("figure", "Image", "means with standard deviations, and distributions of curvature")
+              "One row per shape or set and kind of section: mean, standard deviation and deviation from the "
+              "first row for each measure")
+      .output("figure", "Image", "Means with standard deviations, and distributions of curvature")
       .parameter(Parameter::integer("sections", 10000)
                      .range(1, 10000000)
-                     .doc_("central sections, and as many random ones, of each row"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the sections' planes"))
+                     .doc_("Number of central sections, and of random sections, per row"))
+      .parameter(
+          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the section planes"))
       .parameter(Parameter::integer("points", 128)
                      .range(32, 1024)
-                     .doc_("points of equal distance along an outline at which it is measured, so that its "
-                           "tessellation does not count"))
-      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto").doc_("of the rows"))
-      .parameter(
-          Parameter::choice("rows", "auto", {"auto", "shape", "set"})
-              .doc_("a row per shape, or per set of shapes with their probabilities; auto: shapes of a "
-                    "single set, several sets as such"))
+                     .doc_("Number of equidistant points at which an outline is measured, so that its "
+                           "tessellation does not matter"))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto").doc_("Names of the rows"))
+      .parameter(Parameter::choice("rows", "auto", {"auto", "shape", "set"})
+                     .doc_("shape: one row per shape. set: one row per set of shapes, weighted by their "
+                           "probabilities. auto: shape for a single set, set for several."))
       .compute_(compute);
 }
 

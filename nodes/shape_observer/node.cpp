@@ -13,14 +13,16 @@ namespace {
 void compute(Context& c) {
   const auto& wires = c.list("shapes");
   if (wires.size() < 2)
-    throw Error("no-decoys", fmt::format("{} set of shapes: there is nothing to tell apart", wires.size()),
+    throw Error("no-decoys",
+                fmt::format("at least two sets of shapes are needed; there are {}", wires.size()),
                 "connect the original, then decoys");
   std::vector<std::string> names;
   if (c.keyword("names").empty()) {
     names = c.texts("names");
     if (names.size() != wires.size())
-      throw Error("bad-names", fmt::format("{} names for {} sets of shapes", names.size(), wires.size()),
-                  "one name a wire, the original's first")
+      throw Error("bad-names",
+                  fmt::format("there are {} names for {} sets of shapes", names.size(), wires.size()),
+                  "set one name per wire, the original's first")
           .parameter("names");
   } else {
     for (std::size_t i = 0; i < wires.size(); ++i)
@@ -33,8 +35,9 @@ void compute(Context& c) {
   choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
   if (static_cast<double>(choice.profiles) * choice.views > 5e6)
     throw Error("too-many-profiles",
-                fmt::format("{} views of {} profiles are too many to measure", choice.views, choice.profiles),
-                "lower one of the two")
+                fmt::format("views × profiles must be at most 5 million; there are {} views of {} profiles",
+                            choice.views, choice.profiles),
+                "lower views or profiles")
         .parameter("views");
   Table t;
   t.columns = {"name", "told %", "standard error %", "told by"};
@@ -65,25 +68,29 @@ void compute(Context& c) {
 NodeType shape_observer_node() {
   return NodeType("ShapeObserver", 3)
       .doc_(
-          "An observer in the place of people: how often a cross-validated classifier on features of "
-          "sections "
-          "tells a view of a decoy from a view of the original. 50 %: as guessing.")
-      .source_("in the place of the user study of Jagnow, Dorsey, Rushmeier 2008, section 4.2; Fisher 1936")
-      .input_list("shapes", {"Shapes"}, "the original, then decoys")
-      .output("table", "Table", "a row per decoy: pairs told right, %, standard error, and by what")
-      .output("figure", "Image", "the same as bars")
+          "Simulates a human observer: how accurately a cross-validated classifier on section features "
+          "distinguishes a view of a decoy from a view of the original. 50 % is chance.")
+      .source_("replaces the user study of Jagnow, Dorsey, Rushmeier 2008, section 4.2; Fisher 1936")
+      .input_list("shapes", {"Shapes"}, "The original, then decoys")
+      .output("table", "Table",
+              "One row per decoy: classification accuracy over pairs in %, standard error, and most "
+              "discriminating feature")
+      .output("figure", "Image", "Bar chart of the accuracies")
       .parameter(Parameter::integer("profiles", 20)
                      .range(1, 2000)
-                     .doc_("that a view shows; a picture of the study shows about 260"))
-      .parameter(Parameter::integer("views", 180).range(18, 20000).doc_("of each; as many pairs are told"))
+                     .doc_("Number of profiles per view. An image of the study shows about 260."))
+      .parameter(
+          Parameter::integer("views", 180)
+              .range(18, 20000)
+              .doc_("Number of views of the original and of each decoy, and number of pairs classified"))
       .parameter(
           Parameter::number("eyesight", 1)
               .range(0, 100)
-              .doc_("error with which each measure of a profile is read, in units of what is just visible "
-                    "in a picture of some 16 pixels; 0: exactly, down to the triangles of a mesh"))
-      .parameter(Parameter::integer("seed", 1).range(0, 4503599627370495).doc_("of the sections"))
+              .doc_("Error with which each measure of a profile is read, in units of what is just visible in "
+                    "an image of about 16 pixels. 0: exact, down to the triangles of a mesh."))
+      .parameter(Parameter::integer("seed", 1).range(0, 4503599627370495).doc_("Random seed of the sections"))
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto")
-                     .doc_("of the original and the decoys"))
+                     .doc_("Names of the original and the decoys"))
       .compute_(compute);
 }
 

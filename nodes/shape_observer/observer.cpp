@@ -16,11 +16,11 @@ constexpr std::array<double, kOutlineFeatures> kVisible{0.0012, 0.12,  0.03, 0.0
                                                         0.02,   0.015, 0.1,  0.05,  0.15};
 constexpr auto kFeatures = static_cast<Eigen::Index>(kOutlineFeatures);
 
-// Rows: views; columns: means, then standard deviations (where a view has several profiles).
+// One row per view; columns: means, then standard deviations (if a view has at least five profiles).
 Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std::uint64_t seed,
                          const Work& work) {
   const auto n = static_cast<std::size_t>(choice.views) * static_cast<std::size_t>(choice.profiles);
-  // A section shows a profile or more: of those, as many as are asked for.
+  // A section shows one profile or more; only the first n profiles are used.
   const auto sections = random_sections(shapes, n, {SectionKind::Random, seed, 0}, work.part(0, 0.5));
   std::vector<const Loop*> loops;
   for (const auto& section : sections)
@@ -58,7 +58,7 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
   Eigen::MatrixXd a = views_of(original, choice, 2 * choice.seed, work.part(0, 0.5)),
                   b = views_of(decoy, choice, 2 * choice.seed + 1, work.part(0.5, 1));
   const auto d = a.cols();
-  // In units of the spread of all views; what never varies tells nothing.
+  // In units of the spread of all views. Features that never vary are ignored.
   Eigen::VectorXd scale(d);
   for (Eigen::Index k = 0; k < d; ++k) {
     const double mean = (a.col(k).mean() + b.col(k).mean()) / 2;

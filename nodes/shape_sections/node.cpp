@@ -14,7 +14,8 @@ namespace {
 
 void compute(Context& c) {
   const auto& shapes = c.input<Shapes>("shapes");
-  if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to cut", "connect some to shapes");
+  if (shapes.shapes.empty())
+    throw Error("no-shapes", "there are no shapes to cut", "connect at least one shape");
   for (const Shape& s : shapes.shapes)
     if (const auto faults = mesh_faults(s.mesh); !faults.empty())
       throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
@@ -29,7 +30,7 @@ void compute(Context& c) {
     sections = random_sections(shapes, count, {kind, seed, 0}, c.work().part(0, 0.7));
   }
   const double extent = shape_sections::largest_extent(sections);
-  if (!(extent > 0)) throw Error("no-section", "no section of the shapes has an area", "look at the shapes");
+  if (!(extent > 0)) throw Error("no-section", "no section of the shapes has an area", "check the shapes");
   const int columns = c.keyword("columns").empty()
                           ? static_cast<int>(c.integer("columns"))
                           : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sections.size()))));
@@ -40,18 +41,18 @@ void compute(Context& c) {
   Profiles profiles = shape_sections::profiles_of(sections, columns, 1.15 * extent);
   c.metric("profiles", static_cast<double>(profiles.profiles.size()));
   c.metric("sections", static_cast<double>(sections.size()));
-  // A picture of all would be too large: of the first rows then, which is what one can look at.
+  // An image of all sections could be too large: show only the first rows.
   if (pixels > kMost) {
     const auto rows = std::max<std::size_t>(
         1, static_cast<std::size_t>(kMost / (static_cast<double>(cell) * cell * columns)));
     const std::size_t shown = std::min(sections.size(), rows * static_cast<std::size_t>(columns));
-    c.warn(fmt::format("the picture shows the first {} of {} sections", shown, sections.size()));
+    c.warn(fmt::format("the image shows only the first {} of {} sections", shown, sections.size()));
     sections.resize(shown);
   }
   c.output("image", shape_sections::picture_of(sections, columns, cell, cell / (1.15 * extent),
                                                c.work().part(0.7, 1)));
   c.output("profiles", std::move(profiles));
-  // Of a set of very many shapes the first: a picture is to be looked at.
+  // Show only the first shapes of a large set, to keep the image viewable.
   constexpr std::size_t kShown = 64;
   Shapes shown = shapes;
   if (shown.shapes.size() > kShown) shown.shapes.resize(kShown);
@@ -63,28 +64,31 @@ void compute(Context& c) {
 NodeType shape_sections_node() {
   return NodeType("ShapeSections", 1)
       .doc_(
-          "Exact sections of single shapes: their profiles, and a picture of them side by side, black on "
-          "white at one scale.")
+          "Computes exact plane sections of single shapes: their profiles, and an image of them side by "
+          "side, black on white at one scale.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4 and figure 12")
-      .input("shapes", "Shapes", "shapes to cut; several are drawn from by probability")
-      .output(
-          "profiles", "Profiles",
-          "one per connected region, with its outer contour; areas are without holes. Places are those in "
-          "the picture")
-      .output("image", "Image", "the sections on a grid")
-      .output("views", "Image", "each shape (of the first 64) from three sides, along its principal axes")
-      .parameter(Parameter::choice("planes", "random", {"random", "central", "principal"})
-                     .doc_("random: any plane that meets a shape alike, as on a polished face; central: "
-                           "through the centroid, "
-                           "any direction alike; principal: the three across each shape's principal axes, "
-                           "whatever `count`"))
-      .parameter(Parameter::integer("count", 16).range(1, 1000000).doc_("sections, but of principal planes"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of the planes"))
+      .input("shapes", "Shapes", "Shapes to cut; several are drawn by probability")
+      .output("profiles", "Profiles",
+              "One profile per connected region, with its outer contour. Areas exclude holes. Positions are "
+              "those in the image.")
+      .output("image", "Image", "The sections on a grid")
+      .output("views", "Image",
+              "Views of each shape (up to the first 64) from three sides, along its principal axes")
+      .parameter(
+          Parameter::choice("planes", "random", {"random", "central", "principal"})
+              .doc_("random: uniformly distributed planes that meet a shape, as on a polished face. central: "
+                    "planes through the centroid with uniformly distributed directions. principal: the three "
+                    "planes perpendicular to each shape's principal axes; ignores `count`."))
+      .parameter(
+          Parameter::integer("count", 16).range(1, 1000000).doc_("Number of random or central sections"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the planes"))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "columns", "auto")
                      .range(1, 1000)
-                     .doc_("sections in a row of the picture; auto: as many as rows"))
-      .parameter(
-          Parameter::integer("cell", 96).unit_("pixels").range(16, 1024).doc_("edge of a section's place"))
+                     .doc_("Number of sections per row of the image. auto: about as many as there are rows."))
+      .parameter(Parameter::integer("cell", 96)
+                     .unit_("pixels")
+                     .range(16, 1024)
+                     .doc_("Edge length of the cell of a section in the image"))
       .compute_(compute);
 }
 

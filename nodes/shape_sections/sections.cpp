@@ -49,8 +49,7 @@ Vec2 centroid(const Loop& loop, double& area) {
   return area != 0 ? Vec2(loop[0] + first / area) : loop[0];
 }
 
-// Share of each pixel of a row that lies inside, from crossings of sub-rows with the outlines; horizontally
-// exact.
+// Coverage of each pixel of a row, from crossings of sub-rows with the outlines; exact horizontally.
 void cover_row(const BodySection& section, const Vec2& center, double scale, int cell, int y,
                std::vector<double>& cover) {
   constexpr int kRows = 8;

@@ -11,7 +11,7 @@ namespace terrazzo::shape_sections {
 
 namespace {
 
-constexpr int kFine = 3;  // samples along each edge of a pixel
+constexpr int kFine = 3;  // samples per pixel edge
 
 // One view: x right, y up, z towards the viewer.
 void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell, int left, int top,
@@ -19,7 +19,7 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
   const int n = cell * kFine;
   std::vector<float> depth(static_cast<std::size_t>(n) * n, -std::numeric_limits<float>::infinity()),
       shade(depth.size(), 1);
-  // From the upper left, and a little from everywhere.
+  // Light from the upper left, plus a little ambient light.
   const Vec3 lamp = Vec3(-0.5, 0.6, 0.62).normalized();
   std::vector<Vec3> at(mesh.positions.size());
   std::vector<double> light(at.size());
@@ -33,7 +33,7 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
     const auto i = mesh.indices[t], j = mesh.indices[t + 1], k = mesh.indices[t + 2];
     const Vec3 &a = at[i], &b = at[j], &c = at[k];
     const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    if (area >= 0) continue;  // y runs down: what faces the viewer is clockwise
+    if (area >= 0) continue;  // y points down: triangles that face the viewer are clockwise
     const int x0 = std::max(0, static_cast<int>(std::min({a.x(), b.x(), c.x()}))),
               x1 = std::min(n - 1, static_cast<int>(std::max({a.x(), b.x(), c.x()}))),
               y0 = std::max(0, static_cast<int>(std::min({a.y(), b.y(), c.y()}))),

@@ -1,4 +1,4 @@
-// Shapes as seen from three sides.
+// Images of shapes from three sides.
 #pragma once
 
 #include "nodes/data/image.h"
@@ -7,11 +7,11 @@
 
 namespace terrazzo::shape_sections {
 
-// A row of three orthographic views a shape, along its principal axes (the longest lies across the first two
-// pictures), grey under one lamp on white, each in a cell of `cell` pixels; all at one scale.
+// One row of three orthographic views per shape, along its principal axes (the longest is horizontal in the
+// first two), shaded gray with one lamp on white, each in a cell of `cell` pixels; all at one scale.
 Image views_of(const Shapes&, int cell, const Work& = {});
 
-// Columns: principal axes of the enclosed volume by falling spread, a rotation.
+// Columns: principal axes of the enclosed volume by decreasing spread, a rotation.
 Mat3 volume_axes(const Mesh&);
 
 }  // namespace terrazzo::shape_sections

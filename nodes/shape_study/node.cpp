@@ -40,20 +40,21 @@ std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
   const auto& wires = c.list("images");
   const auto names = c.texts("names");
   if (names.size() != wires.size())
-    throw Error("bad-names", fmt::format("{} names for {} stacks of pictures", names.size(), wires.size()),
-                "one name a wire, as in smooth/original or smooth/csg")
+    throw Error("bad-names",
+                fmt::format("there are {} names for {} stacks of images", names.size(), wires.size()),
+                "set one name per wire, such as smooth/original or smooth/csg")
         .parameter("names");
   std::vector<shape_study::Stimulus> out;
   for (std::size_t i = 0; i < wires.size(); ++i) {
     const auto slash = names[i].find('/');
     if (slash == std::string::npos || slash == 0 || slash + 1 == names[i].size() ||
         names[i].find_first_of(",\"\n") != std::string::npos)
-      throw Error("bad-names", fmt::format("'{}' is not a shape and a method", names[i]),
-                  "write them as in smooth/original or smooth/csg")
+      throw Error("bad-names", fmt::format("names must have the form shape/method; one is '{}'", names[i]),
+                  "use names such as smooth/original or smooth/csg, without commas and quotes")
           .parameter("names");
     const auto& image = wires[i].as<Image>();
     if (image.width <= 0 || image.height <= 0 || image.sections <= 0)
-      throw Error("empty-image", fmt::format("the pictures of {} have no pixels", names[i]));
+      throw Error("empty-image", fmt::format("the images of {} have no pixels", names[i]));
     out.push_back({names[i].substr(0, slash), names[i].substr(slash + 1), image.sections});
   }
   return out;
@@ -63,7 +64,7 @@ void compute(Context& c) {
   const auto stimuli = stimuli_of(c);
   const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
   const auto screens = shape_study::make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
-  // Names that tell nothing: numbers by lot.
+  // Image names are shuffled numbers, so that they reveal nothing.
   std::vector<std::pair<int, int>> all;
   for (std::size_t i = 0; i < stimuli.size(); ++i)
     for (int s = 0; s < stimuli[i].sections; ++s) all.emplace_back(static_cast<int>(i), s);
@@ -97,25 +98,27 @@ void compute(Context& c) {
 NodeType shape_study_node() {
   return NodeType("ShapeStudy", 1)
       .doc_(
-          "A study with people, to run from a folder: screens of three pictures, of which the centre and one "
-          "side are "
-          "of the original and the other side of a decoy; a page that shows them, and the key to its "
-          "answers.")
+          "Creates a study with people that runs from a folder: a page with screens of three images, where "
+          "the center and one side show the original and the other side a decoy, and the key to the answers.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.2")
       .writes_files_()
-      .input_list("images", {"Image"}, "stacks of sections, one a volume; at least three of each original")
-      .output("key", "Table", "screen, shape, method, decoy (left, right, none), pictures")
-      .parameter(Parameter::output_path("path").doc_("folder that gets index.html, images/ and key.csv"))
+      .input_list("images", {"Image"},
+                  "Stacks of sections, one per volume, with at least three sections of each original")
+      .output("key", "Table", "Key: screen, shape, method, decoy (left, right, none), image names")
+      .parameter(Parameter::output_path("path").doc_(
+          "Output folder, which will contain index.html, images/ and key.csv"))
       .parameter(Parameter::texts("names", {})
                      .count(1, 1000)
                      .required()
-                     .doc_("of the stacks in their order: shape/method, the method of the shape itself being "
-                           "`original`"))
+                     .doc_("Names of the stacks in their order, as shape/method. The method of the shape "
+                           "itself is `original`."))
       .parameter(Parameter::integer("repeats", 4)
                      .range(1, 100)
-                     .doc_("screens of each shape and method, and of each shape without a decoy"))
-      .parameter(Parameter::integer("training", 10).range(0, 1000).doc_("screens before the test"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("of what is shown where"))
+                     .doc_("Number of screens per shape and method, and per shape without a decoy"))
+      .parameter(Parameter::integer("training", 10)
+                     .range(0, 1000)
+                     .doc_("Number of training screens before the test"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the screens"))
       .compute_(compute);
 }
 

@@ -20,7 +20,7 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repea
     for (std::size_t i = 0; i < stimuli.size(); ++i)
       if (stimuli[i].shape == shape && stimuli[i].method == "original") original = static_cast<int>(i);
     if (original < 0 || stimuli[static_cast<std::size_t>(original)].sections < 3)
-      throw Error("no-original", fmt::format("there are no three sections of the original of '{}'", shape),
+      throw Error("no-original", fmt::format("'{}' needs at least three sections of its original", shape),
                   "name a stack of three sections or more '" + shape + "/original'");
     for (std::size_t i = 0; i < stimuli.size(); ++i) {
       if (stimuli[i].shape != shape) continue;
@@ -76,14 +76,14 @@ std::string page_of(const std::vector<Screen>& screens, const std::vector<std::v
     list += fmt::format("[{},\"{}\",\"{}\",\"{}\"],\n", i + 1, name(screens[i].left), name(screens[i].centre),
                         name(screens[i].right));
   std::string page = R"html(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>Which is least alike?</title><style>
+<html lang="en"><head><meta charset="utf-8"><title>Which one is least similar?</title><style>
 body{background:#808080;color:#000;font:18px/1.5 sans-serif;margin:0;display:flex;min-height:100vh;align-items:center;justify-content:center}
 #row{display:flex;gap:40px}#row img{width:250px;height:250px;display:block}#row img.side{cursor:pointer}
 #text{max-width:640px}button{font:inherit;padding:.3em 1.2em}textarea{width:100%;height:12em}input{font:inherit}
 </style></head><body><div id="text">
-<p>You will see three pictures in a row: sections through a material of black grains. Click the one of the outer two that is
-<b>least like the middle one</b>. Judge by the <b>shapes</b> of the grains, not by their sizes, number or places.</p>
-<p>Take part only if you like to; nothing leaves this computer. First come some screens to get used to it.</p>
+<p>You will see three images in a row: sections through a material of black grains. Click the outer image that is
+<b>least like the middle one</b>. Judge by the <b>shapes</b> of the grains, not by their sizes, number or positions.</p>
+<p>Participation is voluntary, and no data leave this computer. The first screens are for practice.</p>
 <p>A name for this session: <input id="who" value="1"> <button id="go">Begin</button></p></div>
 <div id="row" hidden></div><script>
 const training=@TRAINING@,screens=[
@@ -94,7 +94,7 @@ let who="",queue=[],at=0,shown=0,open=false;const answers=[];
 function next(){
   open=false;row.hidden=true;
   if(at===queue.length)return done();
-  if(at===training){text.hidden=false;text.innerHTML="<p>Now the test itself.</p><p><button>Go on</button></p>";
+  if(at===training){text.hidden=false;text.innerHTML="<p>Now the test begins.</p><p><button>Continue</button></p>";
     text.querySelector("button").onclick=()=>{text.hidden=true;show();};return;}
   setTimeout(show,1000);
 }

@@ -1,4 +1,4 @@
-// The user study of Jagnow, Dorsey, Rushmeier 2008, section 4.2: what is shown, and a page that shows it.
+// The user study of Jagnow, Dorsey, Rushmeier 2008, section 4.2: its screens, and a page that shows them.
 #pragma once
 
 #include <cstdint>
@@ -11,31 +11,31 @@ namespace terrazzo::shape_study {
 
 // A stack of sections of one volume.
 struct Stimulus {
-  std::string shape, method;  // method "original" for the shape itself
+  std::string shape, method;  // method is "original" for the shape itself
   int sections = 0;
 };
 
-// Pictures by (stimulus, section). Centre and one side are the original's, the other side the decoy's; on
-// screens without a decoy all three are the original's, and `decoy` is "none".
+// Images by (stimulus, section). The center and one side show the original, the other side the decoy. On
+// screens without a decoy all three show the original, and `decoy` is "none".
 struct Screen {
-  std::string shape, method;  // "original" without a decoy
+  std::string shape, method;  // method is "original" without a decoy
   std::string decoy;          // "left", "right" or "none"
   struct Shown {
     int stimulus, section;
   } left, centre, right;
 };
 
-// `repeats` screens for every shape and decoy, and as many a shape without one. Different sections where one
-// stack gives two or three of a screen's pictures. Throws Error "no-original" for a shape without one, or
-// without at least three sections of it.
+// `repeats` screens per shape and decoy, and as many per shape without a decoy. Images of the
+// original on one screen are different sections. Throws Error "no-original" if a shape has no
+// original with at least three sections.
 std::vector<Screen> make_screens(const std::vector<Stimulus>&, int repeats, std::uint64_t seed);
 
-// Columns: screen (1…), shape, method, decoy, left, centre, right (names of pictures).
+// Columns: screen (1…), shape, method, decoy, left, centre, right (image names).
 Table key_of(const std::vector<Screen>&, const std::vector<std::vector<std::string>>& names);
 
-// A page without any outside help: instructions, `training` screens, then all in another order for each
-// participant, a second of grey between; ends in answers to download (participant, screen, choice, seconds).
-// It holds no word of which picture is whose.
+// A self-contained page: instructions, `training` screens, then all screens, shuffled for each participant
+// and separated by a second of gray. It ends with answers to download (participant, screen, choice, seconds).
+// The page does not reveal which image shows the decoy.
 std::string page_of(const std::vector<Screen>&, const std::vector<std::vector<std::string>>& names,
                     int training);
 

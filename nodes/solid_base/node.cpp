@@ -20,10 +20,10 @@ void compute(Context& c) {
 NodeType solid_base_node() {
   NodeType type = NodeType("SolidBase", 1)
                       .doc_(
-                          "Begins a solid texture that is too large for memory: makes its coarse levels and "
-                          "measures what its blocks, each made by SolidBlock, have to agree upon")
-                      .source_("as SolidOptimize with method local");
-  solid_optimize::declare_exemplars(type).output("base", "SolidBase", "what all blocks share");
+                          "Prepares a solid texture that is too large for memory: makes its coarse levels "
+                          "and measures the statistics that all blocks made by SolidBlock share")
+                      .source_("See SolidOptimize, method local");
+  solid_optimize::declare_exemplars(type).output("base", "SolidBase", "Data that all blocks share");
   solid_optimize::declare_settings(solid_optimize::declare_size(type)).compute_(compute);
   return type;
 }

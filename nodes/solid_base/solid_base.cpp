@@ -6,7 +6,7 @@ namespace terrazzo {
 namespace {
 using namespace solid_optimize;
 
-// What follows each other in memory is written and read by one list of names.
+// One field list drives encoding and decoding.
 template <class Stream>
 void fields(Stream&& each, SolidSettings& s) {
   for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[static_cast<std::size_t>(a)]);
@@ -28,7 +28,7 @@ MatchFamily decode_family(Reader& r, std::size_t exemplars) {
   if (f.axis < 0 || f.axis > 2 || f.exemplar < 0 || f.exemplar >= static_cast<int>(exemplars) ||
       std::min({f.slices, f.columns, f.rows}) < 1 || patches != static_cast<double>(f.at.size()) ||
       f.at.size() != f.weight.size())
-    throw Error("damaged", "the stored solid's matches have an impossible shape");
+    throw Error("damaged", "the stored matches have an invalid shape");
   return f;
 }
 
@@ -39,11 +39,11 @@ void encode(const ValueMap& m, Writer& w) {
 ValueMap decode_map(Reader& r) {
   const auto low = r.pod<float>(), scale = r.pod<float>();
   auto bins = r.array<Remap::Bin>();
-  if (bins.size() != Remap::kBins) throw Error("damaged", "a stored map of values has an impossible size");
+  if (bins.size() != Remap::kBins) throw Error("damaged", "a stored value map has an invalid size");
   return ValueMap(Remap(low, scale, std::move(bins)));
 }
 
-// Lists in lists, down to what `one` writes or reads.
+// Nested lists; `one` encodes or decodes an element.
 template <class T, class One>
 void encode_list(const std::vector<T>& list, Writer& w, One&& one) {
   w.pod<std::uint64_t>(list.size());
@@ -110,7 +110,7 @@ SolidBase decode(Reader& r) {
     };
     if (e.width < 1 || e.height < 1 || !fits(e.pixels, true) || !fits(e.usable, false) ||
         !fits(e.features, false))
-      throw Error("damaged", "a stored exemplar has an impossible size");
+      throw Error("damaged", "a stored exemplar has an invalid size");
     return e;
   });
   v.base.whole.level = r.pod<int>();
@@ -139,7 +139,7 @@ nlohmann::json describe(const SolidBase& v) {
 template <>
 const ValueType& value_type<SolidBase>() {
   static const ValueType type = make_value_type<SolidBase>(
-      "SolidBase", "What the parts of a large solid texture share", encode, decode, describe);
+      "SolidBase", "Data that the blocks of a large solid texture share", encode, decode, describe);
   return type;
 }
 

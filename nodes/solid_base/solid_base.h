@@ -1,4 +1,4 @@
-// SolidBase: what the parts of a large solid share, however it is cut (blocks.h).
+// SolidBase: the data that all blocks of a large solid share, however it is cut (blocks.h).
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace terrazzo {
 
 struct SolidBase {
-  solid_optimize::SolidRequest request;  // of the whole; its settings are local, and cut into no blocks
+  solid_optimize::SolidRequest request;  // for the whole solid; the settings have method local and one block
   solid_optimize::LocalBase base;
 };
 

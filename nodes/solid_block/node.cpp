@@ -12,20 +12,21 @@ using namespace solid_optimize;
 
 constexpr int kLeastBlock = 16;  // voxels
 
-// How the solid is cut, and which block of it is wanted.
+// Reads how the solid is cut, and which block to make.
 void read_block(const Context& c, SolidSettings& s) {
   s.blocks = one_or_three(c, "blocks");
   s.block = static_cast<int>(c.integer("block"));
   for (int a = 0; a < 3; ++a)
     if (s.size[a] / s.blocks[a] < kLeastBlock)
-      throw Error(
-          "bad-value",
-          fmt::format("{} blocks along {} voxels are thinner than {}", s.blocks[a], s.size[a], kLeastBlock),
-          "cut the solid into fewer")
+      throw Error("bad-value",
+                  fmt::format("{} blocks along {} voxels are thinner than the least, {} voxels", s.blocks[a],
+                              s.size[a], kLeastBlock),
+                  "cut the solid into fewer blocks")
           .parameter("blocks");
   if (s.block >= s.blocks.prod())
-    throw Error("bad-value", fmt::format("there is no block {} of {}", s.block, s.blocks.prod()),
-                fmt::format("count from 0 to {}, x fastest, z slowest", s.blocks.prod() - 1))
+    throw Error("bad-value",
+                fmt::format("block {} does not exist: the solid has {} blocks", s.block, s.blocks.prod()),
+                fmt::format("choose a block from 0 to {}, x fastest, z slowest", s.blocks.prod() - 1))
         .parameter("block");
 }
 
@@ -39,10 +40,10 @@ void compute(Context& c) {
   for (const auto& e : base.request.exemplars) s.sources |= !e.features.empty();
   const double bytes = block_forecast(base.request.exemplars, s);
   if (bytes > c.number("memory") * 1e6)
-    throw Error(
-        "too-large",
-        fmt::format("the block needs about {:.0f} MB, more than {:.0f}", bytes / 1e6, c.number("memory")),
-        "cut the solid into more blocks, or raise memory")
+    throw Error("too-large",
+                fmt::format("the block needs about {:.0f} MB; the limit is {:.0f} MB", bytes / 1e6,
+                            c.number("memory")),
+                "cut the solid into more blocks, or raise memory")
         .parameter("blocks");
   SolidResult r;
   {
@@ -56,26 +57,26 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType solid_block_node() {
-  NodeType type =
-      NodeType("SolidBlock", 1)
-          .doc_(
-              "Makes one block of a solid texture that is too large for memory: the same voxels as of the "
-              "whole, at their place in it, whatever else is made, and in whatever order")
-          .source_("as SolidOptimize with method local")
-          .input("base", "SolidBase", "what all blocks share");
+  NodeType type = NodeType("SolidBlock", 1)
+                      .doc_(
+                          "Makes one block of a solid texture that is too large for memory. Its voxels are "
+                          "those of the whole solid at its place, in whatever order blocks are made.")
+                      .source_("See SolidOptimize, method local")
+                      .input("base", "SolidBase", "Data that all blocks share");
   declare_solid(type)
       .parameter(Parameter::ints("blocks", {1})
                      .count(1, 3)
                      .range(1, 256)
-                     .doc_("Into how many the solid is cut, along all axes or each: large ones cost less, "
-                           "since each is made with some voxels around it"))
-      .parameter(
-          Parameter::integer("block", 0).range(0, 16777215).doc_("The one to make, x fastest, z slowest"));
+                     .doc_("Number of blocks into which the solid is cut, along all axes or one number per "
+                           "axis. Large blocks cost less in total, since each needs a margin."))
+      .parameter(Parameter::integer("block", 0)
+                     .range(0, 16777215)
+                     .doc_("Block to make, counted with x fastest, z slowest"));
   declare_sources(declare_device(type))
       .parameter(Parameter::number("memory", 4000)
                      .range(1, 1e7)
                      .unit_("MB")
-                     .doc_("Blocks that need more are refused before any work"))
+                     .doc_("Memory limit. Blocks that need more are refused before any work starts."))
       .compute_(compute);
   return type;
 }

@@ -10,7 +10,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// Texels count less towards a patch's edge (a Gaussian of 1.5 texels), or the grid on which patches start
+// Texels weigh less towards a patch's edge (a Gaussian of 1.5 texels). Otherwise the grid of patch starts
 // would show as blocks of two voxels.
 constexpr std::array<float, kPatch> kInner = {0.0657285f, 0.2493522f, 0.6065307f, 0.9459595f,
                                               0.9459595f, 0.6065307f, 0.2493522f, 0.0657285f};
@@ -26,8 +26,8 @@ struct RowTask {
   int y, z;
 };
 
-// What the patches over two voxels show, in groups of eight: four of the first voxel, four of the second.
-// Where one has fewer, and after a family's last, groups are filled up with weight 0.
+// The texels that the patches over two voxels contribute, in groups of eight: four for the first voxel, four
+// for the second. Groups are padded with weight 0 where one voxel has fewer, and after a family's last texel.
 template <int C>
 struct Samples {
   int groups = 0;
@@ -39,8 +39,8 @@ struct Samples {
 TERRAZZO_INLINE Eight load8(const float* p) { return *reinterpret_cast<const Eight*>(p); }
 TERRAZZO_INLINE void store8(float* p, const Eight& v) { *reinterpret_cast<Eight*>(p) = v; }
 
-// The patches of one family over voxels (x0, y, z) and (x1, y, z). x runs along a family's columns or across
-// its slices, never along its rows.
+// Collects the patches of one family over voxels (x0, y, z) and (x1, y, z). x runs along a family's columns
+// or across its slices, never along its rows.
 template <int C>
 TERRAZZO_INLINE void gather(const RowTask& t, const MatchFamily& f, const int (&x)[2], Samples<C>& s) {
   const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
@@ -57,14 +57,14 @@ TERRAZZO_INLINE void gather(const RowTask& t, const MatchFamily& f, const int (&
   const bool keep = t.sources != nullptr;
   const int begin = s.groups;
   Eight total{};
-  if (c0.even && c1.even) {  // four patches a row, at once
+  if (c0.even && c1.even) {  // process four patches per row together
     const FourInts in0 = *reinterpret_cast<const FourInts*>(c0.offset.data()),
                    in1 = *reinterpret_cast<const FourInts*>(c1.offset.data());
     Eight inner{};
     for (int k = 0; k < 4; ++k)
       inner[k] = kInner[static_cast<std::size_t>(in0[k])],
       inner[4 + k] = kInner[static_cast<std::size_t>(in1[k])];
-    // The same patches over both: their texels lie side by side.
+    // The same patches cover both voxels: their texels are adjacent.
     const bool beside = along && c0.patch[0] == c1.patch[0] && c0.offset[0] + 1 == c1.offset[0];
     for (int b = 0; b < cv.count; ++b, ++s.groups) {
       const auto row = static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)]);
@@ -144,7 +144,7 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
     s.groups = 0;
     for (const MatchFamily& f : t.families) gather<C>(t, f, x, s);
     const int n = 8 * s.groups;
-    // The weighted mean and the spread about it; then the mean shift.
+    // The weighted mean and the spread around it; then the mean shift.
     Eight mean[C], spread{};
     {
       Eight w_sum{}, sum[C] = {}, squares{};
@@ -163,7 +163,7 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
       spread += half_sums(squares) * all;
     }
     if (t.window > 0) {
-      // Three steps, the squared window falling geometrically from the spread to its own size.
+      // Three steps: the squared window falls geometrically from the spread to its final size.
       Eight width{}, root{};
       const auto spreads = spread > 1e-12f;
       for (int h = 0; h < 8; h += 4) {

@@ -8,7 +8,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// The part of the families that lies in a box, in slices of it.
+// Crops the families to a box; slices count from the box's first.
 std::vector<MatchFamily> families_in(const LocalBox& box, const LocalRegion& region) {
   std::vector<MatchFamily> out;
   for (const MatchFamily& f : region.families) {
@@ -35,7 +35,7 @@ std::vector<MatchFamily> families_in(const LocalBox& box, const LocalRegion& reg
   return out;
 }
 
-// What lies in a box of a dense array of a region's voxels.
+// Crops a dense array of a region's voxels to a box.
 template <class T>
 std::vector<T> crop(const LocalBox& box, const LocalRegion& region, const std::vector<T>& all) {
   std::vector<T> out;
@@ -74,7 +74,7 @@ void find_similar_above(const WholeLevel& whole, std::vector<Pyramid>& pyramids,
       find_similar(p[l], work.quiet());
 }
 
-// What lies in the block that the settings name, and what can be told of its matches.
+// Crops the result to the block that the settings name, and measures its matches.
 void hand_over(LocalRegion&& region, const SolidSettings& s, SolidResult& out) {
   const LocalBox box = block_box(s);
   out.size = box.size(), out.origin = box.lo;

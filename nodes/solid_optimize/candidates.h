@@ -1,4 +1,4 @@
-// Trying one exemplar patch after the other.
+// The best match for a patch among exemplar patches tried one after the other.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace terrazzo::solid_optimize {
 
-// Squared distance of two points times `penalty`; anything above `limit` where it exceeds that. Leaves the
-// squared distance, where it is whole.
+// Squared distance of two points times `penalty`, or any value above `limit` if it exceeds that. Sets
+// `distance` to the squared distance if it was computed in full.
 TERRAZZO_INLINE float score_of(const float* a, const float* b, int dims, float penalty, float limit,
                                float& distance) {
   Eight d = *reinterpret_cast<const Eight*>(a) - *reinterpret_cast<const Eight*>(b);
@@ -32,22 +32,22 @@ TERRAZZO_INLINE float score_of(const float* a, const float* b, int dims, float p
   return distance * penalty;
 }
 
-// What makes a patch count as further than it is: factors.
+// Factors that penalize a patch.
 struct Penalties {
-  const float* overuse;         // of each texel's patch
-  std::array<float, 5> copies;  // by how many of the four neighbours it continues
+  const float* overuse;         // per texel, of the patch that starts there
+  std::array<float, 5> copies;  // by the number of the four neighbors whose exemplar layout it copies
 
   Penalties(const float* of_texels, float copying) : overuse(of_texels) {
     for (std::size_t n = 0; n < copies.size(); ++n) copies[n] = 1 + 0.25f * copying * static_cast<float>(n);
   }
 };
 
-// The best patch so far for one query: of least d² · penalty.
+// The best patch so far for one query: the one with the least d² · penalty.
 struct Best {
   const ExemplarLevel& e;
   const float* query;
   const Penalties& penalties;
-  FourInts continued;  // the patches that go on from the four neighbours' as they lie in the exemplar
+  FourInts continued;  // the patches that would copy the four neighbors' exemplar layout
   std::uint32_t at;
   float distance = 0, score;  // squared distance; the same times the penalty
 
@@ -58,7 +58,7 @@ struct Best {
                      distance);
   }
   TERRAZZO_INLINE float penalty(std::uint32_t c) const {
-    const auto goes_on = continued == FourInts{c, c, c, c};  // −1 where so
+    const auto goes_on = continued == FourInts{c, c, c, c};  // −1 where equal
     const auto pairs = goes_on + __builtin_shufflevector(goes_on, goes_on, 2, 3, 0, 1);
     return penalties.overuse[c] * penalties.copies[static_cast<std::size_t>(-(pairs[0] + pairs[1]))];
   }
@@ -68,8 +68,8 @@ struct Best {
     const float s = score_of(query, e.feature(c), e.space.dims, penalty(c), score, d);
     if (s < score) at = c, score = s, distance = d;
   }
-  // The patch (dx, dy) texels from c, where there is one: less than a patch along one of the axes, so that
-  // what lies beyond a border lands where no patch can start.
+  // Tries the patch (dx, dy) texels from c if there is one. The offset is less than a patch along one axis,
+  // so that a step beyond a border ends where no patch can start.
   TERRAZZO_INLINE void shifted(std::uint32_t c, int dx, int dy) {
     const auto s = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(c) + dy * e.width + dx);
     if (s < e.usable.size() && e.usable[s]) consider(static_cast<std::uint32_t>(s));
@@ -78,11 +78,11 @@ struct Best {
     const std::uint32_t* known = &e.similar[static_cast<std::size_t>(at) * ExemplarLevel::kSimilar];
     for (int k = 0; k < ExemplarLevel::kSimilar; ++k) consider(known[k]);
   }
-  // The shrinking random search: patches ever nearer to the best so far, each drawn by two numbers of `bits`
-  // random bits. All are drawn before any is tried, so that the memory can be asked for them meanwhile.
+  // Shrinking random search: patches ever nearer to the best so far, each drawn from two numbers of `bits`
+  // random bits. All are drawn before any is tried, so that their features can be prefetched.
   template <class Draw>
   TERRAZZO_INLINE void around(int bits, Draw&& draw) {
-    std::uint32_t drawn[16];  // reaches fall to 2/5 each: enough for any picture
+    std::uint32_t drawn[16];  // the reach falls to 2/5 each time: enough for any picture
     int n = 0;
     const int last_x = e.width - kPatch, last_y = e.height - kPatch, x0 = static_cast<int>(at) % e.width,
               y0 = static_cast<int>(at) / e.width;

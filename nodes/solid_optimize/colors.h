@@ -1,4 +1,4 @@
-// The colour axes in which the synthesis works.
+// The color axes in which the synthesis works.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace terrazzo::solid_optimize {
 
-// Principal axes of the exemplars' colours, all divided by one number that makes their total variance 1.
-// Distances are kept; the channels are uncorrelated, so that matching their histograms one by one makes no
-// new colours.
+// Principal axes of the exemplars' colors, all divided by one number that makes their total variance 1.
+// Distances keep their ratios. The channels are uncorrelated, so that matching their histograms separately
+// makes no new colors.
 struct ColorAxes {
-  bool lab = true;   // of Oklab, else of scene-linear Rec. 709
-  int channels = 0;  // with variance worth the name, 0 … 3
+  bool lab = true;   // Oklab, else scene-linear Rec. 709
+  int channels = 0;  // channels with significant variance, 0 … 3
   Vec3f mean = Vec3f::Zero();
   Mat3 axes = Mat3::Identity();  // columns, by falling variance
   float scale = 1;
@@ -21,7 +21,7 @@ struct ColorAxes {
   Vec3f from(const Vec3f& working) const;  // scene-linear, clamped at 0
 };
 
-// Of all pictures together, each with equal weight.
+// The axes of all pictures together, each with equal weight.
 ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, bool lab);
 
 }  // namespace terrazzo::solid_optimize

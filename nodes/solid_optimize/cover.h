@@ -8,11 +8,11 @@
 
 namespace terrazzo::solid_optimize {
 
-// The patches over a coordinate, along one axis: their number there, and how far in the coordinate lies.
+// The patches over a coordinate along one axis: their numbers, and the coordinate's offset in each.
 struct PatchCover {
   int count = 0;
-  bool even = false;                     // four patches, one after the other
-  std::array<int, 5> patch{}, offset{};  // 4 where the size is even; the wrap of an odd one may have 5
+  bool even = false;                     // four consecutive patches
+  std::array<int, 5> patch{}, offset{};  // 4 entries if the size is even; up to 5 at the wrap of an odd one
 };
 constexpr int kMostCovering = 84;  // 3 planes of 5 × 5, each rounded up to whole groups of four
 

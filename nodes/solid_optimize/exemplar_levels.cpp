@@ -10,7 +10,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// Which pixels of a line make one of a shorter line, and how much of each.
+// The source pixels that make one pixel of a shorter line, and their weights.
 struct Footprint {
   int first = 0;
   std::vector<float> weight;
@@ -81,7 +81,7 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
       for (std::size_t i = 0; i < s.guide.size(); ++i)
         e.texels[4 * i + static_cast<std::size_t>(channels)] = s.guide[i];
     e.usable.assign(s.pixels.size(), 0);
-    // Pixels that are not usable up to and including each, so that a patch is tested by four of them.
+    // A summed-area table of unusable pixels, so that four lookups test a patch.
     std::vector<int> bad(static_cast<std::size_t>(w + 1) * static_cast<std::size_t>(h + 1), 0);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x)
@@ -98,10 +98,11 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
           e.starts.push_back(static_cast<std::uint32_t>(y * w + x));
         }
     if (e.starts.size() < 16)
-      throw Error("exemplar-too-small",
-                  fmt::format("at a scale of {} × {} pixels the exemplar holds {} usable patches of {} × {}",
-                              w, h, e.starts.size(), kPatch, kPatch),
-                  "take a larger exemplar, a mask that leaves more of it, or fewer levels");
+      throw Error(
+          "exemplar-too-small",
+          fmt::format("the exemplar has only {2} usable patches of {3} × {4} at a scale of {0} × {1} pixels",
+                      w, h, e.starts.size(), kPatch, kPatch),
+          "use a larger exemplar, a mask that leaves more of it usable, or fewer levels");
     e.space = principal_axes(e, share, full ? most_last : most);
     measure_patches(e, work.quiet());
   }

@@ -1,4 +1,4 @@
-// What optimization blurs, given back.
+// Restores detail that optimization blurs.
 #pragma once
 
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace terrazzo::solid_optimize {
 
-// The high-pass and the three finest scales of bands on all slices of each constrained axis get their
-// exemplar's distribution (ResidualSynth's slice families), then voxels get the exemplars' values; `rounds`
-// times.
+// Matches the high-pass and the three finest scales of bands on all slices of each constrained axis to the
+// exemplar's distribution (ResidualSynth's slice families), then matches the voxels to the exemplars' values.
+// Repeats this `finish` times.
 void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings&, SolidField&, const Work&);
 
-// Of what each of `planes` planes wants changed in a round: a wave is seen by two of three, and a mean would
-// need more rounds.
+// Fraction of each plane's changes that is applied in a round with `planes` planes. Two of three planes see a
+// wave, so with three planes a mean would need more rounds.
 inline float finish_share(std::size_t planes) {
   return planes > 2 ? 2.0f / static_cast<float>(planes) : 1.0f;
 }

@@ -12,7 +12,7 @@ int planes(const SolidSettings& s) {
   return static_cast<int>(std::count_if(s.plane.begin(), s.plane.end(), [](int p) { return p >= 0; }));
 }
 
-// Of a part of a level: its voxels, and the patches of one plane, of which there is one in four voxels.
+// The voxels of a part of a level, and the patches of one plane: one for every four voxels.
 struct PartSize {
   double voxels = 1, patches = 1;
   PartSize(const LocalBox& box, const Vec3i& level) {
@@ -21,12 +21,12 @@ struct PartSize {
   }
 };
 
-// A level that is made whole, with the exemplars' features.
+// Bytes of a level that is made whole, with the exemplars' features.
 double whole_bytes(const SolidSettings& s, int levels, const Vec3i& size) {
   return size.cast<double>().prod() * (4 * (kChannels + (guided_levels(s, levels) > 0)) + planes(s) * 2);
 }
 
-// A part of level `level`, at the peak: what is there while the matches below are made, while they are
+// Peak bytes of a part of level `level`: what is held while the matches below are made, while they are
 // carried up, while the level's own are searched (one plane's twice), and while it is finished.
 double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox& wanted, bool finished) {
   const int whole = whole_level(s, levels),
@@ -35,8 +35,8 @@ double part_bytes(const SolidSettings& s, int level, int levels, const LocalBox&
   const LocalBox box = local_plan(wanted, rounds, finished ? s.finish : 0).blend[0];
   const PartSize part(box, size);
   const double matches = 8 * part.patches * planes(s);
-  // A plane's second copy in the search, a channel's in the finish, and one of what is wanted are there one
-  // after the other, but what is freed is not always given back at once.
+  // A plane's second copy in the search, a channel's in the finish and one of the wanted voxels are never
+  // held together, but freed memory does not always return to the system at once.
   const double copies =
       4 * part.patches + (finished ? 4 * part.voxels + 4 * wanted.size().cast<double>().prod() : 0);
   const double own = part.voxels * (4 * kChannels + (finished && s.sources ? 5 : 0)) + matches + copies;
@@ -54,7 +54,7 @@ int levels_of(const std::vector<SolidExemplar>& exemplars, const SolidSettings& 
   return s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
 }
 
-// Patches' features, similar ones, texels; of all levels together a third more.
+// Patches' features, similar patches and texels. All coarser levels together add a third.
 double exemplar_bytes(const std::vector<SolidExemplar>& exemplars) {
   double pixels = 0;
   for (const auto& e : exemplars) pixels += static_cast<double>(e.width) * e.height;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kPorts[3] = {"exemplar", "exemplar_y", "exemplar_z"};
 
-// Rows upwards, the first section.
+// Visits the first section with rows running upwards.
 template <class Use>
 void each_upwards(int width, int height, Use&& use) {
   for (int y = height - 1; y >= 0; --y)
@@ -28,15 +28,16 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
   const Image& image = c.input<Image>(port);
   if (image.width < 16 || image.height < 16)
     throw Error("exemplar-too-small", fmt::format("{} has {} × {} pixels", port, image.width, image.height),
-                "take 16 × 16 at least: patches have 8 × 8");
-  if (image.sections > 1) c.warn(fmt::format("{} has {} sections: the first is used", port, image.sections));
+                "use at least 16 × 16 pixels: patches have 8 × 8");
+  if (image.sections > 1)
+    c.warn(fmt::format("{} has {} sections; only the first is used", port, image.sections));
   SolidExemplar e;
   e.width = image.width, e.height = image.height;
   each_upwards(e.width, e.height, [&](int x, int y) {
     const Vec3f& p = image.at(x, y);
     if (!p.allFinite())
       throw Error("bad-pixels", fmt::format("{} is NaN or infinite at ({}, {})", port, x, y),
-                  "mend the picture");
+                  "replace the bad pixels in the picture");
     e.pixels.push_back(p);
   });
   const auto fits = [&](const char* what, int width, int height) {
@@ -44,7 +45,7 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
       throw Error("size-mismatch",
                   fmt::format("{} {} has {} × {} pixels, {} has {} × {}", what, which + 1, width, height,
                               port, e.width, e.height),
-                  "take pictures of one size");
+                  "use pictures of the same size");
   };
   const auto& masks = c.list("masks");
   if (which < static_cast<int>(masks.size())) {
@@ -68,8 +69,8 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
   return e;
 }
 
-// Shrinks so that the shorter side has no more than `most` pixels. Returns the factor ≥ 1 that a pixel grew
-// by.
+// Shrinks the exemplar until its shorter side has at most `most` pixels. Returns the factor (≥ 1) by which
+// its pixels grew.
 double fit(SolidExemplar& e, int most) {
   const int side = std::min(e.width, e.height);
   if (side <= most) return 1;
@@ -85,22 +86,22 @@ std::array<int, 3> planes_of(Context& c, const std::vector<SolidExemplar>& exemp
     for (const auto& name : c.texts("planes")) {
       const auto axis = std::find(std::begin(kAxes), std::end(kAxes), name) - std::begin(kAxes);
       if (axis == 3)
-        throw Error("bad-value", fmt::format("'{}' is no axis", name), "planes lie across x, y and z")
+        throw Error("bad-value", fmt::format("'{}' is not an axis", name), "choose from x, y and z")
             .parameter("planes");
       plane[static_cast<std::size_t>(axis)] = source[static_cast<std::size_t>(axis)];
     }
     if (std::count(plane.begin(), plane.end(), -1) > 1)
-      c.warn("with one plane constrained, the slices of a solid have nothing to do with one another");
+      c.warn("only one plane is constrained, so successive slices of the solid are unrelated");
     return plane;
   }
-  // Grain in a plane's picture cannot run the same way on three planes, but on two whose pictures share an
+  // Grain in one picture cannot run the same way on all three planes, but it can on two planes that share an
   // axis.
   const double directed = directedness(exemplars[0]);
   c.metric("directedness", directed);
   if (exemplars.size() == 1 && directed > 0.35) {
     c.warn(fmt::format(
-        "the exemplar has a direction ({:.2f} of 1), which three planes cannot share: it is seen on planes "
-        "across x and y, upright in both; set planes to choose",
+        "the exemplar is directional ({:.2f}, where 1 means stripes), which three planes cannot all show: "
+        "only slices across x and y are matched, upright in both. Set planes to choose others.",
         directed));
     return {source[0], source[1], -1};
   }
@@ -124,7 +125,7 @@ SolidRequest read_request(Context& c, const std::string& method) {
     if (c.list(list).size() > exemplars.size())
       throw Error("too-many-inputs",
                   fmt::format("{} {} for {} exemplars", c.list(list).size(), list, exemplars.size()),
-                  "connect one for each exemplar, in their order, or fewer");
+                  "connect at most one per exemplar, in the same order");
   request.voxel = c.input<Image>("exemplar").pixel_size;
   const int most = c.keyword("exemplar_size").empty() ? static_cast<int>(c.integer("exemplar_size"))
                                                       : std::max(64, s.size.maxCoeff());
@@ -135,7 +136,7 @@ SolidRequest read_request(Context& c, const std::string& method) {
   for (std::size_t e = 1; e < exemplars.size(); ++e)
     if (std::min(exemplars[e].width, exemplars[e].height) !=
         std::min(exemplars[0].width, exemplars[0].height))
-      c.warn(fmt::format("exemplars of {} × {} and {} × {} pixels: a pixel of either is one voxel",
+      c.warn(fmt::format("exemplars have {} × {} and {} × {} pixels: a pixel of either is one voxel",
                          exemplars[0].width, exemplars[0].height, exemplars[e].width, exemplars[e].height));
   s.plane = planes_of(c, exemplars, source);
   s.iterations.clear();
@@ -159,33 +160,31 @@ void check_request(Context& c, const SolidRequest& r, double bytes) {
   const SolidSettings& s = r.settings;
   if (bytes > c.number("memory") * 1e6)
     throw Error("too-large",
-                fmt::format("{} × {} × {} voxels need about {:.0f} MB, more than {:.0f}", s.size.x(),
+                fmt::format("{} × {} × {} voxels need about {:.0f} MB; the limit is {:.0f} MB", s.size.x(),
                             s.size.y(), s.size.z(), bytes / 1e6, c.number("memory")),
                 "make the solid smaller (it tiles), or raise memory")
         .parameter("size");
   if (const double coarse = coarseness(r.exemplars[0]); coarse > 0.7)
-    c.warn(fmt::format(
-        "{:.0f} % of the exemplar's variance lies in details larger than an eighth of its side: it shows too "
-        "few of them to tell how they lie in space",
-        100 * coarse));
+    c.warn(
+        fmt::format("{:.0f} % of the exemplar's variance comes from details larger than an eighth of its "
+                    "side: it shows too few of them to reconstruct their arrangement",
+                    100 * coarse));
 }
 
 NodeType& declare_exemplars(NodeType& type) {
   type.input("exemplar", "Image",
-             "what slices look like: those across x, and those across y and z where these have no "
-             "exemplar of their "
-             "own. On x and y a picture's columns run along y and x, its rows upwards along z; on z "
-             "along x and y")
+             "Exemplar for slices across x, and for slices across y and z that have no exemplar of their "
+             "own. On x and y a picture's columns run along y and x and its rows upwards along z; on z they "
+             "run along x and y.")
       .optional_input("exemplar_y", {"Image"},
-                      "what slices across y look like, a pixel being one voxel as in exemplar")
-      .optional_input("exemplar_z", {"Image"}, "what slices across z look like")
-      .input_list(
-          "masks", {"Labels", "Image"},
-          "where each exemplar may be used, in their order: labels other than 0, or brighter than 0.2")
+                      "Exemplar for slices across y. A pixel is one voxel, as in exemplar.")
+      .optional_input("exemplar_z", {"Image"}, "Exemplar for slices across z")
+      .input_list("masks", {"Labels", "Image"},
+                  "Usable parts of the exemplars, one mask per exemplar in their order. A pixel is usable if "
+                  "its label is not 0 or its brightness exceeds 0.2.")
       .input_list("features", {"Image"},
-                  "three further values for each pixel of each exemplar (height, roughness, a distance), "
-                  "carried along "
-                  "with its colours");
+                  "Three extra values per exemplar pixel (height, roughness, a distance), one image per "
+                  "exemplar in their order. Synthesis carries them along with the colors.");
   for (Port& p : type.inputs) p.optional |= p.many;
   return type;
 }
@@ -196,67 +195,64 @@ NodeType& declare_size(NodeType& type) {
                      .count(1, 3)
                      .range(16, 4096)
                      .unit_("voxels")
-                     .doc_("Edge, or one for each axis"))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "exemplar_size", "auto")
-              .range(16, 4096)
-              .unit_("pixels")
-              .doc_("Shorter side to which larger exemplars are reduced before synthesis; voxels grow with "
-                    "their pixels. auto: the solid's longest edge, 64 at least"))
+                     .doc_("Edge length, or one length per axis"))
+      .parameter(Parameter::with_keyword(ParameterKind::Int, "exemplar_size", "auto")
+                     .range(16, 4096)
+                     .unit_("pixels")
+                     .doc_("Shorter side to which larger exemplars are reduced before synthesis; voxels grow "
+                           "with the pixels. auto: the solid's longest edge, at least 64."))
       .parameter(Parameter::with_keyword(ParameterKind::Ints, "iterations", "auto")
                      .count(1, 8)
                      .range(1, 1000)
-                     .doc_("Of each level, from the coarsest on; the last number counts for all further "
-                           "levels. auto: "
-                           "20, 10, 5, and 2 of those that are made locally; with papers 100, 20, 10"));
+                     .doc_("Iterations per level, starting with the coarsest. The last number applies to all "
+                           "remaining levels. auto: 20, 10, 5, and 2 on blockwise levels; with method papers "
+                           "100, 20, 10."));
 }
 
 NodeType& declare_settings(NodeType& type) {
   return type
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "planes", "auto")
                      .count(1, 3)
-                     .doc_("Axes across which slices look like an exemplar: [x, y, z] or fewer. auto: "
-                           "all three, or x "
-                           "and y where a single exemplar has a direction"))
+                     .doc_("Axes across which slices must look like an exemplar: [x, y, z] or fewer. auto: "
+                           "all three, but only x and y if a single exemplar is directional."))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "levels", "auto")
                      .range(1, 8)
-                     .doc_("Scales, each of half the size of the next. auto: until the exemplar's "
-                           "shorter side has 24 "
-                           "to 47 pixels"))
+                     .doc_("Number of scales, each half the size of the next. auto: until the exemplar's "
+                           "shorter side has 24 to 47 pixels."))
       .parameter(Parameter::choice("color", "lab", {"lab", "linear"})
-                     .doc_("The colour space of distances and means: Oklab, or scene-linear Rec. 709"))
+                     .doc_("Color space for distances and means: Oklab, or scene-linear Rec. 709"))
       .parameter(Parameter::number("exponent", 0.8)
                      .range(0, 2)
-                     .doc_("r of the energy ‖patch − match‖^r: below 2 bad matches count less"))
+                     .doc_("Exponent r of the energy ‖patch − match‖^r. Values below 2 reduce the influence "
+                           "of bad matches."))
       .parameter(Parameter::number("overuse", 1)
                      .range(0, 100)
-                     .doc_("How much further an exemplar patch counts that is in use more often than the "
-                           "mean: 0 lets one motif repeat"))
+                     .doc_("Penalty on exemplar patches that are used more often than average. With 0 one "
+                           "motif may repeat."))
       .parameter(Parameter::number("copying", 1)
                      .range(0, 100)
-                     .doc_("How much further an exemplar patch counts that goes on from all four of its "
-                           "neighbours as they lie there: 0 lets whole pieces be copied, much more "
-                           "breaks them up"))
-      .parameter(Parameter::number("guide", 1)
-                     .range(0, 10)
-                     .doc_("How much the distance to the border between dark and light counts beside "
-                           "colours, of which all count 1: keeps veins and joints in one piece. Not with "
-                           "papers, and of local the levels that are made whole"))
-      .parameter(Parameter::number("window", 0.05)
-                     .range(0, 10)
-                     .doc_("Of the mean shift at the end of each level, in units of the exemplars' "
-                           "standard deviation; "
-                           "it starts ten times as wide. 0: plain means, which blur"))
+                     .doc_("Penalty on patches that copy their neighbors' exemplar layout verbatim. With 0 "
+                           "whole pieces are copied; large values break structures up."))
+      .parameter(
+          Parameter::number("guide", 1)
+              .range(0, 10)
+              .doc_("Weight of the guidance channel, the distance to the border between dark and light, "
+                    "where all colors together weigh 1. It keeps veins and joints in one piece. Not used by "
+                    "method papers; with method local only on levels that are made whole."))
+      .parameter(
+          Parameter::number("window", 0.05)
+              .range(0, 10)
+              .doc_("Mean shift window at the end of each level, in standard deviations of the exemplars. It "
+                    "starts ten times as wide. With 0 voxels become plain means, which blur."))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "finish", "auto")
                      .range(0, 20)
-                     .doc_("Rounds that give the finest bands of all slices the exemplar's distribution "
-                           "at the end. auto: 2; with method local 1, of filters that end after 9 voxels"))
+                     .doc_("Rounds of matching the finest bands of all slices to the exemplar's distribution "
+                           "at the end. auto: 2; with method local 1, with filters that reach 9 voxels."))
       .parameter(Parameter::number("memory", 4000)
                      .range(1, 1e7)
                      .unit_("MB")
-                     .doc_("Sizes that need more are refused before any work"))
-      .parameter(
-          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the start and of the search"));
+                     .doc_("Memory limit. Sizes that need more are refused before any work starts."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"));
 }
 
 }  // namespace terrazzo::solid_optimize

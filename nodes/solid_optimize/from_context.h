@@ -1,4 +1,4 @@
-// What the nodes that make solids read of their inputs and parameters.
+// Inputs and parameters shared by the nodes that make solids.
 #pragma once
 
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace terrazzo::solid_optimize {
 
-// Exemplars at the solid's scale, and all settings but method, blocks and sources.
+// Exemplars at the solid's scale, and all settings except method, blocks and sources.
 struct SolidRequest {
   std::vector<SolidExemplar> exemplars;
   SolidSettings settings;
   double voxel = 1;  // mm
 };
 
-// `method` is how the solid is made: it decides what auto stands for.
+// `method` is the effective method; it decides the values of auto.
 SolidRequest read_request(Context&, const std::string& method);
-// Throws Error "too-large" where `bytes` are more than the parameter memory allows; warns of an exemplar that
-// shows too little of its own structure.
+// Throws Error "too-large" if `bytes` exceed the parameter memory. Warns if an exemplar shows too little of
+// its own structure.
 void check_request(Context&, const SolidRequest&, double bytes);
 
-// The inputs and parameters that they read, in two parts so that a node's own may stand between.
+// Declare these inputs and parameters, in three parts so that a node's own can go in between.
 NodeType& declare_exemplars(NodeType&);
 NodeType& declare_size(NodeType&);
 NodeType& declare_settings(NodeType&);

@@ -30,7 +30,7 @@ Table table_of(const std::vector<PlaneMeasures>& measures) {
   return t;
 }
 
-// The value furthest from 1, or largest, of all planes.
+// The worst value of all planes: the one farthest from 1, or the largest.
 template <class Get>
 double worst(const std::vector<PlaneMeasures>& measures, Get&& get, double from) {
   double out = from;
@@ -118,24 +118,23 @@ void give_solid(Context& c, SolidResult&& r, const std::vector<SolidExemplar>& e
 NodeType& declare_solid(NodeType& type) {
   return type
       .output("volume", "Volume",
-              "grid Cd, scene-linear, one voxel a pixel, periodic; with features the grid features; with "
-              "sources the "
-              "grid source: column and row (from the top) in the exemplar as synthesised, and its number")
-      .output("table", "Table", "how near the slices across each constrained axis are to their exemplar");
+              "Grid Cd: scene-linear color, one voxel per pixel, periodic. With features also the grid "
+              "features. With sources also the grid source: column and row (from the top) in the exemplar as "
+              "synthesized, and the exemplar's number.")
+      .output("table", "Table", "How closely the slices across each constrained axis match their exemplar");
 }
 
 NodeType& declare_device(NodeType& type) {
-  return type.parameter(
-      Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
-          .doc_("Of method local. cpu: the same bits everywhere; gl: OpenGL, on a GPU, else by Mesa's "
-                "software renderer; auto: a GPU where there is one, else cpu. A warning says which it "
-                "was; who shares a cache between machines should not write auto, since rounding "
-                "differs"));
+  return type.parameter(Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
+                            .doc_("Where method local runs its passes. cpu: identical bits on every machine. "
+                                  "gl: OpenGL, on a GPU or else by Mesa's software renderer. auto: a GPU if "
+                                  "there is one, else cpu. A warning names the device used. Rounding differs "
+                                  "between devices, so avoid auto if machines share a cache."));
 }
 
 NodeType& declare_sources(NodeType& type) {
   return type.parameter(
-      Parameter::boolean("sources", false).doc_("Also give the exemplar's pixel that each voxel comes from"));
+      Parameter::boolean("sources", false).doc_("Also writes the exemplar pixel that each voxel comes from"));
 }
 
 }  // namespace terrazzo::solid_optimize

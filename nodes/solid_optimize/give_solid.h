@@ -1,4 +1,4 @@
-// What the nodes that make solids give.
+// Outputs shared by the nodes that make solids.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,16 @@
 
 namespace terrazzo::solid_optimize {
 
-// What makes a local solid's finer levels by the parameter device: a GPU, Mesa's software renderer, or
-// nothing, which means the processor itself. Warns which it is.
+// Opens the device that the parameter device selects for a local solid's finer levels: a GPU or Mesa's
+// software renderer, or null for the processor. Warns which one it is, unless device is cpu.
 std::unique_ptr<LocalGl> open_device(Context&);
 
-// Outputs `volume` and `table`, and metrics. Voxels are `voxel` mm; the grid features where the exemplars
-// have any, source where the parameter sources says so.
+// Sets the outputs `volume` and `table`, and metrics. Voxels have an edge of `voxel` mm. The grid features is
+// added if the exemplars have features, the grid source if the parameter sources is set.
 void give_solid(Context&, SolidResult&&, const std::vector<SolidExemplar>&, bool whole, double voxel,
                 const Work&);
 
-// The outputs, and the parameters device and sources.
+// Declare the outputs, and the parameters device and sources.
 NodeType& declare_solid(NodeType&);
 NodeType& declare_device(NodeType&);
 NodeType& declare_sources(NodeType&);

@@ -40,7 +40,7 @@ void guide_by_phases(std::vector<SolidExemplar>& working, double weight, int rea
     for (std::size_t i = 0; i < e.guide.size(); ++i) {
       const auto at = static_cast<int>(i);
       const int x = at % e.width, y = at / e.width;
-      // Half a pixel from the centre to the border.
+      // The border is half a pixel from the pixel's center.
       const float d =
           phase[0].data[i] ? distance[0].at<float>(y, x) - 0.5f : 0.5f - distance[1].at<float>(y, x);
       e.guide[i] = std::clamp(d, static_cast<float>(-reach), static_cast<float>(reach));

@@ -1,4 +1,4 @@
-// What else than colour patches are matched by, so that lines stay lines.
+// A guidance channel for patch matching that keeps lines intact.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace terrazzo::solid_optimize {
 
-// Gives each exemplar a `guide`: its pixels' signed distances to the border between dark and light (Otsu
-// 1979, one threshold for all, of the first channel of `working`), up to `reach` pixels, of standard
-// deviation `weight` over all. Averages of patches that disagree move such a border; averages of colours
-// dissolve thin veins and joints (feature maps: Kopf et al. 2007, 4; Wu and Yu 2004). Of Oklab's axes the
-// first is lightness in nearly all materials.
+// Sets each exemplar's `guide`: each pixel's signed distance to the border between dark and light, clamped to
+// `reach` pixels and scaled to standard deviation `weight` over all exemplars. One threshold for all (Otsu
+// 1979) splits the first channel of `working`, which is lightness for nearly all materials in Oklab.
+// Averaging patches that disagree moves the border, while averaging colors dissolves thin veins and joints
+// (feature maps: Kopf et al. 2007, section 4; Wu and Yu 2004).
 void guide_by_phases(std::vector<SolidExemplar>& working, double weight, int reach);
 
 }  // namespace terrazzo::solid_optimize

@@ -21,7 +21,7 @@ std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exe
   for (int c = 0; c < channels; ++c) {
     std::vector<Quantiles> each;
     for (const auto* e : exemplars) {
-      // What usable patches cover.
+      // Texels covered by usable patches.
       std::vector<std::uint8_t> seen(e->usable.size(), 0);
       for (const auto start : e->starts)
         for (int v = 0; v < kPatch; ++v)

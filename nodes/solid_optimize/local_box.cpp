@@ -3,8 +3,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// Copies beyond the ends of a closed axis: enough for patches, their neighbours and the filters of the
-// finish.
+// Copies beyond the ends of a closed axis: enough for patches, their neighbors and the filters of the finish.
 constexpr int kBeyond = 10;
 
 }  // namespace

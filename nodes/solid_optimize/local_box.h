@@ -1,6 +1,6 @@
-// Where a part of a level lies, and what it needs around itself. A level is a torus; coordinates of a part go
-// on beyond its edges, and what is made at a place depends on the place on the torus alone. So parts that
-// overlap agree, wherever each begins.
+// The place of a part of a level, and the margin it needs. A level is a torus. Coordinates of a part continue
+// beyond its edges, and each value depends only on its place on the torus, so overlapping parts agree
+// wherever they begin.
 #pragma once
 
 #include <array>
@@ -11,18 +11,18 @@
 
 namespace terrazzo::solid_optimize {
 
-// Voxels lo … hi − 1. Along a closed axis that is the whole level, lo being 0.
+// Voxels lo … hi − 1. Along a closed axis the box is the whole level, and lo is 0.
 struct LocalBox {
   Vec3i lo = Vec3i::Zero(), hi = Vec3i::Zero();
   std::array<bool, 3> closed{};
 
   Vec3i size() const { return hi - lo; }
-  // By `by` voxels on each side of each axis that is not closed.
+  // Grown by `by` voxels on each side of each axis that is not closed.
   LocalBox grown(int by) const;
 };
 
-// Patches along an axis of a torus of `period` voxels: number q, any whole number, starts at patch_start(q);
-// every turn of the torus has (period + 1)/2, the last of an odd one being 1 voxel from the next.
+// Patches along an axis of a torus of `period` voxels. Patch q, any integer, starts at patch_start(q). Every
+// turn of the torus has (period + 1)/2 patches; if the period is odd, the last is 1 voxel from the next.
 inline int floor_divide(int a, int b) { return a / b - (a % b < 0); }
 inline int wrapped(int a, int period) { return a - period * floor_divide(a, period); }
 inline int patches_around(int period) { return (period + 1) / 2; }
@@ -32,8 +32,8 @@ inline int patch_start(int q, int period) {
 // The first patch that starts at `voxel` or later.
 int first_patch(int voxel, int period);
 
-// What is stored along one axis: voxels from … to − 1 and the patches that cover any of lo … hi − 1. Along a
-// closed axis some beyond either end are stored, too; they are copies.
+// The data stored along one axis: voxels from … to − 1 and the patches that cover any of lo … hi − 1. Along a
+// closed axis, copies beyond either end are stored too.
 struct LocalLine {
   int period = 0;
   bool closed = false;
@@ -45,9 +45,10 @@ struct LocalLine {
   LocalLine() = default;
   LocalLine(const LocalBox&, int axis, int period);
   int patches() const { return static_cast<int>(start.size()); }
-  // Patches that cover any of voxels lo … hi − 1 of a box within this line: the first, and one past the last.
+  // The patches that cover any of voxels lo … hi − 1 of a box within this line: the first, and one past the
+  // last.
   std::array<int, 2> patches_over(const LocalBox&, int axis) const;
-  // Where, among those stored, the original is of what is stored at k; k itself if it is one.
+  // The stored index of the original of entry k; k itself if it is an original.
   int original_voxel(int k) const { return closed ? wrapped(from + k, period) - from : k; }
   int original_patch(int k) const { return closed ? wrapped(first + k, patches_around(period)) - first : k; }
 };

@@ -11,18 +11,18 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr int kRadius = 3;  // of the smoothing, in steps
+constexpr int kRadius = 3;  // of the smoothing filter, in steps
 static_assert(kFinishReach == kRadius + 2 * kRadius);
 
-// (1 −6 15 44 15 −6 1)/64 about p[3 · step]: 1 − sin⁶(ω/2), flat up to a quarter of the sampling rate and 0
-// at a half. Binomials leak so much of the lower frequencies into the finest band that it came out twice too
-// strong where the exemplar has next to none.
+// (1 −6 15 44 15 −6 1)/64 around p[3 · step]: 1 − sin⁶(ω/2), flat up to a quarter of the sampling rate and 0
+// at half of it. Binomial filters leak so much of the lower frequencies into the finest band that it came out
+// twice too strong where the exemplar has almost none.
 inline float smoothed(const float* p, std::ptrdiff_t step) {
   return 0.015625f * (44 * p[3 * step] + 15 * (p[2 * step] + p[4 * step]) - 6 * (p[step] + p[5 * step]) +
                       (p[0] + p[6 * step]));
 }
 
-// out[x, y] for a picture less kRadius · gap on all sides, by steps of `gap`.
+// Smooths a picture with steps of `gap`; out is smaller by kRadius · gap on all sides.
 void smooth(const std::vector<float>& in, int width, int height, int gap, std::vector<float>& row,
             std::vector<float>& out) {
   const int w = width - 2 * kRadius * gap, h = height - 2 * kRadius * gap;
@@ -41,7 +41,7 @@ void smooth(const std::vector<float>& in, int width, int height, int gap, std::v
     }
 }
 
-// The bands of a picture of width × height, less a margin of kFinishReach.
+// The bands of a picture of width × height, without a margin of kFinishReach.
 struct Bands {
   std::vector<float> picture, rows, once, rows_again, twice;
   std::array<std::vector<float>, kFinishBands> band;
@@ -83,7 +83,7 @@ struct Strides {
   }
 };
 
-// The bands of one slice of a box.
+// Splits one slice of a box into bands.
 void split_slice(const LocalRegion& region, int channel, int axis, int slice, const LocalBox& box,
                  Bands& bands) {
   const Strides strides(region);

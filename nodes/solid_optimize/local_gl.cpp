@@ -15,12 +15,12 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr int kGroup = 8;  // invocations of a group along columns and rows, as in the shaders
+constexpr int kGroup = 8;  // work group size along columns and rows, as in the shaders
 constexpr const char* kHint = "set device: cpu, or install a newer driver";
 
 }  // namespace
 
-// Functions by name, and programs; all go with the context.
+// Functions by name, and programs; all are released with the context.
 struct LocalGl::Gl {
   EglContext context;
   bool software;
@@ -57,8 +57,8 @@ struct LocalGl::Gl {
 
   void check() const { check_gl(context, "the part", "cut the solid into more blocks, or set device: cpu"); }
 
-  // Runs the program over a box, some slices at a time so that cancelling need not wait for all of them; `go`
-  // sets where they begin.
+  // Runs the program over a box, a few slices per dispatch so that cancelling does not wait for all of them.
+  // `go` sets the slices of each dispatch.
   template <class Go>
   void dispatch(const Vec3i& size, const Work& work, Go&& go) const {
     const int batch = software ? 4 : 64;
@@ -74,7 +74,7 @@ struct LocalGl::Gl {
     MemoryBarrier(GL_ALL_BARRIER_BITS);
     check();
   }
-  // The same over first … last − 1, for programs that are told so.
+  // The same over first … last − 1, for programs with those uniforms.
   void dispatch(const Vec3i& first, const Vec3i& last, const Work& work) const {
     dispatch(last - first, work, [&](int z, int end) {
       set("first", Vec3i(first + Vec3i(0, 0, z)));
@@ -85,7 +85,7 @@ struct LocalGl::Gl {
 
 namespace {
 
-// Numbers on the device; gone with this object.
+// An array on the device, freed with this object.
 template <class Gl>
 struct Buffer {
   const Gl& gl;
@@ -105,8 +105,8 @@ struct Buffer {
     most = std::min<GLint64>(most, std::numeric_limits<std::int32_t>::max());
     if (static_cast<GLint64>(n) > most)
       throw Error("too-large-for-gl",
-                  fmt::format("a buffer of {} MB is more than the {} of {}", n / 1000000, most / 1000000,
-                              gl.context.renderer()),
+                  fmt::format("a buffer needs {} MB, more than the limit of {} MB on {}", n / 1000000,
+                              most / 1000000, gl.context.renderer()),
                   "cut the solid into more blocks, or set device: cpu")
           .parameter("device");
     bytes = n;
@@ -159,7 +159,7 @@ struct LineTables {
   }
 };
 
-// Of one exemplar: what the search looks up.
+// The search's tables for one exemplar.
 template <class Gl>
 struct ExemplarBuffers {
   Buffer<Gl> features, similar, model;
@@ -325,7 +325,7 @@ void LocalGl::run(const LocalPasses& passes, bool to_blend, LocalProbe* probe, L
     next.copy(0, matches, at, bytes);
   };
 
-  // Squared distances become weights.
+  // Turns squared distances into weights.
   const auto weigh = [&](std::size_t i, std::size_t k) {
     const LocalBox& box = passes.plan.blend[i + 1];
     const MatchFamily& f = region.families[k];

@@ -1,4 +1,4 @@
-// The same passes by compute shaders.
+// The blockwise passes as compute shaders.
 #pragma once
 
 #include <memory>
@@ -9,17 +9,17 @@
 
 namespace terrazzo::solid_optimize {
 
-// Lives on the thread that made it.
+// Must be used on the thread that made it.
 class LocalGl {
  public:
-  // Throws Error "no-gl" where there is no such device or it refuses the shaders.
+  // Throws Error "no-gl" if there is no such device or it rejects the shaders.
   explicit LocalGl(GlDevice);
   ~LocalGl();
 
-  // From the carried matches of a region to its matches and weights, and to its field if `to_blend`. Sums are
-  // taken in the processor's order, so that only its divisions, roots and fused products may round otherwise;
-  // where two patches are then as near as that, another may be taken. Throws Error "too-large-for-gl" where
-  // the region does not fit into the device's buffers.
+  // Turns the carried matches of a region into its matches and weights, and into its field if `to_blend`.
+  // Sums run in the processor's order, so only divisions, roots and fused products may round differently;
+  // where two patches are equally near within that rounding, the match may differ. Throws Error
+  // "too-large-for-gl" if the region does not fit into the device's buffers.
   void run(const LocalPasses&, bool to_blend, LocalProbe*, LocalRegion&, const Work&);
   const std::string& renderer() const;
 

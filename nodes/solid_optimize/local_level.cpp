@@ -103,7 +103,7 @@ void LocalLevels::carry(int level, const Below& below, LocalRegion& region, cons
     c.around = patches_around(l.period);
     c.miss.resize(l.start.size());
     for (int i = 0; i < l.patches(); ++i) {
-      // On a closed axis copies come from where their originals do.
+      // On a closed axis copies use the same source as their originals.
       const int q = l.closed ? wrapped(l.first + i, c.around) : l.first + i;
       c.number.push_back(wrapped(q, c.around));
       c.from.push_back(below.patch(

@@ -1,5 +1,5 @@
-// Levels made in parts: each part is a function of the level below, of statistics fixed before, and of its
-// place alone, so that it is the same whatever else is made, and in whatever order.
+// Levels made in parts. A part depends only on the level below, on statistics fixed before, and on its place,
+// so it is the same whatever else is made and in whatever order.
 #pragma once
 
 #include <optional>
@@ -19,31 +19,31 @@ struct WholeLevel {
   SolidField field;
 };
 
-// Voxels of the level below whose patches the carried matches of a part come from.
+// The voxels of the level below whose patches provide the carried matches of a part.
 LocalBox box_below(const LocalBox& part, const Vec3i& level, const Vec3i& below);
-// Where a level's statistics are measured, the same whatever part is wanted: along short axes everywhere.
+// Where a level's statistics are measured, whatever part is wanted. Along short axes this is the whole axis.
 LocalBox probe_box(const Vec3i& level, const LocalLimits&);
 
 class LocalLevels {
  public:
-  // `iterations` of each level. All that is passed must outlive it. `gl` makes parts in its stead, but for
-  // the finish.
+  // `iterations` has one entry per level. All arguments must outlive this object. If `gl` is set, it makes
+  // the parts, except for the finish.
   LocalLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
               const std::vector<int>& iterations, int channels, const WholeLevel&, LocalGl* gl = nullptr);
 
-  // Fixes the statistics of all levels above the whole one. Once, before anything is made. Where the probe is
-  // all of the finest level, that is made then, with `sources` as make() takes them.
-  // The whole level's field is needed for this alone.
+  // Fixes the statistics of all levels above the whole one. Call it once, before make(). If the probe is the
+  // whole finest level, returns that level, with `sources` as in make(). Only this needs the whole level's
+  // field.
   std::optional<LocalRegion> measure(BlendSources* sources, const Work&);
-  // Of each level; what was measured once will do for another object of the same exemplars and settings.
+  // Per level. Statistics can be passed to another object with the same exemplars and settings.
   const std::vector<LevelStatistics>& statistics() const { return statistics_; }
   void set_statistics(std::vector<LevelStatistics> s) { statistics_ = std::move(s); }
-  // A part of the finest level. `sources` may be null; its arrays get the shape of the region's field.
+  // Makes a part of the finest level. `sources` may be null; its arrays get the shape of the region's field.
   LocalRegion make(const LocalBox&, BlendSources* sources, const Work&) const;
 
  private:
   enum class Upto { Matches, Blend, Finish };
-  // Matches of a level below another, and a field where a probe was asked for.
+  // Matches of the level below, and its field if a probe was asked for.
   struct Below {
     LocalLines lines;
     bool whole = false;  // it is whole_, and `made` is empty
@@ -53,12 +53,14 @@ class LocalLevels {
   };
 
   Vec3i size(int level) const;
-  // A part of a level. Where `core` is not null, `measured` gets what lies there, else it is null, too.
+  // Makes a part of a level. If `core` is not null, the statistics there are stored in `measured`, which is
+  // null otherwise.
   LocalRegion run(int level, const LocalBox& wanted, Upto, const LevelStatistics&, LevelStatistics* measured,
                   const LocalBox* core, BlendSources* sources, const Work&) const;
   Below below(int level, const LocalBox& part, const LocalBox* core, const Work&) const;
   void carry(int level, const Below&, LocalRegion&, const Work&) const;
-  // Of the values in the probe, per channel: after each blending, and after each round of the finish.
+  // Target distributions of the probe's values, per channel: after each blend, and after each round of the
+  // finish.
   struct Targets {
     std::vector<Quantiles> values, finished;
   };
@@ -74,7 +76,7 @@ class LocalLevels {
   const WholeLevel& whole_;
   int levels_, channels_;
   std::vector<std::vector<std::vector<Quantiles>>> bands_;  // [exemplar][channel][band]
-  std::vector<Quantiles> finished_;                         // [channel]: of all planes' exemplars
+  std::vector<Quantiles> finished_;                         // [channel]: mixture of all planes' exemplars
   std::vector<LevelStatistics> statistics_;                 // [level]
 };
 

@@ -10,7 +10,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// As many of the patches as start in a box, in slices of it.
+// Visits the patches that start in a box, in its slices.
 template <class Use>
 void each_patch(const LocalLines& lines, const MatchFamily& f, const LocalBox& box, Use&& use) {
   const std::size_t axis = static_cast<std::size_t>(f.axis);
@@ -29,7 +29,7 @@ void each_patch(const LocalLines& lines, const MatchFamily& f, const LocalBox& b
             static_cast<std::size_t>(i));
 }
 
-// Squared distances of the patches over a box become weights.
+// Turns the squared distances of the patches over a box into weights.
 void weigh_box(const LocalLines& lines, const LocalBox& box, const WeightTable& table, float floor,
                MatchFamily& f, const Work& work) {
   const std::size_t axis = static_cast<std::size_t>(f.axis);

@@ -1,4 +1,4 @@
-// What makes a part of a level of the matches that were carried up to it.
+// The passes that turn the carried matches of a part of a level into its voxels.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace terrazzo::solid_optimize {
 
-// Which voxels each step of a part has to make for the voxels wanted in the end.
+// The voxels that each step of a part must make to provide the voxels wanted in the end.
 struct LocalPlan {
   std::vector<LocalBox> blend;   // after the matches are carried up, and after each iteration
   std::vector<LocalBox> finish;  // after each round
@@ -25,27 +25,28 @@ struct LocalPasses {
   double power;                       // of weights
 };
 
-// Where statistics are measured while the passes run, what the values there should be distributed as, and
-// where it is put: what `statistics` of the passes refers to.
+// Where statistics are measured while the passes run, the target distribution of the values there, and the
+// place to store them: the object that `statistics` of the passes refers to.
 struct LocalProbe {
   const LocalBox& box;
   const std::vector<Quantiles>& values;  // per channel
   LevelStatistics& measured;
 };
 
-// Of a region as the last blend left it, before its map; and as the last search did, before its weights.
+// Measure a region: after the last blend, before its map; and after the last search, before its weights.
 void measure_values(LocalProbe&, const LocalRegion&, const Work&);
 void measure_floors(LocalProbe&, const LocalRegion&);
 
-// All passes on the processor, from the carried matches of a region; the last blend if `to_blend`, with
-// `sources` (may be null, of the field's shape) and `features`, per exemplar, as blend_patches takes them.
+// Runs all passes on the processor, from the carried matches of a region. The last blend runs only if
+// `to_blend`; it uses `sources` (may be null; has the field's shape) and `features` (per exemplar) as
+// blend_patches does.
 void run_passes(const LocalPasses&, bool to_blend, LocalProbe*, BlendSources* sources,
                 const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
 // One blend and the map of values after it.
 void blend_pass(const LocalPasses&, std::size_t blend, LocalProbe*, BlendSources* sources,
                 const std::vector<const std::vector<Vec3f>*>& features, LocalRegion&, const Work&);
 
-// The values of one channel that lie in a box.
+// The values of one channel in a box.
 std::vector<float> values_in(const LocalBox&, const LocalRegion&, int channel);
 
 }  // namespace terrazzo::solid_optimize

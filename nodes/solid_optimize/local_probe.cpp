@@ -1,4 +1,4 @@
-// What is fixed before any part is made.
+// Statistics that are fixed before any part is made.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,7 +9,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// The share of a level's voxels that have smaller values, by a table of its distribution.
+// The fraction of a level's voxels with smaller values, from a table of its distribution.
 double rank_in(const Quantiles& q, float value) {
   const auto above = std::upper_bound(q.at.begin(), q.at.end(), value);
   if (above == q.at.begin()) return 0;
@@ -19,9 +19,9 @@ double rank_in(const Quantiles& q, float value) {
          static_cast<double>(q.at.size() - 1);
 }
 
-// What the values in the probe should be distributed as: not as the whole level's, but as far from it as
-// those of the level below are, `here`, from theirs in the whole. Otherwise all of a solid would differ from
-// its exemplar by what the probe happens to show.
+// The target distribution of the values in the probe. On the level below, the probe's values (`here`) differ
+// from the whole level's (`coarse`); the target keeps that difference. Otherwise the whole solid would
+// deviate from its exemplar by whatever the probe happens to contain.
 Quantiles as_here(const Quantiles& wanted, const Quantiles& here, const Quantiles& coarse, bool everywhere) {
   Quantiles q = wanted;
   if (everywhere) return q;
@@ -35,7 +35,7 @@ Quantiles as_here(const Quantiles& wanted, const Quantiles& here, const Quantile
   return q;
 }
 
-// Per exemplar and texel, how much further a patch counts that these families use more often than others.
+// Per exemplar and texel, the penalty on patches that these families use more often than average.
 std::vector<std::vector<float>> penalties_of(const std::vector<const ExemplarLevel*>& exemplars,
                                              const std::vector<MatchFamily>& families, double overuse) {
   std::vector<std::vector<float>> out;
@@ -53,7 +53,7 @@ std::vector<std::vector<float>> penalties_of(const std::vector<const ExemplarLev
   return out;
 }
 
-// The same at a finer level, each patch with that of the one at its place.
+// The same at a finer level: each patch gets the penalty of the coarse patch at its place.
 std::vector<float> finer_penalties(const std::vector<float>& coarse, const ExemplarLevel& from,
                                    const ExemplarLevel& to) {
   std::vector<float> out(to.usable.size(), 1.0f);

@@ -7,7 +7,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-constexpr int kReach = 3;  // patches; the matches of the iteration before are there that far out anyway
+constexpr int kReach = 3;  // patches; the previous iteration's matches are stored at least that far out
 
 struct LocalTask {
   const ExemplarLevel& e;
@@ -19,8 +19,8 @@ struct LocalTask {
   Penalties penalties;
   const float* picture;  // the slice, channels interleaved
   std::uint32_t* next;   // matches of the family
-  float* weight;         // likewise
-  float* features;       // of one row of patches
+  float* weight;         // weights of the family
+  float* features;       // features of one row of patches
 };
 
 TERRAZZO_INLINE void search_body(const LocalTask& t) {
@@ -31,7 +31,7 @@ TERRAZZO_INLINE void search_body(const LocalTask& t) {
   const std::size_t plane = static_cast<std::size_t>(columns) * static_cast<std::size_t>(t.f.rows);
   for (int j = t.rows[0]; j < t.rows[1]; ++j) {
     const float* line = t.picture + static_cast<std::size_t>(t.v.start[j] - t.v.from) * pitch;
-    // Where the torus is odd, two patches start one voxel apart.
+    // Where the period is odd, two patches start one voxel apart.
     for (int i = t.columns[0], end; i < t.columns[1]; i = end) {
       for (end = i + 1; end < t.columns[1] && t.u.start[end] == t.u.start[end - 1] + 2; ++end) {
       }
@@ -75,7 +75,7 @@ TERRAZZO_INLINE void search_body(const LocalTask& t) {
 TERRAZZO_AVX2 void search_avx2(const LocalTask& t) { search_body(t); }
 void search_plain(const LocalTask& t) { search_body(t); }
 
-// A slice of the stored voxels, channels interleaved.
+// Reads a slice of the stored voxels, channels interleaved.
 void read_stored(const SolidField& field, int axis, int slice, std::vector<float>& out) {
   const int u = kSliceColumns[static_cast<std::size_t>(axis)], v = kSliceRows[static_cast<std::size_t>(axis)];
   const std::size_t step[3] = {
@@ -158,7 +158,8 @@ void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
 
 namespace {
 
-// Copies from where original(k) says, along three axes of a dense array, wherever one of them differs.
+// Copies each element of a dense array from original(k) along three axes, wherever that differs from its own
+// place.
 template <class T>
 void copy_originals(const std::array<std::vector<int>, 3>& original, std::vector<T>& array,
                     const Work& work) {

@@ -1,4 +1,4 @@
-// The search for matches in a part of a level, from one copy into another.
+// The search for matches in a part of a level, from one copy of the matches into another.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace terrazzo::solid_optimize {
 
-// A part of a level: its families hold the patches stored on `lines`, each slice of the part being one of
-// theirs.
+// A part of a level. Its families hold the patches stored on `lines`; each slice of the part is a slice of a
+// family.
 struct LocalRegion {
   LocalLines lines;
   std::vector<MatchFamily> families;
   SolidField field;
 };
 
-// What the draws of a patch come from, the same wherever it is asked for: by the finaliser "lowbias32"
-// (Wellons 2018), which a shader can do as well.
+// Hash for a patch's random draws, so that they depend only on its place: the finalizer "lowbias32" (Wellons
+// 2018), which a shader can compute too.
 inline std::uint32_t mix32(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
   x = (x ^ (x >> 15)) * 0x846ca68bu;
@@ -29,14 +29,14 @@ std::uint32_t search_key(std::uint64_t seed, int iteration, int axis);
 // A family of the patches on these lines, without matches.
 MatchFamily local_family(const LocalLines&, int axis, int exemplar);
 
-// One pass over the patches that cover any voxel of `box`, which reads all matches as they were before it.
-// Candidates are those of search_matches, with neighbours one to three patches away. Leaves squared distances
-// in the weights of those patches.
+// One pass over the patches that cover any voxel of `box`. It reads all matches as they were before the pass.
+// The candidates are those of search_matches, with neighbors one to three patches away. Leaves squared
+// distances in the weights of those patches.
 void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
                     const std::vector<std::vector<float>>& penalty, const LocalBox& box,
                     const SearchSettings&, LocalRegion&, const Work&);
 
-// Copies what is stored beyond the ends of closed axes from where it was made.
+// Updates the copies beyond the ends of closed axes from their originals.
 void copy_beyond(const LocalLines&, MatchFamily&, const Work&);
 void copy_beyond(const LocalLines&, std::vector<float>& voxels, const Work&);
 

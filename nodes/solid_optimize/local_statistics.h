@@ -1,4 +1,4 @@
-// What every part of a level must know of the whole one, and what it is measured on.
+// Statistics of a whole level that every part of it needs, measured on a probe.
 #pragma once
 
 #include <memory>
@@ -8,10 +8,10 @@
 
 namespace terrazzo::solid_optimize {
 
-// A rising map of values, fixed once.
+// An increasing map of values that never changes.
 class ValueMap {
  public:
-  // What turns the distribution of `values` into `target`. Values added later are mapped likewise.
+  // Maps the distribution of `values` to `target`; applies to values outside that sample too.
   ValueMap(const std::vector<float>& values, const Quantiles& target);
   explicit ValueMap(Remap finished) : map_(std::make_shared<const Remap>(std::move(finished))) {}
   void apply(float* values, std::size_t n) const { map_->apply(values, n); }
@@ -21,16 +21,16 @@ class ValueMap {
   std::shared_ptr<const Remap> map_;
 };
 
-// Of one channel after a round of the finish: each plane's bands, then the values.
+// The maps for one channel in one round of the finish: each plane's bands, then the values.
 struct FinishMaps {
   std::vector<std::vector<ValueMap>> bands;  // [family][band]
-  std::vector<ValueMap> values;              // one
+  std::vector<ValueMap> values;              // one entry
 };
 
 struct LevelStatistics {
-  std::vector<std::vector<float>> penalty;      // [exemplar][texel]: how much further a patch in use more
-                                                // often than others counts, as the whole level below has it
-  std::vector<std::vector<ValueMap>> values;    // [blend][channel]; blend 0 is that of the carried matches
+  std::vector<std::vector<float>> penalty;      // [exemplar][texel]: penalty on patches used more often than
+                                                // average, from the use in the whole level below
+  std::vector<std::vector<ValueMap>> values;    // [blend][channel]; blend 0 follows carrying up
   std::vector<std::vector<float>> floor;        // [iteration][family]: mean squared distance
   std::vector<std::vector<FinishMaps>> finish;  // [channel][round]
 };

@@ -64,8 +64,9 @@ void carry_matches(const MatchFamily& old, const CarriedPatches& columns, const 
     for (std::size_t s = begin; s < end; ++s)
       for (std::size_t j = 0; j < rows.number.size(); ++j)
         for (std::size_t i = 0; i < columns.number.size(); ++i) {
-          // In half of all blocks slices 2k and 2k + 1 come from one, in the other half 2k − 1 and 2k: always
-          // the same pairs would stay more alike than others, and the wrap is never within a pair.
+          // In half of all blocks slices 2k and 2k + 1 come from one slice below, in the other half 2k − 1
+          // and 2k. If the pairs were always the same, they would stay more alike than others, and the wrap
+          // would never fall within a pair.
           const auto block = static_cast<std::uint64_t>((rows.number[j] / kBlock) * columns.around +
                                                         columns.number[i] / kBlock);
           const int slice =
@@ -76,7 +77,7 @@ void carry_matches(const MatchFamily& old, const CarriedPatches& columns, const 
           const int x = place(old.at[o] % coarse.width, columns.miss[i], in_x, fine.width),
                     y = place(old.at[o] / coarse.width, rows.miss[j], in_y, fine.height);
           f.at[n] = static_cast<std::uint32_t>(y * fine.width + x);
-          // A mask may be finer than the coarse level knew.
+          // A mask may exclude more at this level than it did at the coarse one.
           if (!fine.usable[f.at[n]]) {
             const auto item =
                 (static_cast<std::uint64_t>(number[s]) * rows.around + rows.number[j]) * columns.around +

@@ -41,7 +41,7 @@ Picture part_of(const SolidExemplar& e, int x0, int y0, int x1, int y1) {
   return p;
 }
 
-// Squared gradients along columns and rows, and their product.
+// Sums of squared gradients along columns and rows, and of their product.
 Eigen::Array3d gradients(const Picture& p) {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for (int y = 0; y + 1 < p.height; ++y)
@@ -54,8 +54,8 @@ Eigen::Array3d gradients(const Picture& p) {
   return sum;
 }
 
-// How much more one-directional squared gradients along columns and rows are than the exemplar's: 1 where
-// they are less so, as grain is that turns and swells.
+// Factor by which gradients are more one-directional than the exemplar's, from squared gradients along
+// columns and rows. 1 if they are less so, for example where grain turns and swells.
 double more_striped(double columns, double rows, double exemplar_columns, double exemplar_rows) {
   const double slice = std::log(std::max(columns, 1e-12) / std::max(rows, 1e-12)),
                exemplar = std::log(std::max(exemplar_columns, 1e-12) / std::max(exemplar_rows, 1e-12));
@@ -68,7 +68,8 @@ std::vector<double> steps_across(const SolidField& field, int axis, const Work& 
   const Vec3i& size = field.size;
   const auto n = static_cast<std::size_t>(size[axis]), layers = static_cast<std::size_t>(size.z());
   const std::ptrdiff_t steps[3] = {1, size.x(), static_cast<std::ptrdiff_t>(size.x()) * size.y()};
-  std::vector<double> of_layer(n * layers, 0.0);  // summed up layer by layer, however many threads there are
+  // One sum per layer, so that the result does not depend on the number of threads.
+  std::vector<double> of_layer(n * layers, 0.0);
   work.parallel(layers, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t z = begin; z < end; ++z) {
       Vec3i at(0, 0, static_cast<int>(z));
@@ -92,7 +93,7 @@ std::vector<double> steps_across(const SolidField& field, int axis, const Work& 
   return sum;
 }
 
-// Every band of slices that tile.
+// Measures every band of slices that tile.
 void measure_all_bands(const BandStatistics& wanted, int scales, const SolidField& field, PlaneMeasures& m,
                        SliceFamily::Workspace& space, const Work& work) {
   const int axis = m.axis, channels = static_cast<int>(field.channel.size());
@@ -110,7 +111,7 @@ void measure_all_bands(const BandStatistics& wanted, int scales, const SolidFiel
     m.bands.push_back(want[b] > 0 ? std::sqrt(have[b] / want[b]) : 1);
 }
 
-// The finest band of slices that need not tile, by a filter that ends within them.
+// Measures the finest band of slices that need not tile, with a filter that stays within them.
 void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
   const int channels = static_cast<int>(field.channel.size());
   const double want = finest_deviation(e, channels);
@@ -178,7 +179,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
 
     const Picture whole = part_of(e, 0, 0, e.width, e.height);
     const Eigen::Array3d g = gradients(whole);
-    // Every other slice tells enough of many; sixteen are compared by their patches.
+    // Of many slices every other one is enough. Sixteen are compared by their patches.
     const int n = field.size[axis], most = std::min(n, 16);
     const auto compared = [&](int k) { return k * most / n != (k + 1) * most / n; };
     std::vector<Picture> slices(static_cast<std::size_t>(n));

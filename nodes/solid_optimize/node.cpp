@@ -15,11 +15,12 @@ void compute(Context& c) {
   SolidSettings& s = request.settings;
   s.sources = !c.list("features").empty() || c.boolean("sources");
   if (s.papers && s.sources)
-    throw Error("not-with-papers", "the recipe of 2011 carries no sources or features",
-                "take method coherence")
+    throw Error("not-with-papers",
+                "method papers, the reference method of 2011, cannot carry sources or features",
+                "set method: coherence")
         .parameter("method");
   if (!s.local && c.text("device") == "gl")
-    throw Error("bad-value", fmt::format("method {} has no shaders", method),
+    throw Error("bad-value", fmt::format("device gl needs method local; method is {}", method),
                 "set method: local, or device: cpu")
         .parameter("device");
   check_request(c, request, memory_forecast(request.exemplars, s));
@@ -34,25 +35,20 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType solid_optimize_node() {
-  NodeType type =
-      NodeType("SolidOptimize", 7)
-          .doc_(
-              "Synthesises a tileable solid texture whose slices look like the exemplars: wood, marble, meat "
-              "and other "
-              "materials without particles")
-          .source_(
-              "Kopf et al. 2007; Laursen, Ersbøll, Bærentzen 2011; search by coherence after Tong et al. "
-              "2002 and "
-              "Barnes et al. 2009");
+  NodeType type = NodeType("SolidOptimize", 7)
+                      .doc_(
+                          "Synthesizes a tileable solid texture whose slices look like the exemplars: wood, "
+                          "marble, meat and other materials without particles")
+                      .source_(
+                          "Kopf et al. 2007; Laursen, Ersbøll, Bærentzen 2011; coherence search after Tong "
+                          "et al. 2002 and Barnes et al. 2009");
   declare_solid(declare_exemplars(type));
   declare_size(type).parameter(
       Parameter::choice("method", "coherence", {"coherence", "local", "papers"})
-          .doc_("coherence: neighbours' matches, similar patches and random ones are tried, rare ones "
-                "preferred. local: the finer levels by passes that know of a voxel's surroundings "
-                "alone, so that they can be made in blocks (SolidBase) and on a GPU. papers: the recipe of "
-                "2011, "
-                "for "
-                "comparison; 128³ takes minutes"));
+          .doc_("coherence: tries neighbors' matches, similar patches and random patches, and prefers rarely "
+                "used ones. local: makes the finer levels with passes that see only a bounded neighborhood, "
+                "so that they can run in blocks (SolidBase) and on a GPU. papers: the reference method of "
+                "2011, for comparison; 128³ voxels take minutes."));
   declare_settings(declare_sources(declare_device(type))).compute_(compute);
   return type;
 }

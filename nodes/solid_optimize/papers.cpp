@@ -13,9 +13,9 @@ namespace terrazzo::solid_optimize {
 namespace {
 
 constexpr int kBins = 16;
-constexpr float kEpsilon = 2;  // of the nearest neighbour search
+constexpr float kEpsilon = 2;  // of the nearest-neighbor search
 
-// Sixteen bins a channel, in units of the mean bin.
+// Sixteen bins per channel, in units of the mean bin.
 struct Histogram {
   std::vector<float> lo, scale;              // per channel
   std::vector<std::array<float, kBins>> at;  // per channel
@@ -76,13 +76,14 @@ void search_trees(const SolidField& field, const std::vector<const ExemplarLevel
   }
 }
 
-// Texels over one voxel, in clusters.
+// A texel over a voxel, or a cluster of them.
 struct Texel {
   std::array<float, 3> value;
   float weight;
 };
 
-// Merges clusters whose centres lie within `window` until none do; the mean of the heaviest.
+// Merges clusters whose centers are within `window` of each other until none are left to merge. Returns the
+// mean of the heaviest cluster.
 std::array<float, 3> dominant_cluster(std::vector<Texel>& t, float window) {
   const float limit = window * window;
   for (bool merged = true; merged;) {

@@ -10,7 +10,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// The patch at a texel, channels interleaved.
+// Reads the patch at a texel, channels interleaved.
 void read_patch(const ExemplarLevel& e, std::uint32_t start, float* out) {
   for (int v = 0; v < kPatch; ++v)
     for (int u = 0; u < kPatch; ++u)
@@ -28,8 +28,8 @@ struct ProjectArguments {
   float* out;
 };
 
-// Vectors of 16 dimensions by `Patches` patches stay in registers. However wide the vectors, each coordinate
-// is the same sum in the same order.
+// Vectors of 16 dimensions by `Patches` patches stay in registers. Each coordinate is the same sum in the
+// same order for every vector width.
 template <class Vector, int Patches>
 TERRAZZO_INLINE void project_body(const ProjectArguments& a) {
   constexpr int width = sizeof(Vector) / sizeof(float), vectors = 16 / width;
@@ -133,7 +133,7 @@ void find_similar(ExemplarLevel& e, const Work& work) {
     std::vector<PatchTree::Hit> hits;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t self = e.starts[i];
-      // Near enough is good enough: a dozen leaves.
+      // Approximate neighbors suffice: the search ends after 24 leaves.
       tree.nearest(
           e.feature(self), gathered, 0, 24, [&](std::uint32_t other) { return !near(self, other); }, hits);
       std::uint32_t* out = &e.similar[static_cast<std::size_t>(self) * k];

@@ -1,4 +1,4 @@
-// 8 × 8 patches of a picture as points of few dimensions.
+// 8 × 8 patches of a picture as points in a low-dimensional space.
 #pragma once
 
 #include <tbb/cache_aligned_allocator.h>
@@ -13,7 +13,7 @@ namespace terrazzo::solid_optimize {
 
 constexpr int kPatch = 8;
 
-// From the start of a cache line on: a patch of 16 dimensions has one of its own.
+// Aligned to cache lines, so that a patch of 16 dimensions fills exactly one.
 using AlignedFloats = std::vector<float, tbb::cache_aligned_allocator<float>>;
 
 // Principal axes of patches of interleaved channels.
@@ -26,9 +26,9 @@ struct PatchSpace {
 // One scale of an exemplar. Rows run upwards; texel (x, y) is number y·width + x.
 struct ExemplarLevel {
   int width = 0, height = 0, channels = 0;
-  std::vector<float> texels;          // 4 a texel; channels beyond `channels` are 0
+  std::vector<float> texels;          // 4 per texel; channels beyond `channels` are 0
   std::vector<std::uint8_t> usable;   // per texel: whether a patch may start there
-  std::vector<std::uint32_t> starts;  // where it may, rising
+  std::vector<std::uint32_t> starts;  // the usable texels, in rising order
   PatchSpace space;
   AlignedFloats features;              // [texel][dims], of the patches at `starts`
   std::vector<std::uint32_t> similar;  // [texel][kSimilar], of the patches at `starts`
@@ -39,14 +39,15 @@ struct ExemplarLevel {
   }
 };
 
-// The axes that hold `share` of the patches' variance, 32 at most (`most`), from at most 6,000 patches.
+// The axes that hold `share` of the patches' variance, at most `most`, computed from at most 6,000 patches.
 PatchSpace principal_axes(const ExemplarLevel&, double share, int most);
-// Coordinates of `count` patches that start at picture[2·i·channels], i = 0 …; rows are `pitch` floats apart.
+// Coordinates of `count` patches that start at picture[step·i·channels], i = 0 …; rows are `pitch` floats
+// apart.
 void project(const PatchSpace&, const float* picture, std::size_t pitch, int step, int count, float* out);
 // Fills `features`.
 void measure_patches(ExemplarLevel&, const Work&);
-// Fills `similar`: near patches at least 3 texels from it and from each other; itself where there are too
-// few.
+// Fills `similar`: near patches at least 3 texels from the patch and from each other. Missing ones are
+// replaced by the patch itself.
 void find_similar(ExemplarLevel&, const Work&);
 
 }  // namespace terrazzo::solid_optimize

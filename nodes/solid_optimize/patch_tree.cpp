@@ -7,7 +7,7 @@ PatchTree::PatchTree(const float* points, int dims, std::vector<std::uint32_t> i
   build(0, items_.size());
 }
 
-// Halves along the axis of the widest spread.
+// Splits at the median along the axis of the widest spread.
 void PatchTree::build(std::size_t first, std::size_t last) {
   constexpr std::size_t leaf = 8;
   const std::size_t at = nodes_.size();
@@ -20,7 +20,7 @@ void PatchTree::build(std::size_t first, std::size_t last) {
   if (last - first <= leaf) return;
   int axis = 0;
   float widest = 0;
-  const std::size_t step = std::max<std::size_t>(1, (last - first) / 256);  // a sample tells the spread
+  const std::size_t step = std::max<std::size_t>(1, (last - first) / 256);  // sample the spread
   for (int d = 0; d < dims_; ++d) {
     float lo = value(items_[first], d), hi = lo;
     for (std::size_t i = first; i < last; i += step) {
@@ -28,7 +28,7 @@ void PatchTree::build(std::size_t first, std::size_t last) {
     }
     if (hi - lo > widest) widest = hi - lo, axis = d;
   }
-  if (widest <= 0) return;  // all alike: one leaf
+  if (widest <= 0) return;  // all equal: one leaf
   const std::size_t middle = first + (last - first) / 2;
   std::nth_element(items_.begin() + static_cast<std::ptrdiff_t>(first),
                    items_.begin() + static_cast<std::ptrdiff_t>(middle),

@@ -1,4 +1,4 @@
-// Nearest neighbours among patches by a k-d tree.
+// Nearest neighbors among patches by a k-d tree.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace terrazzo::solid_optimize {
 
-// Bentley's k-d tree with the incremental distances of Arya and Mount 1993. Points outlive the tree.
+// Bentley's k-d tree with the incremental distances of Arya and Mount 1993. The points must outlive the tree.
 class PatchTree {
  public:
   struct Hit {
@@ -21,11 +21,11 @@ class PatchTree {
     }
   };
 
-  // Point of item i at points[i·dims].
+  // Point of item i is at points[i·dims].
   PatchTree(const float* points, int dims, std::vector<std::uint32_t> items);
 
-  // The k nearest that `admit` lets pass, by rising distance: none is further than (1 + epsilon) times the
-  // true one of its rank, unless the search ends after `most_leaves` leaves.
+  // The k nearest points that `admit` accepts, by rising distance. None is farther than (1 + epsilon) times
+  // the true one of its rank, unless the search ends after `most_leaves` leaves.
   template <class Admit>
   void nearest(const float* query, std::size_t k, float epsilon, int most_leaves, Admit&& admit,
                std::vector<Hit>& hits) const {

@@ -10,7 +10,7 @@
 namespace terrazzo::solid_optimize {
 namespace {
 
-// How often each exemplar patch is in use. Phases of a search read what earlier phases left.
+// Counts how often each exemplar patch is used. Each phase of a search reads the counts of earlier phases.
 class Usage {
  public:
   Usage(const ExemplarLevel& e, double mean)
@@ -39,8 +39,8 @@ struct SliceTask {
   Usage& usage;
   const SearchSettings& settings;
   int slice;
-  const float* picture;  // read_slice
-  float* features;       // of one row of patches
+  const float* picture;  // from read_slice
+  float* features;       // features of one row of patches
 };
 
 TERRAZZO_INLINE void search_body(const SliceTask& t) {
@@ -56,8 +56,8 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   float* weight = &f.weight[static_cast<std::size_t>(t.slice) * plane];
   const Penalties penalties(t.penalty, t.settings.copying);
   const bool forwards = t.settings.iteration % 2 == 0;
-  // Each sweep starts somewhere else: what it makes coherent along its way does not fit where it ends, which
-  // must not always be the wrap.
+  // Each sweep starts somewhere else. A sweep makes matches coherent along its path, but they do not fit
+  // where it ends; that must not always be the wrap.
   Random origin(
       t.settings.seed,
       0x4000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 + static_cast<std::uint64_t>(f.axis),
@@ -129,14 +129,14 @@ void read_slice(const SolidField& field, int axis, int slice, std::vector<float>
   const std::size_t channels = field.channel.size();
   const int w = width + kPatch - 1, h = height + kPatch - 1;
   out.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * channels);
-  // Across x each voxel lies in a cache line of its own.
+  // Across x each voxel is in a cache line of its own.
   const std::size_t ahead = u == 0 ? 0 : 2 * step[v];
   for (std::size_t c = 0; c < channels; ++c) {
     const float* from = field.channel[c].data() + static_cast<std::size_t>(slice) * step[axis];
     for (int y = 0; y < h; ++y) {
       const float* row = from + static_cast<std::size_t>(y % height) * step[v];
       float* to = &out[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) * channels + c];
-      // Beyond these few the line repeats itself.
+      // Only the first few columns repeat.
       for (int x = 0; x < width; ++x) {
         if (ahead) __builtin_prefetch(row + static_cast<std::size_t>(x) * step[u] + ahead);
         to[static_cast<std::size_t>(x) * channels] = row[static_cast<std::size_t>(x) * step[u]];
@@ -161,7 +161,7 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
       if (f.exemplar == static_cast<int>(e))
         for (const auto at : f.at) usage[e].add(at);
   }
-  // Slices of one phase are never neighbours, so that a slice reads of the next ones what is settled.
+  // Slices of one phase are never neighbors, so the slices that a slice reads are settled.
   constexpr int phases = 8;
   struct Item {
     int family, slice;

@@ -20,15 +20,15 @@ namespace {
 
 constexpr int kExhaustiveEvery = 3;
 constexpr int kGuideReach = 10;  // pixels
-// Of patches. On the finest level fewer do, since matches have found their places: nothing is lost, a tenth
-// less is copied; on all levels bricks would turn to stripes.
+// Dimensions of patch vectors. The finest level needs fewer because its matches are already in place: quality
+// is unchanged and a tenth less is copied. With fewer dimensions on all levels, bricks turn into stripes.
 constexpr int kDims = 32, kLastDims = 16;
 
 void match_all(SolidField& field, const std::vector<Quantiles>& targets, const Work& work) {
   for (std::size_t c = 0; c < targets.size(); ++c) match_values(field.channel[c], targets[c], work.quiet());
 }
 
-// Texels drawn at random: every voxel looks like some voxel.
+// Start from random texels, so that every voxel has a color of the exemplar.
 void random_texels(SolidField& field, const ExemplarLevel& e, std::uint64_t seed) {
   for (std::size_t i = 0; i < field.channel[0].size(); ++i) {
     const std::size_t texel = e.starts[Random(seed, 0x10, i).below(e.starts.size())];
@@ -46,7 +46,8 @@ std::vector<MatchFamily> random_families(const Vec3i& size,
   return out;
 }
 
-// Iterations of the first levels, and where each level's share of the work ends, by voxels visited.
+// Iterations per level, and the fraction of the work done by the end of each level, weighted by voxels
+// visited.
 struct Schedule {
   std::vector<int> iterations;
   std::vector<double> end;
@@ -66,7 +67,7 @@ struct Schedule {
   }
 };
 
-// All levels up to and including the finest that is made whole.
+// Runs all levels up to and including the finest one that is made whole.
 std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplars,
                                       std::vector<Pyramid>& pyramids, const SolidSettings& s,
                                       SolidResult& out, const Work& work) {
@@ -101,7 +102,7 @@ std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplar
       const Work step = schedule.part(work, level, i, i + 1);
       SearchSettings search = search_settings(s);
       search.iteration = iteration;
-      // All patches are tried now and then: between, coherence finds what is as near.
+      // Try all patches only now and then: between, coherence search finds matches as good.
       search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000 && i % kExhaustiveEvery == 0;
       search_matches(field, at_level, families, search, step.part(0, 0.6));
       for (auto& f : families) weigh(f, s.exponent, work.quiet());
@@ -128,7 +129,7 @@ std::vector<MatchFamily> by_coherence(const std::vector<SolidExemplar>& exemplar
 void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, SolidResult& out,
                const Work& work) {
   const Schedule schedule(s, out.levels);
-  // The paper's windows, in the colour range [0, 1]; levels between the first and the last share the second.
+  // The paper's windows, for colors in [0, 1]. All levels between the first and the last share the second.
   constexpr double windows[3] = {10, 0.05, 0.01};
   std::vector<MatchFamily> families;
   for (int level = 0; level < out.levels; ++level) {
@@ -153,7 +154,7 @@ void by_papers(const std::vector<Pyramid>& pyramids, const SolidSettings& s, Sol
   out.measures = measure_copies(families);
 }
 
-// What every way begins with.
+// The first steps, common to every method.
 struct Prepared {
   std::vector<SolidExemplar> working;  // in the working axes
   std::vector<Pyramid> pyramids;
@@ -169,22 +170,22 @@ Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidSetting
   out.axes = color_axes(pictures, s.lab);
   const int channels = out.axes.channels;
   if (channels == 0)
-    throw Error("one-color", "the exemplar is of one colour", "there is no texture in it to synthesise");
+    throw Error("one-color", "the exemplar has a single color", "use an exemplar with visible texture");
   p.working = exemplars;
   for (auto& e : p.working)
     for (auto& pixel : e.pixels) pixel = out.axes.to(pixel);
 
   const int levels = out.levels = s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
   if (s.local && levels < 2)
-    throw Error("bad-value", "a solid of one level is not made locally: its only level would be the whole",
-                "take method coherence, or a larger exemplar")
+    throw Error("bad-value",
+                "method local needs at least two levels, since it makes the coarser ones whole; levels is 1",
+                "set method: coherence, or use a larger exemplar")
         .parameter("levels");
   for (const auto& e : exemplars)
     if (s.local && std::min(e.width, e.height) < kFinishLeast)
       throw Error("exemplar-too-small",
-                  fmt::format("{} × {} pixels leave the finish of a local solid nothing to measure", e.width,
-                              e.height),
-                  fmt::format("take {0} × {0} at least, or method coherence", kFinishLeast));
+                  fmt::format("{} × {} pixels are too few for the finish of method local", e.width, e.height),
+                  fmt::format("use at least {0} × {0} pixels, or set method: coherence", kFinishLeast));
   const int guided = guided_levels(s, levels);
   if (guided > 0) guide_by_phases(p.working, s.guide, kGuideReach);
   for (auto& e : p.working)

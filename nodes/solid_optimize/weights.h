@@ -1,4 +1,4 @@
-// The weight of a match by its distance.
+// The weight of a match as a function of its distance.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace terrazzo::solid_optimize {
 
-// (1 + x)^power for x ≥ 0, within 1e-5 of itself, by a table that is linear between 128 places of every
-// octave: the same operations in a shader give the same bits, which no library's power promises.
+// (1 + x)^power for x ≥ 0, within 1e-5, from a table that is linear between 128 steps per octave. A shader
+// can repeat the same operations and get the same bits, which library power functions do not guarantee.
 class WeightTable {
  public:
   static constexpr int kOctaves = 24, kPlaces = 128, kShift = 16;

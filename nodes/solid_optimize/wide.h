@@ -1,10 +1,10 @@
-// Several floats at a time, and the choice between builds of one loop: for processors with AVX-512, with
-// AVX2, and for all others. All do the same operations in the same order, so their results are the same bits.
+// Vectors of floats, and the choice between builds of one loop: for processors with AVX-512, with AVX2, and
+// for all others. All do the same operations in the same order, so their results have the same bits.
 #pragma once
 
 #include <cstdint>
 
-// These vectors are passed between inlined functions alone.
+// These vectors are only passed between inlined functions.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
@@ -30,7 +30,7 @@ inline bool has_avx512() { return __builtin_cpu_supports("avx512f"); }
 inline bool has_avx2() { return false; }
 inline bool has_avx512() { return false; }
 #endif
-// What both builds of a loop are made of.
+// For the loop bodies that all builds share.
 #define TERRAZZO_INLINE [[gnu::always_inline]] inline
 
 TERRAZZO_INLINE float sum_of(const Eight& v) {
@@ -39,7 +39,7 @@ TERRAZZO_INLINE float sum_of(const Eight& v) {
   return pairs[0] + pairs[1];
 }
 
-// Of each half the sum of its four, in all of its places.
+// The sum of each half's four values, in all four places of that half.
 TERRAZZO_INLINE Eight half_sums(const Eight& v) {
   const Eight pairs = v + __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
   return pairs + __builtin_shufflevector(pairs, pairs, 1, 0, 3, 2, 5, 4, 7, 6);

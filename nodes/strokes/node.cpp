@@ -21,14 +21,14 @@ void compute(Context& c) {
 
 NodeType strokes_node() {
   return NodeType("Strokes", 1)
-      .doc_("Strokes written in the graph: where TextureNib goes")
-      .output("strokes", "Strokes", "in the order written")
-      .parameter(
-          Parameter::texts("strokes", {})
-              .required()
-              .unit_("pixels")
-              .doc_("Each a line, \"radius: x y, x y, …\", or an area, \"area: x y, x y, x y\"; further "
-                    "outlines of an area follow a semicolon. From the picture's upper left corner, y down"))
+      .doc_("Strokes written in the graph, for TextureNib")
+      .output("strokes", "Strokes", "Strokes in the order written")
+      .parameter(Parameter::texts("strokes", {})
+                     .required()
+                     .unit_("pixels")
+                     .doc_("One line or area per stroke: \"radius: x y, x y, …\" or \"area: x y, x y, x y\". "
+                           "More outlines of an area follow after semicolons. Points count from the "
+                           "picture's upper left corner, y down."))
       .compute_(compute);
 }
 

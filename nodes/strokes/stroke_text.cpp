@@ -32,7 +32,7 @@ bool number(std::string_view s, double& out) {
 
 Error bad(const std::string& text, const std::string& what) {
   const std::string shown = text.size() > 60 ? text.substr(0, 57) + "..." : text;
-  return Error("bad-stroke", fmt::format("the stroke '{}': {}", shown, what),
+  return Error("bad-stroke", fmt::format("stroke '{}': {}", shown, what),
                "write a radius and points, as in '6: 10 20, 30 40', or 'area: 0 0, 9 0, 5 8'");
 }
 
@@ -40,13 +40,13 @@ Error bad(const std::string& text, const std::string& what) {
 
 Stroke read_stroke(const std::string& text) {
   const auto colon = text.find(':');
-  if (colon == std::string::npos) throw bad(text, "there is no ':' after its radius");
+  if (colon == std::string::npos) throw bad(text, "':' is missing after the radius");
   Stroke s;
   const std::string_view head = trimmed(std::string_view(text).substr(0, colon));
   if (head == "area")
     s.area = true;
   else if (!number(head, s.radius))
-    throw bad(text, fmt::format("'{}' is no radius", head));
+    throw bad(text, fmt::format("'{}' is not a radius", head));
   for (const auto outline : split(std::string_view(text).substr(colon + 1), ';')) {
     auto& part = s.parts.emplace_back();
     for (const auto point : split(outline, ',')) {
@@ -54,7 +54,7 @@ Stroke read_stroke(const std::string& text) {
       Vec2 p;
       if (gap == std::string_view::npos || !number(point.substr(0, gap), p.x()) ||
           !number(trimmed(point.substr(gap)), p.y()))
-        throw bad(text, fmt::format("'{}' is no point", point));
+        throw bad(text, fmt::format("'{}' is not a point", point));
       part.push_back(p);
     }
   }

@@ -1,5 +1,5 @@
-// Strokes as words: "6: 10 20, 30 40" is a line of radius 6 through two points, "area: 0 0, 9 0, 5 8" what an
-// outline surrounds; further outlines follow a semicolon.
+// Text form of strokes: "6: 10 20, 30 40" is a line of radius 6 through two points, "area: 0 0, 9 0, 5 8" the
+// area inside an outline. More outlines follow after semicolons.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace terrazzo::strokes {
 
-// Throws Error "bad-stroke", telling what cannot be read.
+// Throws Error "bad-stroke" with the part that cannot be read.
 Stroke read_stroke(const std::string&);
-// Reads back as the same numbers.
+// The text reads back as the same numbers.
 std::string write_stroke(const Stroke&);
 
 }  // namespace terrazzo::strokes

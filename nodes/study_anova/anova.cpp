@@ -94,9 +94,10 @@ std::vector<Effect> two_way(const std::vector<double>& value, const std::vector<
   add("method × shape", dummies(cell, levels(cell)));
   const double freedom = static_cast<double>(n) - before.rank;
   if (freedom < 1)
-    throw Error("too-few-answers",
-                fmt::format("{} answers for {} effects leave nothing to judge them by", n, before.rank),
-                "give the answers of more participants");
+    throw Error(
+        "too-few-answers",
+        fmt::format("{} answers for {} effects leave no degrees of freedom for the residual", n, before.rank),
+        "add the answers of more participants");
   const double mean = before.squares / freedom;
   for (auto& e : out) {
     e.f = mean > 0 ? e.squares / e.freedom / mean : std::numeric_limits<double>::infinity();

@@ -16,12 +16,12 @@ struct Effect {
   std::string name;  // "method", "shape", "method × shape", "residual"
   double squares = 0;
   double freedom = 0;
-  double f = 0, p = 1;  // NaN of the residual
+  double f = 0, p = 1;  // NaN for the residual
 };
 
-// Of values by two factors with their interaction, each effect after those before it (of balanced answers the
-// order does not matter). A factor of one level is left out. Throws Error "too-few-answers" where nothing is
-// left for the residual.
+// Two-way analysis of variance with interaction, each effect adjusted for the preceding ones (the order does
+// not matter for balanced answers). A factor with one level is left out. Throws Error "too-few-answers" if no
+// degree of freedom remains for the residual.
 std::vector<Effect> two_way(const std::vector<double>& value, const std::vector<std::string>& method,
                             const std::vector<std::string>& shape);
 

@@ -1,4 +1,4 @@
-// Answers of a study and the key to them, as written by its page and its node.
+// Answers of a study and their key, as written by its page and its node.
 #pragma once
 
 #include <map>
@@ -16,9 +16,9 @@ struct Answer {
   double seconds = 0;
 };
 
-// By number of the screen. Throws Error "malformed-row" with file:line, "no-column".
+// Entries by screen number. Throws Error "malformed-row" with file:line, "no-column".
 std::map<int, KeyEntry> read_key(const std::string& text, const std::string& file);
-// Throws besides Error "no-such-screen" for a screen that the key has not.
+// Also throws Error "no-such-screen" for a screen that is not in the key.
 std::vector<Answer> read_answers(const std::string& text, const std::string& file,
                                  const std::map<int, KeyEntry>&);
 

@@ -38,7 +38,7 @@ void compute(Context& c) {
     answers.insert(answers.end(), some.begin(), some.end());
   }
   if (answers.empty())
-    throw Error("no-answers", "the files hold no answers", "run the study first").parameter("answers");
+    throw Error("no-answers", "the files contain no answers", "run the study first").parameter("answers");
   std::vector<double> fooled, seconds;
   std::vector<std::string> method, shape, timed_method, timed_shape;
   std::map<std::string, Cell> by_method;
@@ -64,7 +64,7 @@ void compute(Context& c) {
   PlotSeries bars;
   bars.kind = PlotSeries::Kind::Bars;
   for (const auto& [name, cell] : by_method) {
-    const double share = cell.n ? cell.fooled / cell.n : 0.5;  // nothing to tell apart: as chance
+    const double share = cell.n ? cell.fooled / cell.n : 0.5;  // no decoys: chance
     const double error = cell.n ? std::sqrt(share * (1 - share) / cell.n) : 0;
     summary.rows.push_back(
         {name, static_cast<double>(cell.asked), 100 * share, 100 * error, cell.seconds / cell.asked});
@@ -86,15 +86,16 @@ NodeType study_anova_node() {
   return NodeType("StudyAnova", 1)
       .doc_(
           "Evaluates the answers of ShapeStudy: how often each method's decoys were taken for the original, "
-          "how long "
-          "people looked, and by analysis of variance whether method, shape or both together matter.")
+          "how long people looked, and, by analysis of variance, whether method, shape or their interaction "
+          "matters.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.2.3")
-      .output("table", "Table", "effects on being fooled, and on the logarithm of seconds: F and p")
+      .output("table", "Table", "Effects on being fooled and on the logarithm of seconds, with F and p")
       .output("summary", "Table",
-              "a row per method; `original`: screens without a decoy, where 50 % is chance")
-      .output("figure", "Image", "figure 16 of the paper")
-      .parameter(Parameter::input_path("answers").doc_("answers.csv of one session; a glob for several"))
-      .parameter(Parameter::input_path("key").doc_("key.csv of the study"))
+              "One row per method. `original` stands for screens without a decoy, where 50 % is chance.")
+      .output("figure", "Image", "Bar chart as in figure 16 of the paper")
+      .parameter(Parameter::input_path("answers").doc_(
+          "File answers.csv of one session, or a glob for several sessions"))
+      .parameter(Parameter::input_path("key").doc_("File key.csv of the study"))
       .compute_(compute);
 }
 

@@ -10,11 +10,12 @@ namespace terrazzo::texture_nib {
 namespace {
 
 constexpr int kReach = 3, kSide = 2 * kReach + 1;
-constexpr std::size_t kFew = 200;       // centres that a level must have
-constexpr float kReuse = 0.5f;          // how much dearer a source becomes with each patch that uses it
-constexpr std::size_t kValues = 16384;  // of the region's, at most, that tell its distribution
+constexpr std::size_t kFew = 200;       // centers that a level must have
+constexpr float kReuse = 0.5f;          // relative cost added to a source by each patch that uses it
+constexpr std::size_t kValues = 16384;  // most values of the region sampled for its distribution
 
-// How many patches use each source: a hash table, so that it costs what the hole is large, not the picture.
+// Counts the patches that use each source, in a hash table so that cost depends on the size of the hole, not
+// of the picture.
 class UseCount {
  public:
   int count(std::int32_t source) const {
@@ -43,7 +44,7 @@ class UseCount {
   std::size_t slot(std::int32_t source) const {
     return mix64(static_cast<std::uint64_t>(source)) & (entry_.size() - 1);
   }
-  // Leaves out what is no longer in use.
+  // Drops entries that are no longer in use.
   void grow() {
     std::vector<Entry> old(2 * entry_.size());
     old.swap(entry_);
@@ -78,7 +79,7 @@ void prepare(SourceLevel& s) {
     }
   s.usable.assign(s.color.size(), 0);
   for (const auto c : s.centers) s.usable[c] = 1;
-  // Values of the region, evenly picked.
+  // Values of the region, evenly sampled.
   std::vector<std::size_t> region;
   for (std::size_t i = 0; i < s.inside.size(); ++i)
     if (s.inside[i]) region.push_back(i);
@@ -108,7 +109,7 @@ HolePicture halved(const HolePicture& in) {
   return out;
 }
 
-// Steps from the hole's edge, 1 at the rim; 0 outside of it.
+// Steps from the hole's edge: 1 at the rim, 0 outside.
 std::vector<int> depth_of(const HolePicture& t) {
   std::vector<int> depth(t.state.size(), 0);
   std::vector<std::size_t> ring, next;
@@ -133,12 +134,12 @@ std::vector<int> depth_of(const HolePicture& t) {
   }
   int deepest = 1;
   for (const int d : depth) deepest = std::max(deepest, d);
-  for (std::size_t i = 0; i < depth.size(); ++i)  // what no known pixel leads to
+  for (std::size_t i = 0; i < depth.size(); ++i)  // not reachable from known pixels
     if (t.state[i] == HoleState::Hole && depth[i] == 0) depth[i] = deepest + 1;
   return depth;
 }
 
-// One level: patches of the target and the source's that look most like them.
+// One level: the target's patches and their best matches in the source.
 class Filler {
  public:
   Filler(const SourceLevel& source, HolePicture& target, std::uint64_t seed, std::uint64_t stream,
@@ -146,7 +147,7 @@ class Filler {
       : s_(source), t_(target), seed_(seed), stream_(stream), work_(work), depth_(depth_of(target)) {
     known_.assign(t_.state.size(), 0);
     match_.assign(t_.state.size(), -1), distance_.assign(t_.state.size(), 0);
-    // Patches that reach into the hole.
+    // Find the patches that overlap the hole.
     std::vector<std::uint8_t> near(t_.state.size(), 0);
     for (int y = 0; y < t_.height; ++y)
       for (int x = 0; x < t_.width; ++x)
@@ -160,7 +161,7 @@ class Filler {
     }
   }
 
-  // From the rim inwards, each pixel from what is known around it.
+  // Fills from the rim inwards, each pixel from the known pixels around it.
   void peel(int tries) {
     std::vector<std::size_t> order = patches_;
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return depth_[a] < depth_[b]; });
@@ -171,7 +172,7 @@ class Filler {
       if (t_.state[p] == HoleState::Hole) t_.color[p] = s_.color[match_[p]], known_[p] = 1;
     }
   }
-  // The next coarser level's matches, so that the means begin where they were.
+  // Starts from the next coarser level's matches, so that means continue from there.
   void take(const Filler& coarse) {
     for (std::size_t k = 0; k < patches_.size(); ++k) {
       check(k);
@@ -199,8 +200,9 @@ class Filler {
     }
   }
 
-  // Every hole pixel becomes the mean of what the patches over it say, the likelier and the nearer to the rim
-  // the more; or of their pixels the one nearest to that mean.
+  // Sets every hole pixel to the mean of the source pixels that the patches over it propose. Better matches
+  // and patches nearer to the rim have more weight. If not `mean`, sets it to the proposed pixel nearest to
+  // that mean.
   void vote(bool mean) {
     measure();
     std::vector<float> sorted;
@@ -242,7 +244,7 @@ class Filler {
     if (mean) spread();
   }
 
-  // Gives the hole the region's distribution of each channel: means of patches lose what is rare.
+  // Matches the hole to the region's distribution of each channel, because means of patches lose rare values.
   void spread() {
     std::vector<std::size_t> order;
     for (const auto p : patches_)
@@ -258,7 +260,7 @@ class Filler {
   const std::vector<std::int32_t>& chosen() const { return chosen_; }
 
  private:
-  // A stroke may fill a whole picture: one sweep over it takes seconds.
+  // Checks for cancellation. A stroke may fill a whole picture, and one sweep over it takes seconds.
   void check(std::size_t k) const {
     if (k % 256 == 0) work_.check();
   }
@@ -292,7 +294,7 @@ class Filler {
     }
   }
 
-  // Mean squared difference over what is known of the patch.
+  // Mean squared difference over the known pixels of the patch.
   float mismatch(std::size_t p, std::int32_t m, float limit) const {
     const int x = static_cast<int>(p) % t_.width, y = static_cast<int>(p) / t_.width;
     const int u0 = std::max(-kReach, -x), u1 = std::min(kReach, t_.width - 1 - x);

@@ -6,10 +6,9 @@
 
 namespace terrazzo::texture_nib {
 
-// Gives the dab's pixels colours of the region. Patches: so that every patch looks like one of the region.
-// Where the region is smaller than a patch, and for Colors: those of the pixel of the same level there whose
-// surroundings look most alike, found among the sources of the neighbours, shifted, and random ones
-// (Ashikhmin 2001).
+// Gives the dab's pixels colors of the region. Patches: so that every patch looks like one of the region.
+// Colors, or a region smaller than a patch: the color of the region pixel of the same level with the most
+// similar neighborhood, found among the neighbors' sources, shifted, and random ones (Ashikhmin 2001).
 void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work& work) {
   if (manner_.finish == Finish::Patches && !source_pyramid_->front().centers.empty())
     complete_patches(footprint, work);
@@ -83,7 +82,7 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
       for (int v = -1; v <= 1; ++v)
         for (int u = -1; u <= 1; ++u) {
           if (x + u < 0 || y + v < 0 || x + u >= w || y + v >= h) continue;
-          // Of an unpainted neighbour inside the region its own place is the source.
+          // The source of an unpainted neighbor inside the region is its own place.
           const std::size_t q = picture_.index(x + u, y + v);
           const std::int32_t s = source_[q] >= 0 ? source_[q]
                                  : !occupied_[q] && texture_.level[q] != kNoLevel

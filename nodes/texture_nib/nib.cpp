@@ -54,8 +54,8 @@ Rectangle Nib::bounds(const std::vector<std::uint32_t>& pixels) const {
   return pixels.empty() ? Rectangle{} : r;
 }
 
-// Counts a pixel's pairs in (sign 1) or out (−1), as if it had `level`; only those with painted pixels where
-// the pixel itself is not painted.
+// Adds a pixel's pairs to the counts (sign 1) or removes them (−1), as if it had `level`. If `painted_only`,
+// counts only pairs with painted pixels.
 void Nib::add(std::uint32_t pixel, int level, int sign, bool painted_only) {
   const std::size_t at = (pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_;
   const int levels = texture_.levels.count(), width = texture_.width;
@@ -82,9 +82,9 @@ void Nib::clear(std::uint32_t pixel) {
       static_cast<std::uint8_t>(texture_.levels.count());
 }
 
-// With the pixel taken out and K the pairs that there will be, level t adds (2·(C − K·p) + 1) / K² for each
-// of its entries, C − K·p being the difference to what is wanted, and 2 / K² more where both are one entry.
-// Returns −1 where no neighbour says anything.
+// Returns the level with the least error, or −1 if no neighbor has a level. With the pixel taken out and K
+// future pairs, level t adds (2·(C − K·p) + 1) / K² for each of its entries, where C − K·p is the difference
+// from the goal, and 2 / K² more where both are the same entry.
 template <int Vectors>
 int Nib::best_level(std::uint32_t pixel) const {
   constexpr int width = Vectors * kLanes;
@@ -161,7 +161,7 @@ void Nib::set_level(std::uint32_t pixel, int level) {
 Rectangle Nib::dab(const std::vector<std::uint32_t>& footprint, const Work& work) {
   if (footprint.empty()) return {};
   ++dabs_;
-  // What lies under the nib and is not painted yet is about to go: it is no context.
+  // Unpainted pixels under the nib are about to be replaced: they are no context.
   for (const auto p : footprint)
     if (!occupied_[p]) clear(p);
   std::vector<std::uint32_t> order = footprint;

@@ -1,4 +1,4 @@
-// The context-sensitive nib (Malzbender and Spach 1993, section 4): a picture, one texture, and what was
+// The context-sensitive nib (Malzbender and Spach 1993, section 4): a picture, one texture, and the pixels
 // painted with it so far.
 #pragma once
 
@@ -15,33 +15,34 @@
 
 namespace terrazzo::texture_nib {
 
-// What becomes of the levels painted. Levels: their colours (the paper's). Colors: those of the region's
-// pixels of the same level whose surroundings look alike. Patches: the region's pixels, laid so that every
-// patch looks like one of the region (complete()), whatever their level; Colors where the region is smaller
-// than a patch.
+// How painted levels become colors. Levels: the levels' colors, as in the paper. Colors: colors of region
+// pixels with the same level and similar neighborhoods. Patches: the region's pixels, arranged so that every
+// patch looks like one of the region (complete()), whatever their level; same as Colors if the region is
+// smaller than a patch.
 enum class Finish { Levels, Colors, Patches };
 
-// How the pixels of a dab are visited.
+// Settings for painting a dab.
 struct NibManner {
-  int passes = 4;  // every pixel is visited once before any is visited a second time
+  int passes = 4;  // visits per pixel; every pixel is visited once before any is visited again
   Finish finish = Finish::Patches;
   std::uint64_t seed = 1;
 };
 
-// Pixels [x0, x1) × [y0, y1); nothing where x1 ≤ x0.
+// Pixels [x0, x1) × [y0, y1); empty if x1 ≤ x0.
 struct Rectangle {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
 class Nib {
  public:
-  // Paints on the picture's first section. Everything is a function of these and of the strokes.
+  // Paints on the picture's first section. Results depend only on these arguments and on the strokes.
   Nib(Image picture, NibTexture, NibManner);
 
-  // A stroke, whole: dabs along its line, one a segment, or one dab for an area. Strokes may be given point
-  // by point as well, with the same result. Returns what changed. Throws Error "bad-stroke".
+  // Paints a whole stroke: one dab per segment of its line, or one dab for an area. Painting point by point,
+  // with begin_stroke and extend_stroke, has the same result. Returns the changed rectangle. Throws Error
+  // "bad-stroke".
   Rectangle paint(const Stroke&, const Work& = {});
-  // One dab on these pixels, by number, rising and each once.
+  // Paints one dab on these pixels. Pixel numbers must be rising, without duplicates.
   Rectangle paint(const std::vector<std::uint32_t>& pixels, const Work& work = {}) {
     return dab(pixels, work);
   }
@@ -50,13 +51,14 @@ class Nib {
 
   const Image& picture() const { return picture_; }
   const NibTexture& texture() const { return texture_; }
-  // B_r: the level of each pixel, kNoLevel where its colour is none of the nib's.
+  // B_r: the level of each pixel, kNoLevel where its color is not in the texture.
   const std::vector<std::uint8_t>& base_relative() const { return base_; }
-  // O: 1 where the nib has been.
+  // O: 1 where the nib has painted.
   const std::vector<std::uint8_t>& occupancy() const { return occupied_; }
 
-  // Pairs of pixels at each offset, both with a level and one at least painted, [offset][home][remote]; their
-  // sums are the paper's K_d. What is kept up to date, and what a fresh measurement gives.
+  // Counts of pixel pairs at each offset where both have a level and at least one is painted,
+  // [offset][home][remote]; their sums are the paper's K_d. counts() is updated incrementally; fresh_counts()
+  // measures again.
   std::vector<std::int32_t> counts() const;
   std::vector<std::int32_t> fresh_counts() const;
   // E over the offsets that have pairs.
@@ -64,7 +66,7 @@ class Nib {
 
  private:
   Rectangle dab(const std::vector<std::uint32_t>& footprint, const Work&);
-  void clear(std::uint32_t pixel);  // takes an unpainted pixel's level away
+  void clear(std::uint32_t pixel);  // removes an unpainted pixel's level
   void visit(std::uint32_t pixel, std::uint64_t item);
   void place(std::uint32_t pixel, int level);      // paints a pixel that is taken out
   void set_level(std::uint32_t pixel, int level);  // of a painted pixel
@@ -86,8 +88,8 @@ class Nib {
   std::vector<std::ptrdiff_t> step_;
   std::vector<std::int32_t> by_home_, by_remote_;
   std::vector<std::int64_t> pairs_;
-  std::vector<Vec3f> position_;       // colours now, in the levels' space
-  std::vector<std::int32_t> source_;  // the region's pixel whose colour a painted pixel has, or −1
+  std::vector<Vec3f> position_;       // current colors, in the levels' space
+  std::vector<std::int32_t> source_;  // the region pixel that a painted pixel's color comes from, or −1
   std::shared_ptr<const SourcePyramid> source_pyramid_;
   std::uint64_t dabs_ = 0;
   double radius_ = 0;

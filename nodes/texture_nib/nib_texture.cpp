@@ -16,7 +16,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   for (std::size_t i = 0; i < region.size(); ++i)
     if (region[i]) colors.push_back(picture.pixels[i]);
   if (colors.empty())
-    throw Error("no-pixels", "the region holds no pixel of the picture", "draw it inside the picture")
+    throw Error("no-pixels", "the region contains no pixel of the picture", "draw it inside the picture")
         .parameter("region");
   t.levels = color_levels(colors, s.levels, s.space, s.seed, work);
   const int levels = t.levels.count();
@@ -30,7 +30,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   for (std::size_t i = 0; i < region.size(); ++i) {
     if (i % 4096 == 0) work.check();
     if (!picture.pixels[i].allFinite())
-      throw Error("bad-pixels", "the picture has pixels that are not numbers", "repair it before this node");
+      throw Error("bad-pixels", "the picture contains NaN or infinity", "repair it before this node");
     t.positions[i] = t.levels.position(picture.pixels[i]);
     if (!region[i]) continue;
     float d = 0;
@@ -42,7 +42,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   }
   for (int k = 1; k < levels; ++k)
     t.histogram[static_cast<std::size_t>(k)] += t.histogram[static_cast<std::size_t>(k - 1)];
-  // All but the region's own outliers belong to it.
+  // Exclude the region's own outliers.
   const auto far =
       distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(distances.size() - 1) * 0.99);
   std::nth_element(distances.begin(), far, distances.end());
@@ -60,8 +60,8 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
     if (c.pairs[d] == 0)
       throw Error(
           "too-small",
-          fmt::format("no two pixels of the region lie ({}, {}) apart", t.offsets[d].x(), t.offsets[d].y()),
-          "the region must be larger than the kernel: enlarge it, or make extent or scales smaller")
+          fmt::format("the region has no two pixels at offset ({}, {})", t.offsets[d].x(), t.offsets[d].y()),
+          "the region must be larger than the kernel: enlarge it, or reduce extent or scales")
           .parameter("region");
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {

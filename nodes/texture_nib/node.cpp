@@ -12,13 +12,13 @@ namespace {
 
 using namespace texture_nib;
 
-// Where the texture is learnt: the mask, the region, or all that is not painted.
+// The region whose texture is learned: the mask, the parameter, or all pixels not painted.
 std::vector<std::uint8_t> region_of(Context& c, const Image& picture, const Strokes& strokes,
                                     const std::vector<std::uint8_t>& fill, int reach) {
   const bool written = c.keyword("region").empty();
   if (c.has("region_mask")) {
     if (written)
-      throw Error("two-regions", "there is a region_mask, and a region is written", "keep one of them")
+      throw Error("two-regions", "both region_mask and region are set", "keep only one of them")
           .parameter("region");
     return mask_of(c.value("region_mask"), picture, "region_mask");
   }
@@ -33,10 +33,10 @@ void compute(Context& c) {
   const Image& picture = c.input<Image>("image");
   if (picture.pixels.empty()) throw Error("no-pixels", "the picture has no pixels");
   if (picture.sections > 1)
-    throw Error("several-sections", fmt::format("the picture is a stack of {} sections", picture.sections),
-                "paint on one at a time");
+    throw Error("several-sections", fmt::format("the picture has {} sections", picture.sections),
+                "select a single section");
   if (!c.has("strokes") && !c.has("fill"))
-    throw Error("nothing-to-paint", "neither strokes nor fill are connected",
+    throw Error("nothing-to-paint", "neither strokes nor fill is connected",
                 "connect a Strokes or LoadStrokes node, or a mask");
   Strokes strokes;
   if (const auto* s = c.optional<Strokes>("strokes")) strokes = *s;
@@ -79,60 +79,58 @@ void compute(Context& c) {
 NodeType texture_nib_node() {
   return NodeType("TextureNib", 2)
       .doc_(
-          "Paints a region's texture along strokes so that it grows out of what surrounds it; also erases "
-          "things from "
-          "textured pictures")
+          "Paints a region's texture along strokes so that it grows out of its surroundings. Also erases "
+          "objects from textured pictures.")
       .source_(
           "Malzbender and Spach 1993, section 4; finish patches: completion after Wexler, Shechtman and "
-          "Irani "
-          "2007 and Barnes et al. 2009")
-      .input("image", "Image", "one section")
-      .optional_input("strokes", {"Strokes"}, "where the nib goes")
-      .optional_input("fill", {"Labels", "Image"},
-                      "an area to paint after the strokes: labels other than 0, or brighter than 0.2")
+          "Irani 2007 and Barnes et al. 2009")
+      .input("image", "Image", "Picture with one section")
+      .optional_input("strokes", {"Strokes"}, "Strokes to paint")
+      .optional_input(
+          "fill", {"Labels", "Image"},
+          "Area to paint after the strokes: pixels with a label other than 0, or with a brightness over 0.2")
       .optional_input("region_mask", {"Labels", "Image"},
-                      "the region whose texture is painted, in the place of the parameter")
-      .output("image", "Image", "the picture painted on")
+                      "Region whose texture is painted, instead of the parameter region")
+      .output("image", "Image", "Painted picture")
       .output("base_relative", "Image",
-              "the picture in the texture's levels, magenta where its colours are none of them")
-      .output("occupancy", "Image", "white where the nib has been")
+              "Picture in the texture's levels, magenta where its colors are not in the texture")
+      .output("occupancy", "Image", "White where the nib has painted")
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "region", "rest")
                      .count(4, 4096)
                      .range(-1e6, 1e6)
                      .unit_("pixels")
-                     .doc_("Whose texture is painted: x, y, width, height, or a polygon's corners, x and y "
-                           "in turn; rest: all "
-                           "that is not painted"))
+                     .doc_("Region whose texture is painted: x, y, width, height, or a polygon's corners, x "
+                           "and y in turn. rest: all pixels that are not painted."))
       .parameter(Parameter::integer("levels", 8)
                      .range(2, kMostLevels)
-                     .doc_("Colours of the texture, found by k-means"))
+                     .doc_("Number of colors of the texture, found by k-means"))
       .parameter(Parameter::choice("space", "oklab", {"oklab", "rgb"})
-                     .doc_("Where colours are compared: Oklab, or RGB as displays show it (the paper's), "
-                           "each from 0 to 1"))
+                     .doc_("Color space for comparison, with values from 0 to 1: Oklab, or display-encoded "
+                           "RGB (as in the paper)"))
       .parameter(Parameter::integer("extent", 3)
                      .range(1, 16)
                      .unit_("pixels")
-                     .doc_("Offsets go up to ± this in x and y: 3 is a kernel of 7 × 7"))
-      .parameter(Parameter::integer("scales", 1)
-                     .range(1, 8)
-                     .doc_("The offsets are also taken 2, 4, … times as long, up to 2^(scales − 1)"))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "threshold", "auto")
-                     .range(0, 10)
-                     .doc_("φ: a pixel whose colour is farther than this from all levels says nothing to the "
-                           "nib; in units of "
-                           "space. auto: 1.25 times what 99 % of the region keep"))
-      .parameter(Parameter::integer("passes", 4)
-                     .range(1, 1000)
-                     .doc_("How often each pixel of a dab is visited; all once before any a second time"))
+                     .doc_("Largest offset in x and y, in both directions. 3 is a kernel of 7 × 7 pixels."))
+      .parameter(
+          Parameter::integer("scales", 1)
+              .range(1, 8)
+              .doc_("Number of scales. Offsets are also used 2, 4, … times as long, up to 2^(scales − 1)."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Number, "threshold", "auto")
+              .range(0, 10)
+              .doc_(
+                  "Threshold φ in units of space: pixels whose color is farther than this from all levels "
+                  "are ignored. auto: 1.25 times the distance that 99 % of the region's pixels stay within."))
+      .parameter(
+          Parameter::integer("passes", 4)
+              .range(1, 1000)
+              .doc_("Visits per pixel of a dab. Every pixel is visited once before any is visited again."))
       .parameter(Parameter::choice("finish", "patches", {"levels", "colors", "patches"})
-                     .doc_("levels: the texture's few colours, the paper's. colors: those of the region's "
-                           "pixels of the same "
-                           "level in like surroundings. patches: the region's pixels, laid from coarse to "
-                           "fine so that every patch looks like one of the region, levels following: shapes "
-                           "survive"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Of the order of visits and the search"))
+                     .doc_("levels: the clustered colors, as in the paper. colors: colors of region pixels "
+                           "with the same level and similar neighborhoods. patches: the region's pixels, "
+                           "arranged from coarse to fine so that every patch looks like one of the region. "
+                           "Shapes survive, and the levels are updated to match."))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
       .compute_(compute);
 }
 

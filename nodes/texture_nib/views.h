@@ -6,9 +6,9 @@
 
 namespace terrazzo::texture_nib {
 
-// B_r in the levels' colours; magenta, which no texture has, where a colour is none of the nib's.
+// B_r in the levels' colors; magenta, which no texture has, where the color is not in the texture.
 Image base_relative_view(const Nib&);
-// O: white where the nib has been, else black.
+// O: white where the nib has painted, else black.
 Image occupancy_view(const Nib&);
 
 }  // namespace terrazzo::texture_nib

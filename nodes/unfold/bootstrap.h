@@ -1,4 +1,4 @@
-// Intervals by drawing the observed profiles again.
+// Bootstrap intervals over the observed profiles.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,12 @@ struct Intervals {
   std::vector<double> low, high;  // 5 % and 95 % quantiles
 };
 
-// `estimate` gets the weights of one repetition (some zero), the ratio of the areas seen then and now, and
-// random numbers of its own. Each profile comes back a Poisson number of times of mean 1, for the number of
-// profiles is random too; from 10 sections on, whole sections are drawn instead, so that what differs between
-// them counts: one fewer than there are, weighted up (Rao and Wu 1988), else few sections seem too much
-// alike. The same seed and stream: the same bits.
+// Resamples the profiles and calls `estimate` with the weights of one repetition (some zero), the ratio of
+// its covered area to the original one, and a random stream for that repetition. Each profile appears a
+// Poisson number of times with mean 1, because the number of profiles is random too. From 10 sections on,
+// whole sections are resampled instead, so that the differences between sections count: one section fewer
+// than there are, weighted up (Rao and Wu 1988); otherwise the variance between few sections would be
+// underestimated. Equal seed and stream yield identical bits.
 Intervals bootstrap(const Observation&, int sections, int repetitions, std::uint64_t seed,
                     std::uint64_t stream,
                     const std::function<Eigen::VectorXd(const std::vector<double>& weights, double area_ratio,

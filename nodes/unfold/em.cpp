@@ -10,10 +10,10 @@
 namespace terrazzo {
 namespace {
 
-// ½·1.645²: what a one-sided test at 5 % asks of a log likelihood.
+// ½·1.645²: the log-likelihood drop at which a one-sided test at 5 % rejects.
 constexpr double kDrop = 1.353;
 
-// Weighted profiles carry the information of Σw²/Σw fewer: counts and exposure are both divided by that.
+// Weighted profiles carry less information, by the factor Σw²/Σw: counts and exposure are both divided by it.
 double mean_weight(const Observation& q) {
   double sum = 0, squares = 0;
   for (const double w : q.weight) sum += w, squares += w * w;

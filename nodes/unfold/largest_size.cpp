@@ -18,8 +18,8 @@ double estimate_d_max(const Observations& o, const KMatrix& k, int classes, doub
     const double d = o.largest * (1 + 1e-9) * std::pow(kRatio, static_cast<double>(c));
     const UnfoldModel model = make_model(k, classes, d, smallest_visible);
     const std::vector<double> sizes(model.edges.begin() + model.first, model.edges.end());
-    // The same fine profile classes for all candidates up to the largest profile; one more for what was not
-    // seen.
+    // All candidates share the fine profile classes up to the largest profile. One more class covers the
+    // sizes above it, where no profile was seen.
     std::vector<double> fine;
     const double lo = std::max(smallest_visible, 0.0), hi = o.largest * (1 + 1e-9);
     for (int i = 0; i <= kFine; ++i) fine.push_back(lo + (hi - lo) * i / kFine);
@@ -30,7 +30,7 @@ double estimate_d_max(const Observations& o, const KMatrix& k, int classes, doub
       if (q.size.empty()) continue;
       work.check();
       const Counts n = count(q.size, q.weight, fine);
-      // Weights count as that many profiles only in the mean: the information is that of Σw²/Σw fewer.
+      // Weighted profiles carry less information, by the factor Σw²/Σw.
       const double information = n.sum.sum() / n.squares.sum();
       sum += information * poisson_fit(m, n.sum, kIterations).log_likelihood;
     }

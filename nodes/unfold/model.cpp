@@ -23,10 +23,12 @@ void check(const KMatrix& k) {
           e.probability >= 0) ||
         !std::isfinite(e.mean_caliper * e.max_section_area * e.volume * e.profiles_per_caliper *
                        e.probability))
-      bad(fmt::format("shape {} of the K matrix has no caliper, largest section, volume or probability", i));
+      bad(fmt::format(
+          "shape {} of the K matrix lacks a mean caliper diameter, largest section, volume or probability",
+          i));
     if (e.cdf.size() < 2 || !std::is_sorted(e.cdf.begin(), e.cdf.end()) || !(e.cdf.front() >= 0) ||
         !(std::abs(e.cdf.back() - 1) < 1e-6))
-      bad(fmt::format("shape {} of the K matrix has no distribution of section areas", i));
+      bad(fmt::format("shape {} of the K matrix has no valid distribution of section areas", i));
   }
 }
 
@@ -57,24 +59,23 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
     throw Error(
         "nothing-visible",
         fmt::format(
-            "the smallest visible size, {:.4g} mm, is not below that of the largest particle, {:.4g} mm",
-            smallest_visible, d_max),
-        "lower it")
+            "smallest_visible must be below the size of the largest particle, {:.4g} mm; it is {:.4g} mm",
+            d_max, smallest_visible),
+        "lower smallest_visible")
         .parameter("smallest_visible");
   while (m.edges[m.first + 1] <= smallest_visible) ++m.first;
-  // Smaller particles show nothing, so none are made up: their class begins where sight does.
+  // Smaller particles show no visible profile, so the first class starts at the smallest visible size.
   m.edges[m.first] = std::max(m.edges[m.first], smallest_visible);
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);
   for (int j = 0; j < m.visible(); ++j)
     if (!(m.matrix.col(j).sum() > 0))
-      throw Error(
-          "bad-kmatrix",
-          fmt::format("by the K matrix, particles of {:.4g} to {:.4g} mm show no profile of {:.4g} mm or "
-                      "more, so nothing can be said of them",
-                      sizes[j], sizes[j + 1], smallest_visible),
-          "check the shapes, or lower smallest_visible");
+      throw Error("bad-kmatrix",
+                  fmt::format("according to the K matrix, particles of {:.4g} to {:.4g} mm show no profile "
+                              "of {:.4g} mm or more, so their density cannot be estimated",
+                              sizes[j], sizes[j + 1], smallest_visible),
+                  "check the shapes, or lower smallest_visible");
   double total = 0, unit = 0;
   for (const auto& e : k.shapes)
     total += e.probability, unit += e.probability * e.volume / std::pow(size_of(e), 3);
@@ -88,7 +89,7 @@ Counts count(const std::vector<double>& sizes, const std::vector<double>& weight
   const auto n = static_cast<Eigen::Index>(edges.size()) - 1;
   Counts c{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
-    // Classes are (lower, upper], as in the paper; the first takes its lower edge too.
+    // Classes are (lower, upper], as in the paper; the first includes its lower edge too.
     const auto at = std::lower_bound(edges.begin(), edges.end(), sizes[i]) - edges.begin();
     if (at > n || (at == 0 && sizes[i] < edges[0])) continue;
     const Eigen::Index k = std::max<Eigen::Index>(at - 1, 0);

@@ -1,4 +1,4 @@
-// The linear model of unfolding: what profile densities a size distribution shows.
+// The linear model of unfolding: the profile densities that a size distribution shows.
 #pragma once
 
 #include <vector>
@@ -9,29 +9,28 @@
 
 namespace terrazzo {
 
-// Sizes and profiles in equal classes of [0, d_max], several shapes mixed by their probabilities (Jagnow et
-// al. 2004, eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left
-// out.
+// Sizes and profiles in equal classes of [0, d_max], shapes mixed by their probabilities (Jagnow et al. 2004,
+// eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left out.
 struct UnfoldModel {
-  std::vector<double> edges;          // n + 1, mm; that of `first` raised to smallest_visible
+  std::vector<double> edges;          // n + 1, mm; edge `first` is raised to smallest_visible
   int first = 0;                      // first visible class
-  std::vector<double> profile_edges;  // of the visible classes; the first starts at smallest_visible
-  Eigen::MatrixXd matrix;  // N_A (per mm²) of visible classes = matrix (mm) · N_V (per mm³) of those
-  Eigen::VectorXd volume;  // mean volume of a particle of each visible class, mm³
-  bool upper_edge = false;
+  std::vector<double> profile_edges;  // of the visible classes, mm; the first ≥ smallest_visible
+  Eigen::MatrixXd matrix;             // visible classes: N_A (per mm²) = matrix (mm) · N_V (per mm³)
+  Eigen::VectorXd volume;             // mean volume of a particle of each visible class, mm³
+  bool upper_edge = false;            // sizes at the upper edge of their class rather than uniform
 
   int classes() const { return static_cast<int>(edges.size()) - 1; }
   int visible() const { return classes() - first; }
 };
 
-// Throws Error "bad-kmatrix" where it lacks what is needed, "nothing-visible" where smallest_visible ≥ d_max.
+// Throws Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
 UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible);
 
-// The same for other profile classes: rows between `profile_edges`, columns as in the model.
+// The model matrix for other classes: a row per profile class, a column per size class.
 Eigen::MatrixXd model_matrix(const KMatrix&, const std::vector<double>& profile_edges,
                              const std::vector<double>& size_edges, bool upper_edge);
 
-// Weighted counts of sizes in the classes between `edges`; sizes outside are left out.
+// Weighted counts of sizes in the classes between `edges`; sizes outside are ignored.
 struct Counts {
   Eigen::VectorXd sum, squares;  // Σw and Σw² per class
 };

@@ -10,7 +10,7 @@ namespace terrazzo {
 
 Eigen::VectorXd nnls(const Eigen::MatrixXd& A_in, const Eigen::VectorXd& b) {
   const Eigen::Index n = A_in.cols();
-  // Columns of unit length: the test of what may enter does not depend on units.
+  // Scale columns to unit length, so that the test for entering the free set does not depend on units.
   Eigen::VectorXd scale = A_in.colwise().norm().transpose();
   for (auto& s : scale) s = s > 0 ? s : 1;
   const Eigen::MatrixXd A = A_in * scale.cwiseInverse().asDiagonal();
@@ -30,8 +30,8 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& A_in, const Eigen::VectorXd& b) {
     return z;
   };
 
-  // Each round frees one column and the loop inside binds those that would turn negative; the residual falls
-  // every time, so it ends; the bound guards against rounding.
+  // Each round frees one column, and the inner loop binds those that would turn negative. The residual falls
+  // every round, so the loop terminates; the bound guards against rounding.
   for (Eigen::Index round = 0; round < 10 * n + 10; ++round) {
     const Eigen::VectorXd gradient = A.transpose() * (b - A * x);
     Eigen::Index enter = -1;

@@ -80,25 +80,24 @@ void compute(Context& c) {
     negative = std::max(negative, f.negative), freedom += f.freedom, jumps += f.jumps;
   }
   if (negative > 0)
-    c.warn(
-        fmt::format("{:.0f} % of the densities came out negative and were set to zero; method: em "
-                    "constrains them instead",
-                    100 * negative));
+    c.warn(fmt::format(
+        "{:.0f} % of the densities were negative and were set to zero; method: em keeps densities positive",
+        100 * negative));
   if (!r.observations.relative && std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
-    c.warn(fmt::format("the densities fill {:.3g} of the volume, but profiles cover {:.3g} of the section",
-                       r.distribution.volume_fraction, fraction));
+    c.warn(fmt::format(
+        "the estimated particles fill {:.3g} of the volume, but the profiles cover {:.3g} of the section",
+        r.distribution.volume_fraction, fraction));
   const int asked = c.input<KMatrix>("kmatrix").classes;
   if (o.classes == 0 && r.model.classes() < asked)
     c.warn(fmt::format(
-        "{} profiles tell {} classes apart, not the {} of the K matrix; set classes to have another "
-        "number",
+        "{} profiles support only {} size classes, not the {} of the K matrix; set classes to override this",
         r.observations.used, r.model.classes(), asked));
   if (r.observations.relative)
     c.warn(
-        "the area observed is unknown: densities are relative, their sum is 1; set observed_area where the "
+        "the observed area is unknown, so densities are relative and sum to 1; set observed_area where the "
         "profiles are loaded, or area_fraction here");
   if (static_cast<int>(r.observations.used) < r.model.visible())
-    c.warn(fmt::format("{} profiles for {} classes: use fewer classes or a larger picture",
+    c.warn(fmt::format("only {} profiles for {} classes: use fewer classes or a larger photograph",
                        r.observations.used, r.model.visible()));
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
@@ -128,60 +127,57 @@ void compute(Context& c) {
 NodeType unfold_node() {
   return NodeType("Unfold", 5)
       .doc_(
-          "Recovers how many particles of each size a volume holds from the sizes of profiles in its "
-          "sections. Colour classes are unfolded each on its own, shapes mixed by their probabilities.")
+          "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
+          "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12; Silverman et al. 1990 (em)")
-      .input("profiles", "Profiles", "What sections show; with the area observed")
-      .input("kmatrix", "KMatrix", "Section statistics of the particles' shapes")
+      .input("profiles", "Profiles", "Profiles observed in the sections, with the observed area")
+      .input("kmatrix", "KMatrix", "Section statistics of the particle shapes")
       .output("distribution", "SizeDistribution",
-              "Particles per mm³ by size class, for each colour class and shape")
-      .output(
-          "table", "Table",
-          "N_A observed and refitted, N_V with its interval, by class; all colours together the share of the "
-          "volume and how much of it is smaller (the sieve curve)")
-      .output("figure", "Image", "Profiles and particles as bars, and the sieve curve")
-      .parameter(
-          Parameter::choice("method", "em", {"em", "nnls", "inverse"})
-              .doc_(
-                  "em: maximum likelihood of the counts with densities that vary as smoothly as the counts "
-                  "ask "
-                  "for. nnls: densities of at least zero and least squared error, each class weighted by its "
-                  "counting error. Both hold the volume fraction to the profiles' area fraction. inverse: "
-                  "the "
-                  "paper's K⁻¹; negative densities are reported and set to zero"))
+              "Particles per mm³ by size class, for each color class and shape")
+      .output("table", "Table",
+              "N_A observed and refitted, and N_V with its interval, by size class; over all colors, the "
+              "share of the volume and the cumulative share (the sieve curve)")
+      .output("figure", "Image", "Bar charts of profiles and particles, and the sieve curve")
+      .parameter(Parameter::choice("method", "em", {"em", "nnls", "inverse"})
+                     .doc_("em: maximum likelihood of the counts; the counts choose how smooth the density "
+                           "is. nnls: nonnegative least squares, each class weighted by its counting error. "
+                           "Both hold the volume fraction to the profiles' area fraction. inverse: the "
+                           "paper's K⁻¹; negative densities are reported and set to zero."))
       .parameter(Parameter::with_keyword(ParameterKind::Int, "classes", "auto")
                      .range(1, 200)
-                     .doc_("Equal size classes from 0 to d_max; auto: as many as the K matrix has, but no "
-                           "more than 2·n^⅓ for n "
-                           "profiles"))
+                     .doc_("Number of equal size classes from 0 to d_max. auto: as many as the K matrix has, "
+                           "but at most 2·n^⅓ for n profiles."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest_visible", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
-                     .doc_("Size of the smallest profile that would have been seen: smaller ones are "
-                           "missing, not absent; auto: the smallest that was"))
-      .parameter(
-          Parameter::choice("border", "weights", {"weights", "inside", "all"})
-              .doc_("weights: profiles cut by the border left out and the others weighted for it (Miles and "
-                    "Lantuéjoul); inside: left out; all: every profile counts as it is seen"))
+                     .doc_("Size of the smallest profile that the photograph can show. Smaller profiles are "
+                           "treated as unobserved, not as nonexistent. auto: the smallest profile observed."))
+      .parameter(Parameter::choice("border", "weights", {"weights", "inside", "all"})
+                     .doc_("weights: profiles cut by the border are left out and the others weighted to "
+                           "compensate (Miles and Lantuéjoul). inside: cut profiles are left out. all: every "
+                           "profile counts once, cut ones with their visible part."))
       .parameter(Parameter::with_keyword(ParameterKind::Number, "d_max", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Size of the largest particle; auto: by maximum likelihood, at least that of the "
-                           "largest profile"))
-      .parameter(
-          Parameter::number("area_fraction", 0)
-              .range(0, 1)
-              .doc_(
-                  "Share of the section that profiles cover, where the profiles come without it; 0: unknown"))
+                     .doc_("Size of the largest particle. auto: maximum-likelihood estimate, at least the "
+                           "size of the largest profile."))
+      .parameter(Parameter::number("area_fraction", 0)
+                     .range(0, 1)
+                     .doc_("Area fraction of the section that profiles cover. Used instead of the fraction "
+                           "in the profiles. 0: use that of the profiles, if known."))
       .parameter(
           Parameter::choice("types", "mixed", {"mixed", "by_class"})
-              .doc_("What a colour class is made of: mixed: all shapes by their probabilities (eq. 10 to "
-                    "12); by_class: class 0 of the first shape, class 1 of the second … (eq. 9)"))
-      .parameter(Parameter::integer("bootstrap", 100)
-                     .range(0, 100000)
-                     .doc_("Repetitions for the 90 % intervals: profiles drawn again, from ten sections on "
-                           "whole sections; em draws what smoothing hides too; 0: none"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the bootstrap"))
+              .doc_(
+                  "Shapes of the particles of a color class. mixed: all shapes by their probabilities (eq. "
+                  "10 to 12). by_class: class 0 has the first shape, class 1 the second, and so on (eq. 9)."))
+      .parameter(
+          Parameter::integer("bootstrap", 100)
+              .range(0, 100000)
+              .doc_(
+                  "Number of bootstrap repetitions for the 90 % intervals. They resample profiles, or whole "
+                  "sections from ten sections on; em also draws the bias of smoothing. 0: no intervals."))
+      .parameter(
+          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the bootstrap"))
       .compute_(compute);
 }
 

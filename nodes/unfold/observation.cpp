@@ -14,24 +14,27 @@ namespace {
 void check(const Profiles& p) {
   if (p.profiles.empty())
     throw Error("no-profiles", "there are no profiles to unfold",
-                "look at the segmentation, or lower its smallest area");
+                "check the segmentation, or lower its smallest area");
   for (std::size_t i = 0; i < p.profiles.size(); ++i) {
     const Profile& q = p.profiles[i];
     const auto bad = [&](const std::string& what, double value) {
-      throw Error("bad-profiles",
-                  fmt::format("profile {} of {} has {} {:.4g}", i, p.profiles.size(), what, value),
-                  "remove it from the data");
+      throw Error(
+          "bad-profiles",
+          fmt::format("profile {} of {} has an invalid {}: {:.4g}", i, p.profiles.size(), what, value),
+          "remove it from the data");
     };
-    if (!(q.area > 0) || !std::isfinite(q.area)) bad("the area", q.area);
-    if (!(q.weight >= 0) || !std::isfinite(q.weight)) bad("the weight", q.weight);
-    if (q.cls < 0) bad("the class", q.cls);
+    if (!(q.area > 0) || !std::isfinite(q.area)) bad("area", q.area);
+    if (!(q.weight >= 0) || !std::isfinite(q.weight)) bad("weight", q.weight);
+    if (q.cls < 0) bad("class", q.cls);
   }
   if (!(p.observed_area >= 0) || !std::isfinite(p.observed_area))
-    throw Error("bad-profiles", fmt::format("the observed area is {} mm²", p.observed_area),
-                "give it as a number ≥ 0");
+    throw Error("bad-profiles",
+                fmt::format("the observed area must be 0 mm² or more; it is {} mm²", p.observed_area),
+                "correct the observed area, or set it to 0 if it is unknown");
   if (!(p.area_fraction >= 0 && p.area_fraction <= 1))
-    throw Error("bad-profiles", fmt::format("the area fraction is {}", p.area_fraction),
-                "it lies between 0 and 1");
+    throw Error("bad-profiles",
+                fmt::format("the area fraction must be between 0 and 1; it is {}", p.area_fraction),
+                "correct the area fraction, or set it to 0 if it is unknown");
 }
 
 }  // namespace
@@ -67,19 +70,19 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
     ++o.used;
   }
   if (o.used == 0)
-    throw Error(
-        "no-profiles",
-        fmt::format("none of {} profiles counts: {} at the border, {} below the smallest visible size",
-                    profiles.profiles.size(), o.cut, o.hidden),
-        o.cut > 0 ? "set border: all, or use a picture with particles that the border does not cut"
-                  : "lower smallest_visible");
+    throw Error("no-profiles",
+                fmt::format("none of the {} profiles can be used: {} are cut by the border, {} are below the "
+                            "smallest visible size",
+                            profiles.profiles.size(), o.cut, o.hidden),
+                o.cut > 0 ? "set border: all, or use a photograph with particles that the border does not cut"
+                          : "lower smallest_visible");
 
   const double known_fraction = area_fraction > 0 ? area_fraction : profiles.area_fraction;
   o.area = profiles.observed_area;
   o.relative = !(o.area > 0) && !(known_fraction > 0);
   if (!(o.area > 0)) o.area = all / (o.relative ? 1 : known_fraction);
   if (o.relative) return o;
-  // Cut profiles belong to the area fraction, whatever is done with their number.
+  // Cut profiles are part of the area fraction, however their number is corrected.
   for (int c = 0; c < classes; ++c)
     o.classes[c].area_fraction =
         known_fraction > 0 ? known_fraction * all_area[c] / all : std::min(1.0, counted_area[c] / o.area);

@@ -1,4 +1,4 @@
-// Maximum likelihood of Poisson counts by expectation–maximisation.
+// Maximum likelihood of Poisson counts by expectation–maximization.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,11 @@ namespace terrazzo {
 
 struct PoissonFit {
   Eigen::VectorXd x;          // ≥ 0
-  double log_likelihood = 0;  // Σ n·log μ − μ, without the constant log n!
+  double log_likelihood = 0;  // Σ n·log μ − μ, without the constant Σ log n!
 };
 
-// x ≥ 0 with μ = A·x and counts n ~ Poisson(μ), by Richardson and Lucy's iteration (Silverman et al. 1990)
-// from an even start. A ≥ 0: rows × columns; counts ≥ 0.
+// The x ≥ 0 that maximizes the likelihood of counts n ~ Poisson(μ), μ = A·x, by the Richardson–Lucy iteration
+// (Silverman et al. 1990) from a uniform start. A ≥ 0: rows × columns; counts ≥ 0.
 PoissonFit poisson_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& counts, int iterations);
 
 }  // namespace terrazzo

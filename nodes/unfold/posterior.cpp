@@ -11,8 +11,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTiny = 1e-12;     // least expected count
-constexpr double kLargestStep = 3;  // of log densities, per Newton step
+constexpr double kTiny = 1e-12;     // lower bound of expected counts
+constexpr double kLargestStep = 3;  // largest change of a log density per Newton step
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// The densities of highest posterior density under one smooth prior.
+// The maximum a posteriori densities under one smooth prior.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,16 +8,16 @@
 
 namespace terrazzo {
 
-// Log likelihood and log prior (without constants), their slope and Fisher's information. The prior's centre
-// may be moved: `shift` of D·θ, `off` of θ itself.
+// Log likelihood plus log prior (without constants), their gradient and the Fisher information. The center of
+// the prior can be moved: `shift` moves that of D·θ, `off` that of θ.
 class Posterior {
  public:
   Posterior(const SmoothPoissonProblem&, const SmoothPrior&, const Eigen::VectorXd* shift = nullptr,
             const Eigen::VectorXd* off = nullptr);
 
-  // The value at theta; x = exp(θ) and the expected counts mu beside it.
+  // The value at theta. Also returns x = exp(θ) and the expected counts mu.
   double value(const Eigen::VectorXd& theta, Eigen::VectorXd& x, Eigen::VectorXd& mu) const;
-  // `information`: its lower half.
+  // Gradient and information at theta; only the lower half of `information` is set.
   void slopes(const Eigen::VectorXd& theta, const Eigen::VectorXd& x, const Eigen::VectorXd& mu,
               Eigen::VectorXd& gradient, Eigen::MatrixXd& information) const;
 
@@ -30,11 +30,11 @@ class Posterior {
   const Eigen::VectorXd *shift_, *off_;
 };
 
-// Newton's method, damped after Levenberg, from theta to the top, until a step gains less than `enough`;
-// returns the value there. `information`: its lower half.
+// Maximizes the posterior from theta with Newton's method and Levenberg damping, until a step gains less than
+// `enough`. Returns the value at the maximum; only the lower half of `information` is set.
 double climb(const Posterior&, Eigen::VectorXd& theta, Eigen::MatrixXd& information, double enough);
 
-// Even log densities that explain the number of counts.
+// The constant log density whose expected total equals the number of counts.
 double even_level(const SmoothPoissonProblem&);
 
 }  // namespace terrazzo

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kTiny = 1e-12;  // least expected count
+constexpr double kTiny = 1e-12;  // lower bound of expected counts
 
 class Likelihood {
  public:
@@ -21,7 +21,8 @@ class Likelihood {
     return (counts_.array() * mu.array().log()).sum() - mu.sum();
   }
 
-  // Climbs until the gain ends or `enough` is reached: steps of EM, extrapolated (Varadhan and Roland 2008).
+  // Maximizes until the gain vanishes or the value reaches `enough`, by extrapolated EM steps
+  // (Varadhan and Roland 2008).
   double climb(VectorXd& x, double enough, const Work& work) const {
     double best = value(x);
     for (int round = 0; round < 120 && best < enough; ++round) {
@@ -61,7 +62,7 @@ std::vector<char> may_be_empty(const Eigen::MatrixXd& A, const VectorXd& counts,
   const double most = f.climb(x, std::numeric_limits<double>::infinity(), work);
   std::vector<char> empty(static_cast<std::size_t>(1 + *std::max_element(cls.begin(), cls.end())));
   for (std::size_t c = 0; c < empty.size(); ++c) {
-    VectorXd without = x + 1e-3 * start;  // none of the others is at zero, which EM would never leave
+    VectorXd without = x + 1e-3 * start;  // EM never leaves zero, so the other bins must start above it
     for (std::size_t j = 0; j < cls.size(); ++j)
       if (cls[j] == static_cast<int>(c)) without[static_cast<Eigen::Index>(j)] = 0;
     empty[c] = without.sum() > 0 && f.climb(without, most - drop, work) >= most - drop;

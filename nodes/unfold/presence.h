@@ -1,4 +1,4 @@
-// Which classes the counts themselves show to hold particles.
+// Which classes must hold particles according to the counts, without a smoothness assumption.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace terrazzo {
 
-// counts ~ Poisson(A·x), x ≥ 0. Per class: true where nothing in the bins j with cls[j] = class explains the
-// counts almost as well as any densities do: log likelihoods less than `drop` apart (half of a normal
-// quantile's square: a one-sided test by likelihood ratio). No smoothness is assumed, so that it cannot speak
-// for a class that nobody has seen. `start`: densities to begin with, > 0.
+// counts ~ Poisson(A·x), x ≥ 0. For each class: true if densities with zero in all its bins (cls[j] = class)
+// explain the counts almost as well as any densities do, that is, if the log likelihoods differ by less than
+// `drop` (half the square of a normal quantile: a one-sided likelihood-ratio test). No smoothness is assumed,
+// so that smoothing cannot argue for a class without profiles. `start`: initial densities, > 0.
 std::vector<char> may_be_empty(const Eigen::MatrixXd& A, const Eigen::VectorXd& counts,
                                const std::vector<int>& cls, const Eigen::VectorXd& start, double drop,
                                const Work&);

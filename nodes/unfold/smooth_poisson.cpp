@@ -18,21 +18,21 @@ using Breaks = std::vector<int>;
 using Fits = std::vector<SmoothPoissonFit>;
 
 constexpr int kOrders = 3;
-// Decades of strength, the most first: from "nothing but the unpenalised form" to "any".
+// Decades of strength, strongest first: from "only the unpenalized form" to "any form".
 struct Series {
   double first;
   int count;
 };
 constexpr Series kSeries[kOrders] = {{1e2, 8}, {1e1, 10}, {1e0, 13}};
-constexpr double kGiveUp = 25;       // log evidence below the best at which a series of strengths ends
-constexpr double kAnother = 0.5;     // chance of one more break
-constexpr int kMostBreaks = 4;       // looked for
-constexpr std::size_t kParents = 3;  // sets of breaks to which another is added
-constexpr double kNoParent = 3;      // log evidence below the best at which a set is none
-constexpr double kHopeless = 12;     // log evidence below the best at which a place for a break is given up
+constexpr double kGiveUp = 25;       // stop a series of strengths this far below the best log evidence
+constexpr double kAnother = 0.5;     // prior probability of one more break
+constexpr int kMostBreaks = 4;       // largest number of breaks searched for
+constexpr std::size_t kParents = 3;  // sets of breaks that are extended by another break
+constexpr double kNoParent = 3;      // sets this far below the best log evidence are not extended
+constexpr double kHopeless = 12;     // stop fitting a break this far below the best log evidence
 constexpr Eigen::Index kMostBins = 120;
-constexpr double kRougher =
-    0.01;  // strength in draws: intervals leave out the bias of smoothing only if it is less
+// Factor on the strength in draws: intervals exclude the bias of smoothing only if the draws smooth less.
+constexpr double kRougher = 0.01;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 double log_determinant(const Eigen::LLT<MatrixXd>& l) {
@@ -54,7 +54,7 @@ class Search {
   }
   int bins() const { return static_cast<int>(bins_); }
 
-  // All strengths of an order without breaks.
+  // Fits all strengths of an order without breaks.
   Fits without_breaks(int order, const Work& work) const {
     Fits fits;
     double strength = kSeries[order - 1].first, best = kNever;
@@ -69,8 +69,8 @@ class Search {
     return fits;
   }
 
-  // From the best fit of each order with a break less: what smoothing had to allow for a jump it need not any
-  // more, so strengths rise while that helps.
+  // Starts from the best fit of each order with one break fewer. Smoothing no longer has to accommodate the
+  // jump, so the strength rises as long as that increases the evidence.
   Fits with_break(const Breaks& breaks, const Fits& parents, double best, const Work& work) const {
     Fits fits;
     for (int order = 1; order <= kOrders; ++order) {
@@ -108,8 +108,8 @@ class Search {
     const double value = climb(Posterior(p_, prior), f.theta, information, enough);
     const Eigen::LLT<MatrixXd> factor(information);
     f.evidence = value + (prior.log_det - log_determinant(factor)) / 2 + log_prior(breaks.size());
-    // Few counts may leave the information singular by rounding. That tells nothing for or against this
-    // prior, but its densities are of no use.
+    // With few counts, rounding can make the information singular. That is no evidence for or against this
+    // prior, but its densities are unusable.
     if (!std::isfinite(f.evidence)) f.evidence = kNever;
     f.freedom = static_cast<double>(bins_) - factor.solve(prior.precision).trace();
     return f;
@@ -121,7 +121,7 @@ class Search {
   std::vector<MatrixXd> differences_;
 };
 
-// Adds what has one break more than each of `parents`; returns the likeliest sets of those.
+// Adds the sets with one break more than each of `parents`; returns the most probable of them.
 std::vector<Breaks> add_breaks(const Search& search, const std::vector<Breaks>& parents,
                                std::map<Breaks, Fits>& sets, double& best, const Work& work) {
   std::map<Breaks, const Fits*> from;
@@ -145,7 +145,7 @@ std::vector<Breaks> add_breaks(const Search& search, const std::vector<Breaks>& 
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });
   std::vector<Breaks> next;
-  if (ranked.empty() || ranked.front().first < best - 1) return next;  // one more does not help
+  if (ranked.empty() || ranked.front().first < best - 1) return next;  // another break does not help
   best = std::max(best, ranked.front().first);
   for (const auto& [evidence, breaks] : ranked)
     if (next.size() < kParents && evidence > best - kNoParent) next.push_back(breaks);

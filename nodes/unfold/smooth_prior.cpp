@@ -8,7 +8,7 @@
 namespace terrazzo {
 namespace {
 
-constexpr double kSpread = 5;  // standard deviation of a piece's log density: a factor of 150 up or down
+constexpr double kSpread = 5;  // standard deviation of a piece's mean log density: a factor of 150 up or down
 
 }  // namespace
 

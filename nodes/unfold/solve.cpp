@@ -14,7 +14,7 @@ namespace terrazzo {
 Eigen::VectorXd solve_inverse(const UnfoldModel& m, const Eigen::VectorXd& profile_density) {
   const Eigen::FullPivLU<Eigen::MatrixXd> lu(m.matrix);
   if (!lu.isInvertible())
-    throw Error("singular", "the K matrix of the visible classes cannot be inverted",
+    throw Error("singular", "the K matrix of the visible classes is singular",
                 "use fewer classes, a smaller smallest_visible, or method: em")
         .parameter("method");
   return lu.solve(profile_density);
@@ -24,7 +24,7 @@ Eigen::VectorXd solve_nnls(const UnfoldModel& m, const Counts& counts, double ar
                            double area_error) {
   const Eigen::Index n = counts.sum.size();
   const Eigen::Index rows = n + (area_fraction > 0 ? 1 : 0);
-  // A class that shows nothing is known to about one profile of mean weight.
+  // A class without profiles still has the counting error of about one profile of mean weight.
   const double total = counts.sum.sum();
   const double one = total > 0 ? counts.squares.sum() / total : 1;
   Eigen::MatrixXd A(rows, n);
@@ -39,8 +39,8 @@ Eigen::VectorXd solve_nnls(const UnfoldModel& m, const Counts& counts, double ar
     A.row(n) = m.volume.transpose() / error;
     b[n] = area_fraction / error;
   }
-  // Columns differ by orders of magnitude (a large particle weighs a thousand small ones): scale them to
-  // length one.
+  // Columns differ by orders of magnitude (a large particle weighs a thousand small ones): scale
+  // them to unit length.
   const Eigen::VectorXd length = A.colwise().norm().transpose();
   for (Eigen::Index j = 0; j < n; ++j) A.col(j) /= length[j];
   return nnls(A, b).cwiseQuotient(length);

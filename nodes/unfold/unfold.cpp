@@ -15,12 +15,12 @@ namespace {
 
 using Eigen::VectorXd;
 
-// The area fraction's own error, relative: small beside any class's, so that the solid is as full as the
-// picture.
+// Relative error of the area fraction: small compared with that of any class, so that the solid's volume
+// fraction matches the photograph.
 constexpr double kFractionError = 0.005;
 
-// How near an interval's ends may come to the density, in profiles. Above: a mean of 3 shows none one time in
-// twenty. Below: less cannot be seen.
+// Smallest distance between the density and the ends of its interval, in profiles. Above: a Poisson mean of 3
+// shows none one time in twenty. Below: fewer cannot be seen.
 constexpr double kAbove = 3, kBelow = 1.5;
 
 double smallest_seen(const Observations& o) {
@@ -35,7 +35,7 @@ struct ClassFit {
   Intervals intervals;
 };
 
-// One colour class. `em_model` is null for the other methods.
+// One color class. `em_model` is null for the other methods.
 ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, const UnfoldOptions& options,
                    const EmModel* em_model, const Work& work) {
   const Observation& q = o.classes[c];
@@ -109,7 +109,8 @@ void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, 
   }
 }
 
-// Without an area there are no densities, only their ratios: Σ N_V = 1, and the volume fraction is not known.
+// Without an area, densities are known only up to a factor: scale them to Σ N_V = 1 and leave
+// the volume fraction unknown.
 void make_relative(UnfoldResult& r) {
   double sum = 0;
   for (const auto& f : r.fits) sum += f.density.sum();
@@ -121,7 +122,7 @@ void make_relative(UnfoldResult& r) {
   r.distribution.volume_fraction = 0;
 }
 
-// The K matrix of one shape alone.
+// The K matrix restricted to one shape.
 KMatrix only(KMatrix k, std::size_t shape) {
   for (std::size_t s = 0; s < k.shapes.size(); ++s) k.shapes[s].probability = s == shape;
   return k;
@@ -133,15 +134,17 @@ bool is_finite(const UnfoldResult& r) {
   return all;
 }
 
-// With that many classes of size.
+// Unfolds with a given number of size classes.
 UnfoldResult unfold_classes(Observations o, int classes, double visible, const KMatrix& k,
                             const UnfoldOptions& options, const Work& work) {
   UnfoldResult r;
   double d_max = options.d_max;
   if (d_max > 0 && d_max < o.largest * (1 - 1e-9))
-    throw Error("too-small",
-                fmt::format("the largest profile has the size {:.4g} mm, more than d_max", o.largest),
-                "raise d_max, or leave it auto")
+    throw Error(
+        "too-small",
+        fmt::format("d_max must be at least the size of the largest profile, {:.4g} mm; it is {:.4g} mm",
+                    o.largest, d_max),
+        "raise d_max, or set it to auto")
         .parameter("d_max");
   if (d_max <= 0) d_max = estimate_d_max(o, k, classes, visible, work.part(0, 0.3));
   r.model = make_model(k, classes, d_max, visible);
@@ -150,9 +153,9 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   const bool em = options.method == "em";
   if (options.by_class && o.classes.size() > k.shapes.size())
     throw Error("wrong-count",
-                fmt::format("the profiles are of {} classes, but the K matrix has {} shapes",
+                fmt::format("the profiles have {} color classes, but the K matrix has {} shapes",
                             o.classes.size(), k.shapes.size()),
-                "give every class a shape, or set types: mixed")
+                "connect one shape per class, or set types: mixed")
         .parameter("types");
 
   SizeDistribution& out = r.distribution;
@@ -195,9 +198,8 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
   const Observations o = observe(profiles, options.border, visible, options.area_fraction);
   if (o.used < kLeast)
     throw Error("too-few-profiles",
-                fmt::format("{} profiles are too few for a distribution of sizes: {} at least are needed",
-                            o.used, kLeast),
-                "use a larger picture, or border: all");
+                fmt::format("a size distribution needs at least {} profiles; there are {}", kLeast, o.used),
+                "use a larger photograph, or border: all");
   for (int classes = options.classes > 0 ? options.classes : std::min(k.classes, classes_for(o.used));;
        --classes) {
     UnfoldResult r = unfold_classes(o, classes, visible, k, options, work);
@@ -206,14 +208,14 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
     if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes
     const std::string found =
         finite ? fmt::format(
-                     "the densities found would fill {:.3g} times the volume: with a condition number of "
-                     "{:.2g} the counting errors are blown up",
+                     "the particles found would fill {:.3g} times the volume: the condition number of {:.2g} "
+                     "amplifies the counting errors",
                      r.distribution.volume_fraction, r.condition)
                : fmt::format("{} profiles do not determine the densities of {} classes", o.used, classes);
     throw Error("unstable", found,
                 options.method == "inverse" ? "use fewer classes, or method: em"
                 : classes > 1               ? "use fewer classes"
-                                            : "use a larger picture")
+                                            : "use a larger photograph")
         .parameter("classes");
   }
 }

@@ -19,7 +19,7 @@ using unfold_study::TrueSizes;
 
 Table::Cell cell(double v) { return std::isfinite(v) ? Table::Cell(v) : Table::Cell(std::string()); }
 
-// Actual sizes and what one repetition recovers, in the classes of the estimate, as in figure 7.
+// True sizes and those recovered in one repetition, in the classes of the estimate, as in figure 7.
 Plot panel(const std::string& name, const TrueSizes& truth, const std::vector<MethodResult>& results) {
   Plot plot;
   plot.title = name, plot.x_label = "size, mm", plot.y_label = "share of particles";
@@ -46,8 +46,7 @@ void compute(Context& c) {
   o.methods = c.texts("methods");
   for (const auto& m : o.methods)
     if (m != "em" && m != "nnls" && m != "inverse" && m != "equation 4")
-      throw Error("unknown-method", "there is no method \"" + m + "\"",
-                  "em, nnls, inverse and equation 4 are known")
+      throw Error("unknown-method", "unknown method \"" + m + "\"", "use em, nnls, inverse or equation 4")
           .parameter("methods");
   o.repetitions = static_cast<int>(c.integer("repetitions"));
   o.profiles = static_cast<double>(c.integer("profiles"));
@@ -59,8 +58,9 @@ void compute(Context& c) {
   const auto& truths = c.list("distributions");
   std::vector<std::string> names = c.keyword("names").empty() ? c.texts("names") : std::vector<std::string>{};
   if (!names.empty() && names.size() != truths.size())
-    throw Error("wrong-count", fmt::format("{} names for {} distributions", names.size(), truths.size()),
-                "give one name each, or leave them out")
+    throw Error("wrong-count",
+                fmt::format("there are {} names for {} distributions", names.size(), truths.size()),
+                "set one name per distribution, or none")
         .parameter("names");
 
   Table table, densities;
@@ -85,8 +85,10 @@ void compute(Context& c) {
         densities.rows.push_back({name, r.method, r.edges[j], r.edges[j + 1],
                                   truth.between(r.edges[j], r.edges[j + 1]), r.N_V[j]});
       if (r.refused > 0)
-        c.warn(fmt::format("{} of {} repetitions by {} on {} gave densities that cannot be, and do not count",
-                           r.refused, o.repetitions, r.method, name));
+        c.warn(
+            fmt::format("{} of {} repetitions of {} on {} failed with impossible densities; they are "
+                        "excluded from the means",
+                        r.refused, o.repetitions, r.method, name));
       if (std::isfinite(r.error)) c.metric(fmt::format("error {} {}", name, r.method), r.error);
       if (std::isfinite(r.coverage)) c.metric(fmt::format("coverage {} {}", name, r.method), r.coverage);
     }
@@ -102,44 +104,40 @@ void compute(Context& c) {
 NodeType unfold_study_node() {
   return NodeType("UnfoldStudy", 4)
       .doc_(
-          "How well sizes that are known come back: draws the profiles that random planes would show, "
-          "unfolds them "
-          "by every method, many times over. All methods see the same profiles; settings that are not listed "
-          "here "
-          "are Unfold's defaults.")
+          "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "
+          "show and unfolds them with every method, many times. All methods see the same profiles. Settings "
+          "not listed here are Unfold's defaults.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 5.1 and figure 7")
-      .input_list("distributions", {"SizeDistribution"}, "The true sizes; each gives a panel")
+      .input_list("distributions", {"SizeDistribution"}, "True size distributions, one panel each")
       .input("kmatrix", "KMatrix",
-             "Section statistics of the particles' shapes, for drawing and for unfolding")
+             "Section statistics of the particle shapes, for both sampling and unfolding")
       .output("table", "Table",
-              "For each distribution and method the mean of Σ|ΔN_V|/ΣN_V, with its standard error")
-      .output("densities", "Table", "True and recovered N_V by class, of the first repetition")
-      .output("figure", "Image", "The same as bars, as in figure 7")
+              "Mean of Σ|ΔN_V|/ΣN_V for each distribution and method, with its standard error")
+      .output("densities", "Table", "True and recovered N_V by class, from the first successful repetition")
+      .output("figure", "Image", "Bar charts of the same densities, as in figure 7")
+      .parameter(Parameter::texts("methods", {"em", "nnls", "inverse", "equation 4"})
+                     .doc_("Unfolding methods to compare: em, nnls and inverse (as in Unfold), and equation "
+                           "4, the paper's method: inverse with all sizes of a class at its upper edge."))
+      .parameter(Parameter::integer("repetitions", 10).range(1, 10000).doc_("Number of observations drawn"))
       .parameter(
-          Parameter::texts("methods", {"em", "nnls", "inverse", "equation 4"})
-              .doc_(
-                  "em, nnls, inverse (as in Unfold), and equation 4: the paper's, which is inverse with all "
-                  "of a class at its upper edge"))
-      .parameter(Parameter::integer("repetitions", 10).range(1, 10000).doc_("Observations drawn"))
-      .parameter(Parameter::integer("profiles", 1200)
-                     .range(3, 5000000)
-                     .doc_("Profiles to be expected in each; their number is Poisson"))
+          Parameter::integer("profiles", 1200)
+              .range(3, 5000000)
+              .doc_("Expected number of profiles per observation. The actual number is Poisson distributed."))
+      .parameter(Parameter::integer("sections", 1)
+                     .range(1, 10000)
+                     .doc_("Number of sections that the profiles are spread over. From 10 on, the intervals "
+                           "resample whole sections."))
+      .parameter(Parameter::integer("classes", 10).range(1, 200).doc_("Number of size classes to recover"))
+      .parameter(Parameter::choice("d_max", "estimated", {"estimated", "known"})
+                     .doc_("Upper end of the size classes. estimated: as Unfold estimates it. known: the "
+                           "largest true size; it also sets smallest_visible to 0."))
+      .parameter(Parameter::integer("bootstrap", 0)
+                     .range(0, 100000)
+                     .doc_("Number of bootstrap repetitions per observation for the intervals of em and "
+                           "nnls, whose coverage is then reported. 0: no intervals."))
       .parameter(
-          Parameter::integer("sections", 1)
-              .range(1, 10000)
-              .doc_("Sections that the profiles are spread over; from 10 on intervals draw whole ones again"))
-      .parameter(Parameter::integer("classes", 10).range(1, 200).doc_("Size classes to recover"))
-      .parameter(
-          Parameter::choice("d_max", "estimated", {"estimated", "known"})
-              .doc_("Where the classes end: as Unfold estimates it, or at the largest size there is; known "
-                    "also means that the smallest profile is known to be seen"))
-      .parameter(
-          Parameter::integer("bootstrap", 0)
-              .range(0, 100000)
-              .doc_("Repetitions within each observation for the intervals of em and nnls, whose coverage is "
-                    "then told; 0: none"))
-      .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Of the distributions"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Of the profiles drawn"))
+          Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Names of the distributions"))
+      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the profiles"))
       .compute_(compute);
 }
 

@@ -20,7 +20,7 @@ TrueSizes::TrueSizes(const SizeDistribution& d) : edges_(d.class_edges), N_V_(d.
     for (std::size_t j = 0; j < N_V_.size() && j < e.N_V.size(); ++j) N_V_[j] += e.N_V[j];
   for (const double v : N_V_) total_ += v;
   if (!(total_ > 0) || !(edges_.back() > 0))
-    throw Error("no-sizes", "a distribution holds no particles", "connect one that does");
+    throw Error("no-sizes", "a distribution has no particles", "connect a distribution with particles");
 }
 
 double TrueSizes::between(double low, double high) const {
@@ -39,7 +39,7 @@ ProfileSampler::ProfileSampler(const TrueSizes& truth, const KMatrix& k) : k_(k)
   double probability = 0, seen = 0;
   for (const auto& e : k.shapes) probability += e.probability;
   if (!(probability > 0))
-    throw Error("no-shapes", "the K matrix holds no shapes", "connect one that KMatrix made of some");
+    throw Error("no-shapes", "the K matrix has no shapes", "connect the kmatrix output of a KMatrix node");
   for (std::size_t s = 0; s < k.shapes.size(); ++s) {
     const auto& e = k.shapes[s];
     const double unit = std::sqrt(4 * e.max_section_area / std::numbers::pi);
@@ -51,7 +51,7 @@ ProfileSampler::ProfileSampler(const TrueSizes& truth, const KMatrix& k) : k_(k)
     }
     auto& q = quantiles_.emplace_back(kQuantiles + 1);
     double at = 0;
-    for (int i = 0; i <= kQuantiles; ++i) {  // by bisection from the quantile before
+    for (int i = 0; i <= kQuantiles; ++i) {  // by bisection, starting at the previous quantile
       double lo = at, hi = 1;
       for (int step = 0; step < 40; ++step) {
         const double middle = (lo + hi) / 2;
@@ -66,8 +66,8 @@ ProfileSampler::ProfileSampler(const TrueSizes& truth, const KMatrix& k) : k_(k)
 Profiles ProfileSampler::sample(double expected, int sections, std::uint64_t seed, std::uint64_t repetition,
                                 const Work& work) const {
   Random random(seed, 0, repetition);
-  // The normal approximation of Poisson's law: its error is far below the spread for the numbers that matter
-  // here.
+  // Normal approximation of the Poisson distribution: for the relevant numbers its error is
+  // far below the spread.
   const double drawn = std::round(expected + std::sqrt(expected) * random.normal());
   const auto count = static_cast<std::size_t>(std::max(3.0, drawn));
   Profiles p;
@@ -80,7 +80,7 @@ Profiles ProfileSampler::sample(double expected, int sections, std::uint64_t see
     const double u = random.uniform() * sources_.back().seen;
     const auto source = std::lower_bound(sources_.begin(), sources_.end() - 1, u,
                                          [](const Source& s, double value) { return s.seen < value; });
-    // Within a class, too, larger particles are met more often.
+    // Within a class, too, planes meet larger particles more often.
     const double size = std::sqrt(random.uniform(source->low * source->low, source->high * source->high));
     const auto& q = quantiles_[source->shape];
     const double at = random.uniform() * kQuantiles;

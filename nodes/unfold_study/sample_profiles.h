@@ -1,4 +1,4 @@
-// Ideal observations: what planes through particles of known sizes show, without a border or a picture.
+// Ideal observations: profiles of planes through particles of known sizes, without a border or a photograph.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@
 
 namespace terrazzo::unfold_study {
 
-// Particles per volume below a size, from a distribution whose classes are each uniform; shapes and colour
-// classes taken together.
+// Number densities of a distribution whose sizes are uniform within each class, over all
+// shapes and color classes.
 class TrueSizes {
  public:
-  // Throws Error "no-sizes" where there are no particles.
+  // Throws Error "no-sizes" if there are no particles.
   explicit TrueSizes(const SizeDistribution&);
-  double total() const { return total_; }  // per mm³
-  double between(double low, double high) const;
+  double total() const { return total_; }         // per mm³
+  double between(double low, double high) const;  // per mm³, of sizes in mm
   double largest() const { return edges_.back(); }
   const std::vector<double>& edges() const { return edges_; }
   const std::vector<double>& density() const { return N_V_; }  // per mm³ and class
@@ -28,24 +28,25 @@ class TrueSizes {
   double total_ = 0;
 };
 
-// Draws profiles as isotropic uniform random planes see them: a particle with a chance proportional to its
-// caliper, its profile's area from the K matrix's distribution; shapes by their probabilities. The number of
-// profiles is Poisson, as that of particles placed without regard to each other.
+// Draws profiles as isotropic uniform random planes show them. The probability of a particle is proportional
+// to its caliper; the area of its profile comes from the K matrix's distribution; shapes are drawn by their
+// probabilities. The number of profiles is Poisson distributed, as for particles placed independently.
 class ProfileSampler {
  public:
   ProfileSampler(const TrueSizes&, const KMatrix&);
-  // Of the area in which `expected` profiles are to be expected. Section s of `sections` by profile number.
+  // Draws profiles in the area where `expected` profiles are expected. Profile i is in
+  // section i mod `sections`.
   Profiles sample(double expected, int sections, std::uint64_t seed, std::uint64_t repetition,
                   const Work&) const;
 
  private:
-  struct Source {            // one shape at one class of sizes
-    double low, high, seen;  // mm; profiles per mm² from here, cumulative
+  struct Source {            // one shape in one size class
+    double low, high, seen;  // size in mm; cumulative number of profiles per mm²
     std::size_t shape;
   };
   const KMatrix& k_;
   std::vector<Source> sources_;
-  std::vector<std::vector<double>> quantiles_;  // of √(A/A_max), a shape each
+  std::vector<std::vector<double>> quantiles_;  // of √(A/A_max), per shape
 };
 
 }  // namespace terrazzo::unfold_study

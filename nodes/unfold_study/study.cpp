@@ -51,8 +51,8 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
   std::vector<Trial> trials(methods * repetitions);
   work.parallel(repetitions, 1, [&](std::size_t r, std::size_t) {
     const Profiles profiles = sampler.sample(options.profiles, options.sections, options.seed, r, work);
-    double d_max =
-        options.known_d_max ? truth.largest() : 0;  // estimated once: all methods get equal classes
+    // Estimated once per repetition, so that all methods have equal classes.
+    double d_max = options.known_d_max ? truth.largest() : 0;
     for (std::size_t m = 0; m < methods; ++m) {
       work.check();
       const std::string& method = options.methods[m];

@@ -1,4 +1,4 @@
-// How well each method of unfolding recovers known sizes, over repeated observations.
+// Measures how well each unfolding method recovers known sizes, over repeated observations.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 namespace terrazzo::unfold_study {
 
 struct StudyOptions {
-  // "em", "nnls", "inverse", and "equation 4": inverse with all of a class at its upper edge, as in the
-  // paper.
+  // "em", "nnls", "inverse", and "equation 4": inverse with all sizes of a class at its upper edge,
+  // as in the paper.
   std::vector<std::string> methods;
   int repetitions = 10;
-  double profiles = 1200;  // expected number seen by each repetition
-  int sections = 10;       // that they are spread over
+  double profiles = 1200;  // expected number of profiles per repetition
+  int sections = 10;       // number of sections that the profiles are spread over
   int classes = 10;
-  bool known_d_max = false;  // classes end at the largest size there is, else at the estimate
-  int bootstrap = 0;         // of em and nnls, for the coverage of their intervals; 0: not asked for
+  bool known_d_max = false;  // classes end at the largest true size, otherwise at the estimate
+  int bootstrap = 0;         // repetitions for the intervals of em and nnls; 0: no coverage
   std::uint64_t seed = 1;
 };
 
@@ -28,13 +28,13 @@ struct MethodResult {
   std::string method;
   double error = 0, error_of_mean = 0;  // Σ|ΔN_V|/ΣN_V, mean over the repetitions and its standard error
   double total = 0;                     // ΣN_V estimated / true, mean
-  double coverage = 0;             // share of 90 % intervals that hold the truth; NaN where there are none
-  int refused = 0;                 // repetitions that ended in an error: they have no part in the means
+  double coverage = 0;             // share of 90 % intervals that contain the truth; NaN without intervals
+  int refused = 0;                 // repetitions that ended in an error; excluded from the means
   std::vector<double> edges, N_V;  // of the first repetition that was not refused
 };
 
-// Every method sees the same profiles. Errors are by class of the estimate, against the truth within the same
-// edges; particles outside of them count as missed.
+// Every method sees the same profiles. Errors are summed over the classes of the estimate and compare it with
+// the truth within the same edges; particles outside these edges are errors.
 std::vector<MethodResult> study(const SizeDistribution& truth, const KMatrix&, const StudyOptions&,
                                 const Work&);
 

@@ -5,8 +5,8 @@
 
 namespace terrazzo {
 
-// Ericson, Real-Time Collision Detection (2005), 5.1.5: by the region of the triangle's plane that p projects
-// into.
+// Ericson, Real-Time Collision Detection (2005), section 5.1.5: cases by the Voronoi region that contains p's
+// projection onto the triangle's plane.
 double distance2_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -27,7 +27,8 @@ double distance2_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const 
     return (bp - w * (c - b)).squaredNorm();
   }
   const double sum = va + vb + vc;
-  if (sum <= 0) return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});  // no area
+  if (sum <= 0)
+    return std::min({ap.squaredNorm(), bp.squaredNorm(), cp.squaredNorm()});  // degenerate triangle
   return (ap - vb / sum * ab - vc / sum * ac).squaredNorm();
 }
 
@@ -78,7 +79,7 @@ double ClosestTriangle::distance2(const Vec3& p, double bound) const {
       }
       continue;
     }
-    // The nearer child last, so that it comes off the stack first and tightens the bound.
+    // Push the nearer child last, so that it is visited first and tightens the bound.
     const std::int32_t left = at + 1, right = node.right;
     const bool left_first =
         nodes_[left].box.squaredExteriorDistance(p) <= nodes_[right].box.squaredExteriorDistance(p);

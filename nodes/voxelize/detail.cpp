@@ -12,7 +12,7 @@ namespace terrazzo {
 namespace {
 
 constexpr int kLobes =
-    6;  // white noise between samples keeps 0.83 of its variance; 0.7 with 3, 0.3 when trilinear
+    6;  // white noise keeps 0.83 of its variance between samples; 0.7 with 3 lobes, 0.3 when trilinear
 
 double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
 
@@ -21,7 +21,7 @@ int wrap(int i, int n) {
   return r < 0 ? r + n : r;
 }
 
-// One period as a plain array, x fastest.
+// One period as a dense array, x fastest.
 std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
   std::vector<Vec3f> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
   work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
@@ -39,7 +39,7 @@ std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, cons
 }  // namespace
 
 std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
-  const double ratio = static_cast<double>(in) * periods / out;  // input samples an output sample
+  const double ratio = static_cast<double>(in) * periods / out;  // input samples per output sample
   const double width = std::max(1.0, ratio);
   std::vector<Taps> all(out);
   for (int i = 0; i < out; ++i) {
@@ -64,14 +64,15 @@ std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
 Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work) : lattice_(lattice) {
   const auto grid = residual.find<openvdb::Vec3SGrid>("residual");
   if (!grid)
-    throw Error("no-residual", "the volume at 'residual' has no Vec3SGrid named residual",
+    throw Error("no-residual", "the volume connected to 'residual' has no Vec3SGrid named residual",
                 "connect ResidualSynth.volume");
   const Vec3i in = residual.resolution;
   if (in.minCoeff() < 1)
-    throw Error("bad-residual", "the residual has no period", "only periodic volumes can be added as detail");
+    throw Error("bad-residual", "the residual is not periodic",
+                "connect a periodic volume, such as ResidualSynth.volume");
   const double voxel = grid->transform().voxelSize()[0];
   if (!(voxel > 0) || !std::isfinite(voxel))
-    throw Error("bad-residual", "the residual's voxels have no size");
+    throw Error("bad-residual", "the residual's voxel size must be positive and finite");
   for (int a = 0; a < 3; ++a) {
     const double edge = lattice.size[a] * lattice.voxel, period = in[a] * voxel;
     const TileFit fit = fit_tile(edge, period);
@@ -79,7 +80,7 @@ Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work)
   }
   std::vector<Vec3f> source = dense(*grid, in, work);
   if (std::any_of(source.begin(), source.end(), [](const Vec3f& v) { return !v.allFinite(); }))
-    throw Error("bad-residual", "the residual holds NaN or infinity");
+    throw Error("bad-residual", "the residual contains NaN or infinity");
 
   const auto x = taps(lattice.size.x(), in.x(), periods_.x()),
              y = taps(lattice.size.y(), in.y(), periods_.y());

@@ -13,9 +13,9 @@ struct Lattice {
   double voxel = 0;            // mm
 };
 
-// One number: voxels along the longest edge; three: along each. Voxels are cubes, so the other edges must be
-// whole numbers of them, to one part in a million. Throws Error "uneven-voxels" with the nearest resolution
-// that fits, "bad-box".
+// `resolution`: voxels along the longest edge, or along each of the three edges. Voxels are cubes, so every
+// edge must be a whole number of voxels, to one part in a million. Throws Error "uneven-voxels" with the
+// nearest resolution that fits, "bad-box", "bad-value", "too-large" (over 4.1·10⁹ voxels).
 Lattice choose_lattice(const Vec3& box, const std::vector<std::int64_t>& resolution);
 
 }  // namespace terrazzo

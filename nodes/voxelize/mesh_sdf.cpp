@@ -22,7 +22,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   Scan scan;
   scan_mesh(vertices, mesh.triangles, box_, 1, scan);
 
-  // Blocks of nodes far from the surface are told by one query of their centre.
+  // One query at a block's center detects whether all its nodes are far from the surface.
   nodes_.resize(box_.count());
   const ClosestTriangle closest(mesh);
   constexpr int edge = 4;

@@ -1,5 +1,4 @@
-// The signed distance to a mesh near its surface, sampled once on a lattice and shared by all instances of
-// like size.
+// Signed distance near a mesh, sampled once on a lattice and shared by all instances of similar size.
 #pragma once
 
 #include <vector>
@@ -12,9 +11,9 @@ namespace terrazzo {
 
 class MeshSdf {
  public:
-  // `cells` lattice cells along the mesh's longest extent; distances up to `band` cells are exact at the
-  // nodes (closest point on the triangles, sign by winding number) and linear between them; beyond they are
-  // ±band.
+  // Uses `cells` lattice cells along the mesh's longest extent. Distances up to `band` cells are exact at the
+  // nodes (closest point on the triangles, sign by winding number) and interpolated linearly between them.
+  // Larger distances are clamped to ±band.
   MeshSdf(const Mesh& mesh, int cells, double band, const Work& work);
 
   // Signed distance, negative inside, in the mesh's unit.

@@ -25,7 +25,7 @@ void compute(Context& c) {
   c.metric("voxel_size", lattice.voxel);
   if (report.without_voxel > 0)
     c.warn(fmt::format(
-        "{} of {} particles hold no voxel's centre and are absent from the grid id: voxels of {:.3g} mm",
+        "{} of {} particles contain no voxel center and are missing from the grid id; a voxel is {:.3g} mm",
         report.without_voxel, particles.count(), lattice.voxel));
   if (report.detail_periods.minCoeff() > 0) {
     const double scale = std::exp(report.detail_scale.array().log().abs().maxCoeff());
@@ -33,11 +33,11 @@ void compute(Context& c) {
     const Vec3 fitting = report.detail_scale.cwiseProduct(report.detail_periods.cast<double>())
                              .cwiseProduct(c.optional<Volume>("residual")->resolution.cast<double>());
     if (scale > 1.25)
-      c.warn(fmt::format(
-          "the residual is scaled by {:.2f} × {:.2f} × {:.2f} to tile the box; one of {:.0f} × {:.0f} × "
-          "{:.0f} voxels, or a half or a third of that, keeps its scale",
-          report.detail_scale.x(), report.detail_scale.y(), report.detail_scale.z(), fitting.x(), fitting.y(),
-          fitting.z()));
+      c.warn(
+          fmt::format("the residual is scaled by {:.2f} × {:.2f} × {:.2f} to tile the box; a residual of "
+                      "{:.0f} × {:.0f} × {:.0f} voxels, or half or a third of that, would keep its scale",
+                      report.detail_scale.x(), report.detail_scale.y(), report.detail_scale.z(), fitting.x(),
+                      fitting.y(), fitting.z()));
   }
   c.output("volume", std::move(volume));
 }
@@ -46,22 +46,26 @@ void compute(Context& c) {
 
 NodeType voxelize_node() {
   return NodeType("Voxelize", 4)
-      .doc_("Particles, binder and fine detail as OpenVDB grids that tile: density, surface, Cd and id.")
-      .input("particles", "Particles", "in their periodic box")
-      .input("shapes", "Shapes", "the particles' meshes")
-      .optional_input("residual", {"Volume"},
-                      "grid residual of ResidualSynth: offsets of sRGB-encoded colours, added everywhere")
+      .doc_(
+          "Converts particles, binder and fine detail to tileable OpenVDB grids: density, surface, Cd and "
+          "id.")
+      .input("particles", "Particles", "Particles in a periodic box")
+      .input("shapes", "Shapes", "Shapes of the particles")
+      .optional_input(
+          "residual", {"Volume"},
+          "Volume with the grid residual, from ResidualSynth: offsets of sRGB-encoded colors, added "
+          "everywhere")
       .output("volume", "Volume",
-              "density (1 inside, antialiased), surface (level set, mm), Cd (scene-linear colour), id (index "
-              "of the "
-              "particle, −1 in the binder), and where there are voids void (1 inside them, antialiased)")
-      .parameter(Parameter::ints("resolution", {128})
-                     .count(1, 3)
-                     .range(4, 4096)
-                     .unit_("voxels")
-                     .doc_("Along the box's longest edge, or along x, y and z. Voxels are cubes: every edge "
-                           "must be a whole "
-                           "number of them"))
+              "Grids density (1 inside, antialiased), surface (level set, mm), Cd (scene-linear color), id "
+              "(index of the particle, −1 in the binder) and, if there are voids, void (1 inside, "
+              "antialiased)")
+      .parameter(
+          Parameter::ints("resolution", {128})
+              .count(1, 3)
+              .range(4, 4096)
+              .unit_("voxels")
+              .doc_("Voxels along the box's longest edge, or along x, y and z. Voxels are cubes, so every "
+                    "edge must be a whole number of voxels."))
       .compute_(compute);
 }
 

@@ -17,8 +17,8 @@ struct PlanePoint {
   double x, y;
 };
 
-// Where an edge meets the plane z = h. The ends are taken in the order of their indices, so that both
-// triangles of the edge get the same bits.
+// Intersection of an edge with the plane z = h. The endpoints are ordered by index, so that both triangles of
+// the edge get the same bits.
 PlanePoint on_edge(const std::vector<Vec3>& v, std::int32_t a, std::int32_t b, double h) {
   if (a > b) std::swap(a, b);
   const double t = (h - v[a].z()) / (v[b].z() - v[a].z());
@@ -30,12 +30,12 @@ int first_at(double v, int lo, int hi) {
   return static_cast<int>(std::ceil(std::clamp(v, double(lo), double(hi))));
 }
 
-// Lines along x: in every cell `lines` planes across z, each with one line, at a height that differs from
-// plane to plane.
+// Lines along x. Every cell has `lines` planes across z with one line each, at a y that differs between
+// planes.
 class Lines {
  public:
   Lines(const CellBox& box, int lines) : box_(box), lines_(lines) {
-    int before = 1;  // Fibonacci's number before `lines` (1 for 1): the lattice's generator
+    int before = 1;  // the Fibonacci number before `lines` (1 for 1), which generates the lattice
     for (int a = 1, b = 1; b <= lines; std::swap(a, b), b += a) before = a;
     for (int i = 0; i < lines; ++i) {
       const double y = 0.5 + static_cast<double>((i - lines / 2) * before) / lines;
@@ -45,7 +45,8 @@ class Lines {
 
   void add(const std::vector<Vec3>& v, const Triangle& t) {
     const double za = v[t[0]].z(), zb = v[t[1]].z(), zc = v[t[2]].z();
-    // One plane more to each side: which planes the triangle meets is told by comparing heights alone.
+    // Include one more plane on each side. Only the comparison of heights decides which planes the triangle
+    // meets.
     const auto plane_of = [&](double z) { return (z - box_.lo.z() + 0.5) * lines_ - 0.5; };
     const int end = box_.size.z() * lines_;
     const int first = std::max(0, first_at(plane_of(std::min({za, zb, zc})), 0, end) - 1);
@@ -65,7 +66,7 @@ class Lines {
   }
 
   void fill(Scan& out) {
-    // By row (a counting sort), then along it. Ties need no order: runs of no length add nothing.
+    // Counting sort by row, then sort by x. Ties need no order, because empty runs add nothing.
     const std::size_t rows = box_.size.y();
     std::vector<std::uint32_t> start(rows * box_.size.z() * lines_ + 1, 0);
     for (const Crossing& c : crossings_) ++start[c.row + 1];
@@ -74,7 +75,7 @@ class Lines {
     for (const Crossing& c : crossings_) sorted[start[c.row]++] = {c.x, c.sign};
     std::uint32_t begin = 0;
     for (std::size_t row = 0; row + 1 < start.size(); ++row) {
-      const std::uint32_t end = start[row];  // moved on by the scattering
+      const std::uint32_t end = start[row];  // advanced by the scatter above
       if (begin == end) continue;
       std::sort(sorted.begin() + begin, sorted.begin() + end);
       const std::size_t plane = row / rows;
@@ -95,7 +96,7 @@ class Lines {
  private:
   void add_segment(int plane, PlanePoint a, PlanePoint b) {
     const float sign = b.y > a.y ? 1 : -1;
-    if (a.y > b.y) std::swap(a, b);  // the same arithmetic for both directions
+    if (a.y > b.y) std::swap(a, b);  // same arithmetic in both directions
     const double bottom = box_.lo.y() - 0.5 + offset_[plane % lines_];
     const int rows = box_.size.y();
     const int first = first_at(a.y - bottom, 0, rows), last = first_at(b.y - bottom, 0, rows);
@@ -105,7 +106,7 @@ class Lines {
     }
   }
 
-  // The run [x0, x1) of a line, in cells from the box's first; cell i spans [i − ½, i + ½).
+  // Adds the run [x0, x1) of a line, in cells from the box's first cell; cell i spans [i − ½, i + ½).
   void add_run(Scan& out, std::size_t at, double x0, double x1, bool central) const {
     const double lo = std::max(x0, -0.5), hi = std::min(x1, box_.size.x() - 0.5);
     if (hi <= lo) return;
@@ -124,7 +125,7 @@ class Lines {
 
   const CellBox& box_;
   int lines_;
-  std::vector<double> offset_;  // of each plane's lines within their cells
+  std::vector<double> offset_;  // y of each plane's line within its cell
   std::vector<Crossing> crossings_;
 };
 

@@ -1,5 +1,5 @@
-// Which voxels of a lattice lie inside a closed mesh, and how much of each: exact along x, sampled in y and
-// z.
+// Finds the voxels of a lattice inside a closed mesh and the covered share of each: exact along x, sampled in
+// y and z.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace terrazzo {
 
-// A block of lattice cells: cell (i, j, k) is the unit cube around the centre (i, j, k).
+// A block of lattice cells: cell (i, j, k) is the unit cube centered at (i, j, k).
 struct CellBox {
   Vec3i lo = Vec3i::Zero(), size = Vec3i::Zero();  // first cell, number of cells
   std::size_t count() const { return static_cast<std::size_t>(size.x()) * size.y() * size.z(); }
@@ -19,14 +19,15 @@ struct CellBox {
 };
 
 struct Scan {
-  std::vector<float> coverage;  // of each cell, 0 … 1: the mean over the lines through it, exact along them
-  std::vector<std::uint8_t> inside;  // whether the cell's centre is: nonzero winding number, exact
+  std::vector<float> coverage;       // per cell, 0 … 1: mean over the lines through it, exact along each
+  std::vector<std::uint8_t> inside;  // whether the cell's center has a nonzero winding number; exact
 };
 
-// `vertices` in lattice coordinates. `lines` go along x through each cell: 1, 13, 21, 55 or 89, at the points
-// of a Fibonacci lattice in y and z (all different in either, so that faces along the axes are sampled as
-// finely as others), the middle one through the cell's centre. Cells outside `box` are left out. Triangles
-// share their edges' intersections to the last bit, so no line leaks through an edge or a vertex.
+// `vertices` are in lattice coordinates. Each cell is crossed by `lines` lines along x (1, 13, 21, 55 or 89)
+// at the points of a Fibonacci lattice in y and z. All their y and all their z differ, so that axis-aligned
+// faces are sampled as finely as others. The middle line goes through the cell's center. Cells outside `box`
+// are omitted. Triangles share the intersections of common edges to the last bit, so no line leaks through an
+// edge or a vertex.
 void scan_mesh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const CellBox& box,
                int lines, Scan& out);
 

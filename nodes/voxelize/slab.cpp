@@ -17,7 +17,8 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
   const std::size_t p = static_cast<std::size_t>(stamp.particle);
   const double scale = particles.scale[p];
   const Mat3 turn = particles.orientation[p].toRotationMatrix();
-  const Vec3 center = particles.position[p] / voxel - Vec3::Constant(0.5);  // cell centres are whole numbers
+  const Vec3 center =
+      particles.position[p] / voxel - Vec3::Constant(0.5);  // cell centers have integer coordinates
   std::vector<Vec3> vertices;
   vertices.reserve(shape.mesh.vertices.size());
   Eigen::AlignedBox3d bounds;
@@ -25,7 +26,7 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
     vertices.push_back(center + turn * v * (scale / voxel));
     bounds.extend(vertices.back());
   }
-  // Small particles have few voxels to average over: more lines in each.
+  // Small particles have few voxels to average over, so each voxel gets more lines.
   const double extent = bounds.sizes().minCoeff();
   const int lines = extent > 24 ? 13 : extent > 6 ? 21 : extent > 2 ? 55 : 89;
   scan_mesh(vertices, shape.mesh.triangles, stamp.box, lines, stamp.scan);
@@ -38,7 +39,7 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
     for (int j = 0; j < stamp.box.size.y(); ++j) {
       Vec3 q = to_mesh * ((stamp.box.lo + Vec3i(0, j, k)).cast<double>() - center);
       for (int i = 0; i < stamp.box.size.x(); ++i, ++at, q += to_mesh.col(0)) {
-        // The scan's sign is exact; that of an interpolated distance is not within a hair of the surface.
+        // The scan's sign is exact; the sign of an interpolated distance is unreliable very near the surface.
         const float d = std::min(std::abs(sdf.at(q)) * unit, band);
         stamp.distance[at] = stamp.scan.inside[at] ? -d : d;
       }
@@ -54,7 +55,7 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
         const Vec3f color = particles.color[s.particle];
         const bool hole = particles.is_void(s.particle);
         const Vec3i lo = s.box.lo, hi = s.box.lo + s.box.size;
-        // Planes of the stamp that fall on this one: every nz-th.
+        // Every nz-th plane of the stamp maps to this plane.
         const int z = slab.z0 + static_cast<int>(plane);
         for (int k = lo.z() + wrap(z - lo.z(), nz); k < hi.z(); k += nz)
           for (int j = lo.y(); j < hi.y(); ++j) {

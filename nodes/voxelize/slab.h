@@ -1,4 +1,4 @@
-// Dense planes of the lattice that particles are stamped into, before they become sparse grids.
+// Dense lattice planes into which particles are stamped before conversion to sparse grids.
 #pragma once
 
 #include <cstdint>
@@ -12,24 +12,24 @@
 
 namespace terrazzo {
 
-// Half the width of the level set's narrow band, voxels: OpenVDB's own.
+// Half-width of the level set's narrow band in voxels; OpenVDB's default.
 constexpr double kBand = 3;
 
 struct Slab {
   int z0 = 0, z1 = 0;  // planes [z0, z1)
   Vec3i lattice = Vec3i::Zero();
-  std::vector<float> coverage;   // sum over particles with matter, may exceed 1
-  std::vector<Vec3f> color;      // sum of coverage · colour
+  std::vector<float> coverage;   // sum over solid particles; may exceed 1
+  std::vector<Vec3f> color;      // sum of coverage · color
   std::vector<float> distance;   // voxels, within ±kBand
   std::vector<std::int32_t> id;  // −1 outside
-  std::vector<float> holes;      // sum over voids; empty where there are none
+  std::vector<float> holes;      // sum over voids; empty if there are none
   Slab(const Vec3i& lattice, int z0, int z1, bool has_voids);
-  std::size_t index(int i, int j, int k) const {  // k counts from z0
+  std::size_t index(int i, int j, int k) const {  // k is relative to z0
     return (static_cast<std::size_t>(k) * lattice.y() + j) * lattice.x() + i;
   }
 };
 
-// What one particle, or the part of it that one period of the slab shows, adds.
+// Contribution of one particle, or of its part within one period of the slab.
 struct Stamp {
   std::int32_t particle = 0;
   CellBox box;  // lattice cells, not yet wrapped
@@ -37,10 +37,10 @@ struct Stamp {
   std::vector<float> distance;
 };
 
-// Fills scan and distance of the stamp. `sdf` in the unit of the shape's mesh.
+// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh.
 void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf& sdf, double voxel);
 
-// Adds stamps in their order, whatever the number of threads.
+// Adds the stamps in order, independent of the number of threads.
 void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);
 
 }  // namespace terrazzo

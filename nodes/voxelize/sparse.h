@@ -1,4 +1,4 @@
-// Dense planes to OpenVDB trees, leaf by leaf and in parallel.
+// Converts dense planes to OpenVDB trees, leaf by leaf and in parallel.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -17,9 +17,9 @@ bool uniform_values(const Leaf& leaf, const typename Leaf::ValueType& v) {
   return true;
 }
 
-// Adds the voxels [0, size.x) × [0, size.y) × [z0, z1) to `grid`; z0 is a multiple of 8. value(i, j, k) gives
-// a voxel, active(v) whether it is to be active; other voxels keep their value, inactive. Leaves of one
-// inactive value become tiles, or nothing where it is the background.
+// Adds the voxels [0, size.x) × [0, size.y) × [z0, z1) to `grid`; z0 must be a multiple of 8. value(i, j, k)
+// returns a voxel's value, active(v) whether the voxel is active; inactive voxels keep their value too. A
+// leaf with one inactive value becomes a tile, or is omitted if that value is the background.
 template <class Grid, class Value, class Active>
 void add_voxels(Grid& grid, const openvdb::Coord& size, int z0, int z1, Value&& value, Active&& active,
                 const Work& work) {

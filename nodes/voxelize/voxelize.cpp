@@ -26,16 +26,20 @@ void check(const Particles& particles, const Shapes& shapes) {
   const std::size_t n = particles.count();
   if (particles.shape.size() != n || particles.orientation.size() != n || particles.scale.size() != n ||
       particles.color.size() != n || (!particles.voids.empty() && particles.voids.size() != n))
-    throw Error("bad-particles", "the particles' columns have unequal lengths");
+    throw Error("bad-particles", "the particles' columns differ in length");
   for (std::size_t i = 0; i < n; ++i) {
     if (particles.shape[i] < 0 || particles.shape[i] >= static_cast<std::int32_t>(shapes.shapes.size()))
-      bad(i, fmt::format("has the shape {} of {}", particles.shape[i], shapes.shapes.size()));
-    if (!particles.position[i].allFinite()) bad(i, "has no position");
-    if (!(std::abs(particles.orientation[i].norm() - 1) < 1e-6)) bad(i, "has no unit orientation");
-    if (!(particles.scale[i] > 0) || !std::isfinite(particles.scale[i])) bad(i, "has no positive scale");
-    if (!particles.color[i].allFinite()) bad(i, "has no colour");
+      bad(i, fmt::format("has shape {}, but there are only {} shapes", particles.shape[i],
+                         shapes.shapes.size()));
+    if (!particles.position[i].allFinite()) bad(i, "has a position that is NaN or infinite");
+    if (!(std::abs(particles.orientation[i].norm() - 1) < 1e-6))
+      bad(i, "has an orientation that is not a unit quaternion");
+    if (!(particles.scale[i] > 0) || !std::isfinite(particles.scale[i]))
+      bad(i, "has a scale that is not positive and finite");
+    if (!particles.color[i].allFinite()) bad(i, "has a color that is NaN or infinite");
   }
-  if (!particles.binder_color.allFinite()) throw Error("bad-particles", "the binder has no colour");
+  if (!particles.binder_color.allFinite())
+    throw Error("bad-particles", "the binder color is NaN or infinite");
   for (const auto& s : shapes.shapes) {
     const auto faults = mesh_faults(s.mesh);
     if (!faults.empty())
@@ -44,8 +48,8 @@ void check(const Particles& particles, const Shapes& shapes) {
   }
 }
 
-// Distance lattices by shape and size: spacing half a voxel for small particles, up to one voxel for large
-// ones.
+// Distance lattices by shape and octave of size. The spacing is at most half a voxel for particles up to 32
+// voxels long and at most one voxel up to 256; longer ones use 256 cells.
 class Sdfs {
  public:
   Sdfs(const Particles& particles, const Shapes& shapes, double voxel, const Work& work) {
@@ -62,7 +66,7 @@ class Sdfs {
       while (cells < wanted && cells < 256) cells *= 2;
       key_.emplace_back(particles.shape[p], cells);
       double& band = band_[key_.back()];
-      // One cell more than the level set's band, for interpolation; a particle below a voxel needs no more.
+      // The level set's band plus a margin for interpolation, limited for particles smaller than a voxel.
       band = std::max(band, std::min((kBand + 0.1) * cells / voxels + 1.8, 8.0 * kBand));
     }
     double done = 0;
@@ -93,7 +97,7 @@ CellBox reach(const Particles& particles, const Shape& shape, std::size_t p, dou
   return out;
 }
 
-// Stamps for the planes of the slab; a particle that meets them in two periods gives two.
+// Stamps for the planes of the slab: one per period in which a particle meets them.
 std::vector<Stamp> stamps_of(const std::vector<CellBox>& boxes, int z0, int z1, int nz) {
   std::vector<Stamp> all;
   for (std::size_t p = 0; p < boxes.size(); ++p) {
@@ -132,7 +136,7 @@ void fill_slab(Slab& slab, std::vector<Stamp> stamps, const Particles& particles
 
 constexpr std::uint64_t kShiftStream = 0x73686966;
 
-// Index within a plane of the place that a shift leads to, around the box.
+// Index, within a plane, of the cell at `at` + `shift`, wrapped around the box.
 std::size_t moved(const Eigen::Vector2i& at, const Eigen::Vector2i& shift, const Vec3i& n) {
   return static_cast<std::size_t>((at.y() + shift.y()) % n.y()) * n.x() + (at.x() + shift.x()) % n.x();
 }
@@ -168,8 +172,8 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
         static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
 
-  // Where the detail repeats within the box every particle sees another part of it: grains are not alike
-  // inside because they lie a period apart.
+  // If the detail repeats within the box, every particle samples it at a different offset. Otherwise
+  // particles one period apart would have the same texture.
   std::vector<Eigen::Vector2i> shifts;
   if (detail.periods().maxCoeff() > 1)
     for (std::size_t p = 0; p < particles.count(); ++p) {
@@ -211,7 +215,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
                   c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
             }
             if (!detail.empty()) {
-              // In encoded values, as the residual was taken; light is not negative, however dark the grain.
+              // Add in sRGB-encoded values, in which the residual was measured, and clip at 0.
               Vec3f* colors = &slab.color[k * plane];
               const Vec3f binder = linear_to_srgb(particles.binder_color);
               for (std::size_t i = 0; i < plane; ++i)

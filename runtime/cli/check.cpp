@@ -6,7 +6,7 @@
 
 namespace terrazzo::cli {
 
-// Beyond what loading finds: input files that are not there.
+// Loading a graph does not look for its input files, so missing ones are reported here.
 static Diagnostics missing_files(const Graph& graph) {
   Diagnostics found;
   for (const auto& node : graph.nodes)
@@ -27,7 +27,7 @@ static Diagnostics missing_files(const Graph& graph) {
 }
 
 void add_check(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("check", "Report every mistake in a graph; run nothing");
+  auto* command = app.add_subcommand("check", "Report every error in a graph without running it");
   auto o = std::make_shared<GraphOptions>();
   add_graph_options(*command, *o);
   command->callback([o, &program, &exit_code] {
@@ -37,7 +37,7 @@ void add_check(CLI::App& app, const Program& program, int& exit_code) {
     const Diagnostics missing = ok ? missing_files(graph) : Diagnostics{};
     print(missing);
     exit_code = ok && missing.empty() ? done : wrong_usage;
-    if (exit_code == done) std::cout << graph.file << ": " << graph.nodes.size() << " nodes, no mistakes\n";
+    if (exit_code == done) std::cout << graph.file << ": " << graph.nodes.size() << " nodes, no errors\n";
   });
 }
 

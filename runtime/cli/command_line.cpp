@@ -10,27 +10,31 @@ namespace cli {
 
 void add_graph_options(CLI::App& app, GraphOptions& o) {
   app.add_option("graph", o.graph, "Graph file (YAML)")->required();
-  app.add_option("--set", o.set, "Override a node's parameter: NODE.PARAM=VALUE")->take_all()->expected(1);
-  app.add_option("--param", o.parameters, "Set a parameter of the graph: NAME=VALUE")
+  app.add_option("--set", o.set, "Override a node's parameter: NODE.PARAM=VALUE (repeatable)")
+      ->take_all()
+      ->expected(1);
+  app.add_option("--param", o.parameters, "Set a graph parameter: NAME=VALUE (repeatable)")
       ->take_all()
       ->expected(1);
 }
 
 void add_cache_options(CLI::App& app, GraphOptions& o) {
-  auto* cache = app.add_option("--cache", o.cache, "Cache folder (default: the user's)");
-  app.add_flag("--no-cache", o.no_cache, "Neither read nor keep results on disk")->excludes(cache);
-  app.add_option("--cache-limit", o.cache_limit, "Bytes that the cache may take on disk: 500M, 20G")
+  auto* cache = app.add_option("--cache", o.cache,
+                               "Cache folder (default: $XDG_CACHE_HOME/terrazzo or ~/.cache/terrazzo)");
+  app.add_flag("--no-cache", o.no_cache, "Do not read or write the disk cache")->excludes(cache);
+  app.add_option("--cache-limit", o.cache_limit,
+                 "Maximum size of the disk cache in bytes, such as 500M or 20G")
       ->transform(CLI::AsSizeValue(true))
       ->capture_default_str();
 }
 
 void add_run_options(CLI::App& app, GraphOptions& o) {
-  app.add_option("--out", o.out, "Folder for the files written")->capture_default_str();
-  app.add_option("--threads", o.threads, "Threads to use; 0: all")->check(CLI::Range(0, 1024));
-  app.add_option(
-         "--memory", o.memory,
-         "Bytes of results to keep in memory beyond those in use: 500M, 4G (default: 2 GiB). If given, "
-         "also the most that one loaded file may take")
+  app.add_option("--out", o.out, "Folder for output files")->capture_default_str();
+  app.add_option("--threads", o.threads, "Number of threads; 0: one per CPU core")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--memory", o.memory,
+                 "Bytes of results to keep in memory in addition to those in use, such as 500M or 4G "
+                 "(default: 2 GiB). If given, also the limit for loading one file")
       ->transform(CLI::AsSizeValue(true));
   add_cache_options(app, o);
 }
@@ -38,7 +42,7 @@ void add_run_options(CLI::App& app, GraphOptions& o) {
 }  // namespace cli
 
 int run_command_line(int argc, char** argv, const Program& program) {
-  CLI::App app{"Terrazzo: from flat pictures of materials to solid ones", "terrazzo"};
+  CLI::App app{"Terrazzo: reconstructs tileable 3D materials from photographs of cut surfaces", "terrazzo"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("terrazzo ") + program_version);
   int exit_code = cli::done;

@@ -1,5 +1,4 @@
-// The commands of `terrazzo`, one file each. Every one declares its options and says what it does when
-// chosen.
+// The commands of `terrazzo`, one file each. Each function declares a command's options and its callback.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,9 +10,9 @@ namespace terrazzo::cli {
 // Adds GRAPH and the options that several commands share.
 void add_graph_options(CLI::App&, GraphOptions&);
 void add_cache_options(CLI::App&, GraphOptions&);
-void add_run_options(CLI::App&, GraphOptions&);  // the cache's and --out, --threads, --memory
+void add_run_options(CLI::App&, GraphOptions&);  // cache options, --out, --threads, --memory
 
-// Each adds its command; the callback stores the exit code.
+// Each function adds one command, whose callback stores the exit code.
 void add_run(CLI::App&, const Program&, int& exit_code);
 void add_check(CLI::App&, const Program&, int& exit_code);
 void add_show(CLI::App&, const Program&, int& exit_code);

@@ -1,4 +1,4 @@
-// graph, nodes, schema: what can be told without computing.
+// The commands graph, nodes and schema, which compute nothing.
 #include "graph/describe.h"
 
 #include <fmt/format.h>
@@ -18,10 +18,10 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
   struct Options : GraphOptions {
     std::string format = "dot";
   };
-  auto* command = app.add_subcommand("graph", "Draw the graph");
+  auto* command = app.add_subcommand("graph", "Print a drawing of a graph");
   auto o = std::make_shared<Options>();
   add_graph_options(*command, *o);
-  command->add_option("--format", o->format, "dot, svg or mermaid")
+  command->add_option("--format", o->format, "Output format: dot, svg or mermaid")
       ->check(CLI::IsMember({"dot", "svg", "mermaid"}))
       ->capture_default_str();
   command->callback([o, &program, &exit_code] {
@@ -44,11 +44,11 @@ struct NodesCommand : GraphOptions {
   bool json = false, markdown = false, pictures = false;
 };
 
-// A graph file told of like a node: what it takes, gives and lets its user set.
+// Describes a graph file like a node type: its inputs, outputs and parameters.
 std::optional<NodeType> graph_as_type(const Program& program, const std::string& file) {
   Diagnostics found;
   const Graph graph = load_graph(file, program.registry(), {}, found);
-  // A graph meant for use inside others lacks what its user sets there.
+  // A graph made for use as a subgraph may leave required parameters and inputs to its user.
   std::erase_if(
       found, [](const Diagnostic& d) { return d.code == "missing-parameter" || d.code == "missing-input"; });
   print(found);
@@ -92,13 +92,17 @@ int nodes(const Program& program, const NodesCommand& o) {
 }  // namespace
 
 void add_nodes(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("nodes", "List node types, or describe one, or a graph file like one");
+  auto* command = app.add_subcommand("nodes", "List all node types, or describe a node type or a graph file");
   auto o = std::make_shared<NodesCommand>();
-  command->add_option("type", o->type, "Node type, or graph file");
-  auto* json = command->add_flag("--json", o->json, "As JSON");
-  command->add_flag("--markdown", o->markdown, "As Markdown")->excludes(json);
-  auto* out = command->add_option("--out", o->out, "Write a page for each type to this folder");
-  command->add_option("--examples", o->examples, "Where the types' examples lie")->needs(out);
+  command->add_option("type", o->type, "Node type or graph file to describe");
+  auto* json = command->add_flag("--json", o->json, "Print JSON");
+  command->add_flag("--markdown", o->markdown, "Print Markdown")->excludes(json);
+  auto* out =
+      command->add_option("--out", o->out, "Write a reference page for each node type to this folder");
+  command
+      ->add_option("--examples", o->examples,
+                   "Folder with a subfolder per node type that contains its example.yaml")
+      ->needs(out);
   command->add_flag("--pictures", o->pictures, "Run the examples and write their pictures")->needs(out);
   command->callback([o, &program, &exit_code] { exit_code = nodes(program, *o); });
 }

@@ -49,21 +49,24 @@ void print_plan(Session& session, const GraphOptions& o, bool reasons) {
   }
   std::cout << fmt::format("{} cached, {} to run, {} may run", cached, compute, perhaps);
   if (compute + perhaps > 0)
-    std::cout << fmt::format(": about {:.1f} s and {}, going by earlier runs{}", seconds, bytes_text(bytes),
-                             unknown ? fmt::format(" ({} never ran here)", unknown) : "");
+    std::cout << fmt::format(": about {:.1f} s and {}, based on earlier runs{}", seconds, bytes_text(bytes),
+                             unknown ? fmt::format(" ({} without an earlier run)", unknown) : "");
   std::cout << '\n';
 }
 
 void add_explain(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("explain", "Tell per node whether it would run, and why");
+  auto* command = app.add_subcommand("explain", "Show for each node whether it would run, and why");
   auto o = std::make_shared<GraphOptions>();
   add_graph_options(*command, *o);
   add_run_options(*command, *o);
-  command->add_option("--target", o->targets, "NODE or NODE.PORT (default: every sink)")
+  command
+      ->add_option("--target", o->targets,
+                   "Node to explain: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
+                   "nodes that write files, and nodes without consumers)")
       ->take_all()
       ->expected(1);
   command->callback([o, &program, &exit_code] {
-    const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+    const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
     Session session(nodes.registry, nodes.types, session_options(*o));
     if (open_graph(session, *o))
       print_plan(session, *o, true);

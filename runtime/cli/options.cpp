@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, std::string>> split_assignments(const std::ve
   for (const auto& text : list) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw Error("usage", fmt::format("{} '{}' has no value", option, text),
+      throw Error("usage", fmt::format("{} '{}' needs a name and a value", option, text),
                   option == "--set" ? "write --set NODE.PARAM=VALUE" : "write --param NAME=VALUE");
     if (find_invalid_utf8(text) != std::string::npos)
       throw Error("usage", fmt::format("{} '{}' is not UTF-8", option, valid_utf8(text)));
@@ -42,15 +42,15 @@ Overrides overrides(const GraphOptions& o) {
 
 namespace {
 
-// Where a limit leaves too little for threads, TBB neither starts them nor comes back.
+// If the address space limit leaves too little room for its threads, TBB hangs instead of failing.
 void require_room(int threads) {
   constexpr std::uint64_t own = 128'000'000, per_thread = 16'000'000;
   const std::uint64_t needed = own + per_thread * static_cast<std::uint64_t>(threads);
   if (const std::uint64_t left = available_address_space(); left < needed)
     throw Error("no-memory",
-                fmt::format("not enough address space to start: {} are left, {} threads need {}",
+                fmt::format("not enough address space to start: {} left, but {} threads need {}",
                             bytes_text(left), threads, bytes_text(needed)),
-                "raise the limit (ulimit -v), or use fewer --threads");
+                "raise the limit (ulimit -v) or use fewer --threads");
 }
 
 }  // namespace
@@ -87,7 +87,8 @@ fs::path default_cache() {
 
 namespace {
 
-// Why the default folder must not be used, or "". In a temporary folder anybody may have made it before us.
+// Why the default folder is unsafe, or "". If it is in a temporary folder, another user may have created it
+// first.
 std::string unsafe_default(const fs::path& folder) {
   struct stat s;
   if (::lstat(folder.c_str(), &s) == 0 && S_ISDIR(s.st_mode) && s.st_uid == ::geteuid())
@@ -104,13 +105,13 @@ fs::path cache_folder(const GraphOptions& o) {
     const std::string why = unsafe_default(folder);
     if (why.empty()) return folder;
     std::cerr << "warning: results are not kept on disk: " << why
-              << " (choose a folder of your own with --cache)\n";
+              << " (choose a folder that only you can write to with --cache)\n";
     return {};
   }
   try {
     open_cache_folder(o.cache);
   } catch (const Error& e) {
-    // A disk that cannot be written to costs time, not results: the end of the run says so.
+    // An unwritable disk costs time, not results. finish() warns about it at the end of the run.
     if (e.diagnostic().code != "cache-unusable") throw;
   }
   return o.cache;

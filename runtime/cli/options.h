@@ -1,4 +1,4 @@
-// What every command shares: the options, the graph they name, the messages.
+// Shared by all commands: options, loading a graph, printing messages.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace terrazzo::cli {
 
 inline constexpr int done = 0, node_failed = 1, wrong_usage = 2, interrupted = 130;
 
-// Options that name a graph and how it is evaluated.
+// Options that select a graph and control its evaluation.
 struct GraphOptions {
   std::string graph;
   std::vector<std::string> set, parameters, targets;  // "NODE.PARAM=VALUE", "NAME=VALUE", "NODE[.PORT]"
@@ -26,27 +26,27 @@ struct GraphOptions {
   GraphOptions();
 };
 
-// "a.b=c" → {"a.b", "c"}. Throws Error "usage" where there is no '='.
+// "a.b=c" → {"a.b", "c"}. Throws Error "usage" if there is no name before a '=' or the text is not UTF-8.
 std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>&,
                                                                    const std::string& option);
 Overrides overrides(const GraphOptions&);
 SessionOptions session_options(const GraphOptions&);
-std::filesystem::path default_cache();  // where results are kept if nobody says where
-// The cache folder to use, or none with --no-cache and, with a warning, where the default folder could be
-// changed by other users. Throws Error "not-a-cache" or "unsafe-folder" for a folder given with --cache.
+std::filesystem::path default_cache();  // the cache folder without --cache
+// The cache folder to use. Empty with --no-cache, and, after a warning, if other users could change the
+// default folder. Throws Error "not-a-cache" or "unsafe-folder" for a folder given with --cache.
 std::filesystem::path cache_folder(const GraphOptions&);
 int threads(const GraphOptions&);
 
 // Prints all messages to standard error.
 void print(const Diagnostics&);
 
-// Opens the graph that the options name. Prints what it finds; false where it cannot be run.
+// Opens the graph that the options name and prints all messages. False if the graph has errors.
 bool open_graph(Session&, const GraphOptions&);
 
-// After a command that computed: tells trouble with the cache, and keeps the cache within its limit.
+// Call after a command that computed: warns about problems with the cache and keeps it within its limit.
 void finish(Session&, const GraphOptions&);
 
-// Set by Ctrl-C; the second one ends the process at once.
+// A flag that Ctrl-C or SIGTERM sets. A second signal ends the process immediately.
 const std::atomic<bool>* cancel_on_interrupt();
 
 }  // namespace terrazzo::cli

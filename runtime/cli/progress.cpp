@@ -60,14 +60,14 @@ void ProgressLine::finished(int node, const NodeResult& r) {
   draw(true);
 }
 
-// Nodes do not run beside each other much: most use all threads. So their times add up.
+// Most nodes use all threads and rarely run in parallel, so their times are added.
 std::string ProgressLine::time_left() const {
   double seconds = 0;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     if (!waiting_[i]) continue;
     const auto it = running_.find(static_cast<int>(i));
     if (it == running_.end()) {
-      if (expected_[i] == 0) return "";  // never computed here: nobody knows
+      if (expected_[i] == 0) return "";  // no earlier run: the total is unknown
       seconds += expected_[i];
       continue;
     }

@@ -1,4 +1,4 @@
-// What a run says while it goes on.
+// Progress output of a run.
 #pragma once
 
 #include <chrono>
@@ -8,19 +8,19 @@
 
 namespace terrazzo::cli {
 
-// On a terminal a line that is redrawn at most ten times a second: how many nodes are done, what runs, and
-// about how long it will take, going by what each node took last time. Elsewhere a plain line for each node
-// that took a second or more, and one every ten seconds for a node that is still running. Failures and
-// warnings are printed as they come.
+// On a terminal, shows one line that is redrawn at most ten times a second: the number of finished nodes, the
+// running nodes, and the estimated time left, based on each node's last run. Elsewhere, prints a line for
+// each node that took a second or more, and one every ten seconds for a node that is still running. Failures
+// and warnings are printed as they occur.
 class ProgressLine : public Observer {
  public:
-  // `graph`: what is evaluated, where it is not the session's own.
+  // `graph`: the evaluated graph, if it is not the session's.
   ProgressLine(Session&, const std::vector<int>& targets, bool quiet, const Graph* graph = nullptr);
   ~ProgressLine() override;
   void started(int node) override;
   void progress(int node, double fraction, const std::string& note) override;
   void finished(int node, const NodeResult&) override;
-  // The run is over: the line goes.
+  // Removes the line. Call it when the run is over.
   void close();
 
  private:

@@ -1,4 +1,4 @@
-// The reference: a page for each node type, from its one declaration and its example.
+// The node reference: one page per node type, generated from its declaration and its example.
 #pragma once
 
 #include <filesystem>
@@ -7,10 +7,10 @@
 
 namespace terrazzo::cli {
 
-// Writes NAME.md for every type and an index (README.md) to `folder`. `examples`: holds a folder for each
-// node type with its example.yaml. With `pictures` each example is run and what there is to see of it written
-// to images/NAME.png; pages name these pictures whether or not they are written now. Throws what running an
-// example throws.
+// Writes NAME.md for every node type and an index (README.md) to `folder`. `examples` contains one folder per
+// node type with its example.yaml. With `pictures`, runs each example and writes its picture to
+// images/NAME.png. Pages link to these pictures even if they are not written now. Throws Error if an example
+// has errors or its run fails.
 void write_reference(const Program&, const std::filesystem::path& folder,
                      const std::filesystem::path& examples, bool pictures, const GraphOptions&);
 

@@ -1,4 +1,4 @@
-// What a run leaves to read: the table of nodes, the numbers, the JSON report.
+// Reports of a run: the table of nodes, the metrics and the JSON report.
 #pragma once
 
 #include <iosfwd>
@@ -9,12 +9,12 @@
 
 namespace terrazzo::cli {
 
-// `folder`: where the report is kept; paths in its graph ("document") are relative to it.
+// `folder`: the folder of the report. Paths in the report's graph ("document") are relative to it.
 nlohmann::json report_json(const Graph&, const RunResult&, int threads, const Overrides&,
                            const std::filesystem::path& folder);
 void print_table(std::ostream&, const Graph&, const RunResult&);
 void print_metrics(std::ostream&, const Graph&, const RunResult&);
-// A value's JSON as text: tables in columns, anything else as name: value lines with long lists shortened.
+// A value's JSON as text: tables in columns, other types as "name: value" lines with long lists shortened.
 std::string readable(const std::string& type, const nlohmann::json&);
 std::string bytes_text(std::uint64_t);
 

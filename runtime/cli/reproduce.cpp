@@ -27,11 +27,11 @@ struct ReproduceCommand : GraphOptions {
   bool yes = false;
 };
 
-// How a file was made.
+// The provenance of a file.
 struct Made {
   std::string document;
   std::map<std::string, std::string> keys;  // by node
-  std::set<std::string> contents;           // of the files that were read
+  std::set<std::string> contents;           // content hashes of the input files
 };
 
 Made made_from_report(const json& report) {
@@ -44,7 +44,8 @@ Made made_from_report(const json& report) {
   return made;
 }
 
-// A file's JSON, or null if it is none. Throws Error "too-large" if parsing it would take too much memory.
+// A file's content as JSON, or null if it is not JSON. Throws Error "too-large" if parsing needs too much
+// memory.
 json json_in(const fs::path& path) {
   constexpr double per_byte = 40;  // of parsed JSON
   std::error_code error;
@@ -55,7 +56,7 @@ json json_in(const fs::path& path) {
   return text ? json::parse(*text, nullptr, false) : json(nullptr);
 }
 
-// Formats without metadata fall back to a report.json beside the file or above it.
+// Formats without metadata fall back to a report.json in the file's folder or up to three folders above it.
 std::optional<Made> made_by_report_beside(const fs::path& file) {
   const fs::path path = fs::absolute(file).lexically_normal();
   fs::path folder = path.parent_path();
@@ -87,11 +88,12 @@ Made how_made(const Program& program, const fs::path& file) {
   } catch (const json::exception& e) {
     throw Error("usage", "the provenance of '" + file.string() + "' is damaged: " + e.what());
   }
-  throw Error("usage", "'" + file.string() + "' does not say how it was made",
-              "a file written by terrazzo, or the report.json beside it, does");
+  throw Error("usage", "'" + file.string() + "' contains no provenance",
+              "name a file that terrazzo wrote, or the report.json of its run");
 }
 
-// The files read lie relative to the folder that everything was written to, which is the file's or one above.
+// Input paths in the document are relative to the original output folder, which is the file's folder or one
+// above it.
 Graph open_made(const Program& program, const Made& made, const fs::path& file, const Overrides& overrides,
                 Diagnostics& found) {
   fs::path folder = fs::absolute(file).lexically_normal().parent_path();
@@ -121,13 +123,14 @@ void compare_keys(const Graph& graph, const RunResult& result, const Made& made)
     if (it->second == result.nodes[i].key.text())
       ++same;
     else
-      std::cout << fmt::format("{} is computed from something else than it was then\n", graph.nodes[i].path);
+      std::cout << fmt::format("{} has a different action key than in the original run\n",
+                               graph.nodes[i].path);
   }
-  std::cout << fmt::format("{} of {} nodes are computed from exactly the same as then\n", same, all);
+  std::cout << fmt::format("{} of {} nodes have the same action key as in the original run\n", same, all);
 }
 
-// A file may come from anybody, so its graph reads nothing that it could not name by content, unless the user
-// grants it.
+// The file may come from an untrusted source. Its graph may read only files whose content hash is in the
+// provenance, unless the user grants access to others.
 bool granted(const fs::path& file, const ReproduceCommand& o) {
   std::error_code error;
   const fs::path real = fs::canonical(file, error);
@@ -141,7 +144,7 @@ bool granted(const fs::path& file, const ReproduceCommand& o) {
 
 bool is_from_command_line(const SetParameter& p) { return p.place.file.starts_with("command line"); }
 
-// Prints what would be read. False if some of it must not be.
+// Prints the files that the graph would read. False if it may not read some of them.
 bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o) {
   FileHashes hashes;
   bool all = true;
@@ -154,7 +157,7 @@ bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o)
           const bool allowed = is_from_command_line(it->second) || granted(f, o);
           const auto content = allowed ? std::nullopt : hashes.hash(f);
           const bool named = content && made.contents.count(content->text());
-          if (!allowed && !named && !fs::exists(f)) continue;  // the run says that it is missing
+          if (!allowed && !named && !fs::exists(f)) continue;  // the run reports the missing file
           std::cout << "  reads  " << f.string()
                     << (allowed ? ""
                         : named ? ", the file it was made from"
@@ -167,7 +170,7 @@ bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o)
   return all;
 }
 
-// The files that nodes write, as far as the graph says; stacks become several.
+// Prints the output paths in the graph. A node that writes an image stack writes several files per path.
 void show_writes(const Graph& graph, const fs::path& graph_file, const ReproduceCommand& o) {
   std::vector<fs::path> files{graph_file};
   for (const auto& node : graph.nodes)
@@ -176,13 +179,13 @@ void show_writes(const Graph& graph, const fs::path& graph_file, const Reproduce
           p.kind == ParameterKind::OutputPath && it != node.parameters.end())
         files.push_back(fs::path(o.out) / std::get<std::string>(it->second.value));
   for (const auto& f : files)
-    std::cout << "  writes " << f.string() << (fs::exists(f) ? ", in place of the file there" : "") << '\n';
+    std::cout << "  writes " << f.string() << (fs::exists(f) ? ", replacing the existing file" : "") << '\n';
 }
 
 bool confirmed(const ReproduceCommand& o) {
   if (o.yes) return true;
   if (!::isatty(STDIN_FILENO)) {
-    std::cerr << "error: nothing was run (--yes runs it without asking)\n";
+    std::cerr << "error: nothing was run: there is no terminal to ask on (--yes runs without asking)\n";
     return false;
   }
   std::cout << "Run this? [y/N] " << std::flush;
@@ -190,13 +193,13 @@ bool confirmed(const ReproduceCommand& o) {
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
-// Graph files that a document refers to would be read whatever they hold.
+// Subgraph files named in the document would be read without any check of their content.
 void refuse_subgraphs(const Made& made) {
   Diagnostics ignored;
   for (const auto& node : read_document(made.document, "document.yaml", ignored).nodes)
     if (!node.graph.empty())
       throw Error("usage", "the graph that made this file refers to another graph file, '" + node.graph + "'",
-                  "terrazzo writes graphs that stand alone: this one was changed");
+                  "terrazzo writes self-contained graphs, so this one was modified");
 }
 
 int reproduce(const Program& with_plugins, ReproduceCommand& o) {
@@ -213,14 +216,15 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   const bool may_read = show_reads(graph, made, o);
   show_writes(graph, path, o);
   if (!may_read)
-    throw Error("usage", "the graph would read files that the provenance does not name",
-                "if you trust it, grant their folder with --allow-read DIR, or name another file with --set");
+    throw Error(
+        "usage", "the graph would read files that the provenance does not name",
+        "if you trust it, allow their folder with --allow-read DIR, or choose another file with --set");
   if (!confirmed(o)) return wrong_usage;
   write_text_atomically(path, text);
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
-  o.set.clear(), o.parameters.clear();     // they stand in the file now
-  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  o.set.clear(), o.parameters.clear();     // already part of the written graph
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   ProgressLine line(session, {}, o.quiet);
@@ -241,21 +245,22 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
 void add_reproduce(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand(
       "reproduce",
-      "Show the graph that made a file, what it reads and writes, and run it again after asking");
+      "Show the graph that made a file and the files it reads and writes, and rerun it after confirmation");
   auto o = std::make_shared<ReproduceCommand>();
   o->out = "reproduced";
   command->add_option("file", o->file, "A file that terrazzo wrote, or its report.json")->required();
-  command->add_option("--set", o->set, "Change a parameter on the way: NODE.PARAM=VALUE")
+  command->add_option("--set", o->set, "Override a node's parameter: NODE.PARAM=VALUE (repeatable)")
       ->take_all()
       ->expected(1);
   add_run_options(*command, *o);
   command
       ->add_option("--allow-read", o->allow_read,
-                   "Folder whose files the graph may read, beside those that the file names by content")
+                   "Folder whose files the graph may read, in addition to files with the recorded content "
+                   "(repeatable)")
       ->take_all()
       ->expected(1);
-  command->add_flag("--yes", o->yes, "Run without asking");
-  command->add_flag("--quiet", o->quiet, "Errors only");
+  command->add_flag("--yes", o->yes, "Run without asking for confirmation");
+  command->add_flag("--quiet", o->quiet, "Print errors only");
   command->callback([o, &program, &exit_code] { exit_code = reproduce(program, *o); });
 }
 

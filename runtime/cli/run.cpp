@@ -19,7 +19,8 @@ struct RunCommand : GraphOptions {
   bool dry_run = false;
 };
 
-// The graph's own outputs that are tables: how close the result came, told at the end of the run.
+// Prints the graph outputs that are tables. In the material graphs these compare the solid with the
+// photograph.
 void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResult& result) {
   for (const auto& o : graph.outputs) {
     const auto& node = result.nodes[static_cast<std::size_t>(o.wire.node)];
@@ -31,7 +32,7 @@ void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResu
 }
 
 int run(const Program& program, const RunCommand& o) {
-  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   const Graph& graph = *session.graph();
@@ -53,7 +54,7 @@ int run(const Program& program, const RunCommand& o) {
         std::cout << "wrote " << (std::filesystem::path(o.out) / f.path).string() << '\n';
   }
   finish(session, o);
-  // Beside the files that a run wrote, unless somebody names another place.
+  // The default is the output folder, if the run wrote files there.
   std::filesystem::path report = o.report;
   for (const auto& node : result.nodes)
     if (report.empty() && !node.files.empty()) report = std::filesystem::path(o.out) / "report.json";
@@ -63,7 +64,7 @@ int run(const Program& program, const RunCommand& o) {
         json_text(report_json(graph, result, threads(o), session.overrides(), report.parent_path()), 2) +
             "\n");
   if (result.cancelled()) {
-    std::cerr << "interrupted; what was finished is cached\n";
+    std::cerr << "interrupted; finished nodes are cached\n";
     return interrupted;
   }
   return result.failed() ? node_failed : done;
@@ -72,17 +73,22 @@ int run(const Program& program, const RunCommand& o) {
 }  // namespace
 
 void add_run(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("run", "Evaluate what the targets need");
+  auto* command = app.add_subcommand("run", "Evaluate a graph");
   auto o = std::make_shared<RunCommand>();
   add_graph_options(*command, *o);
   add_run_options(*command, *o);
-  command->add_option("--target", o->targets, "NODE or NODE.PORT to evaluate (default: every sink)")
+  command
+      ->add_option("--target", o->targets,
+                   "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
+                   "nodes that write files, and nodes without consumers)")
       ->take_all()
       ->expected(1);
   command->add_option("--report", o->report,
-                      "Write a JSON report to this file (default: report.json beside the files written)");
-  command->add_flag("--dry-run", o->dry_run, "Tell what would run and how long, and run nothing");
-  command->add_flag("--quiet", o->quiet, "Errors only");
+                      "Write a JSON report to this file (default: report.json in the output folder, if the "
+                      "run wrote files there)");
+  command->add_flag("--dry-run", o->dry_run,
+                    "Show which nodes would run and how long they took before, without running them");
+  command->add_flag("--quiet", o->quiet, "Print errors only");
   command->callback([o, &program, &exit_code] { exit_code = run(program, *o); });
 }
 

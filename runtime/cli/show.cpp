@@ -39,7 +39,7 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
 }
 
 int show(const Program& program, const ShowOptions& o) {
-  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
   if (!o.file.empty()) return write(program, session, o);
@@ -64,14 +64,14 @@ int show(const Program& program, const ShowOptions& o) {
 }  // namespace
 
 void add_show(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("show", "Evaluate one output and print it");
+  auto* command = app.add_subcommand("show", "Evaluate one output and print its value");
   auto o = std::make_shared<ShowOptions>();
   add_graph_options(*command, *o);
-  command->add_option("output", o->target, "NODE.PORT, or an output of the graph")->required();
+  command->add_option("output", o->target, "NODE.PORT or a graph output")->required();
   add_run_options(*command, *o);
   command->add_flag("--json", o->json, "Print JSON");
-  command->add_flag("--quiet", o->quiet, "Errors only");
-  command->add_option("-o,--output", o->file, "Write it to this file instead");
+  command->add_flag("--quiet", o->quiet, "Print errors only");
+  command->add_option("-o,--output", o->file, "Write the value to this file instead of printing it");
   command->callback([o, &program, &exit_code] { exit_code = show(program, *o); });
 }
 

@@ -28,7 +28,7 @@ struct SweepCommand : GraphOptions {
   int jobs = 1;
 };
 
-// Points in this process, several at a time; they share one store, so what is common is computed once.
+// Runs points in this process, several at a time. They share one store, so shared work runs once.
 class LocalExecutor : public Executor {
  public:
   LocalExecutor(const Program& program, Session& session, const SweepCommand& o)
@@ -38,7 +38,7 @@ class LocalExecutor : public Executor {
            const std::function<void(const SweepPoint&, const json&)>& finished) override {
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
-    std::exception_ptr failure;  // the first; no point begins after it
+    std::exception_ptr failure;  // the first one; no more points start after it
     const auto work = [&] {
       try {
         for (std::size_t i; (i = next++) < points.size();) {
@@ -57,8 +57,8 @@ class LocalExecutor : public Executor {
     try {
       for (int k = 1; k < o_.jobs; ++k) others.emplace_back(work);
     } catch (const std::system_error& e) {
-      std::cerr << "warning: " << others.size() + 1 << " points at a time: the system gives no more threads ("
-                << e.what() << ")\n";
+      std::cerr << "warning: running " << others.size() + 1
+                << " points at a time, because the system refused more threads (" << e.what() << ")\n";
     }
     work();
     for (auto& t : others) t.join();
@@ -80,7 +80,8 @@ class LocalExecutor : public Executor {
     try {
       session_.history().record(graph, result, session_.evaluator().hashes());
     } catch (const std::exception& e) {
-      std::cerr << "warning: " << point.folder << " cannot be explained later: " << e.what() << '\n';
+      std::cerr << "warning: " << point.folder << ": cannot save what `terrazzo explain` needs: " << e.what()
+                << '\n';
     }
     if (result.cancelled()) return nullptr;
     json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
@@ -93,7 +94,7 @@ class LocalExecutor : public Executor {
   const SweepCommand& o_;
 };
 
-// Every point's graph is checked before the first is run.
+// Checks the graphs of all points, so that errors are reported before the first point runs.
 bool check_points(const Program& program, const SweepCommand& o, const std::vector<SweepPoint>& points) {
   for (const auto& p : points) {
     Diagnostics found;
@@ -111,9 +112,9 @@ std::string caption(const SweepPoint& p) {
   return out;
 }
 
-std::string quoted(const std::string& s) { return json_text(s); }  // JSON's strings are YAML's
+std::string quoted(const std::string& s) { return json_text(s); }  // JSON strings are valid YAML
 
-// The points' previews on one sheet, by the node types that read and lay out pictures.
+// Writes a contact sheet of the points' previews, using the LoadImage and ContactSheet nodes.
 void write_sheet(const Program& program, Session& session, const SweepCommand& o,
                  const std::vector<SweepPoint>& points, const std::vector<json>& reports) {
   if (!program.registry().find("LoadImage") || !program.registry().find("ContactSheet")) return;
@@ -123,7 +124,7 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
     for (const auto& node : reports[i].at("nodes"))
       for (const auto& file : node.at("files")) {
         if (file.at("path") != o.preview) continue;
-        // Relative: the output folder's own name need not be UTF-8.
+        // Relative, because the name of the output folder may not be UTF-8.
         const fs::path path = fs::path(points[i].folder) / o.preview;
         loads += fmt::format("  p{}: {{type: LoadImage, params: {{path: {}}}}}\n", i, quoted(path.string()));
         images += fmt::format("{}p{}.image", images.empty() ? "" : ", ", i);
@@ -131,7 +132,8 @@ void write_sheet(const Program& program, Session& session, const SweepCommand& o
       }
   }
   if (images.empty()) {
-    std::cerr << "no point wrote '" << o.preview << "': no contact sheet (--preview names another picture)\n";
+    std::cerr << "no contact sheet: no point wrote '" << o.preview
+              << "' (choose another file with --preview)\n";
     return;
   }
   Diagnostics found;
@@ -160,7 +162,7 @@ int sweep(const Program& program, const SweepCommand& o) {
   for (const auto& v : o.vary) vary.push_back(parse_vary(v));
   const auto points = sweep_points(vary, overrides(o));
   if (!check_points(program, o, points)) return wrong_usage;
-  const NodeSet& nodes = program.nodes();  // loaded first: session_options looks at the room that is left
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   LocalExecutor local(program, session, o);
   std::vector<json> reports(points.size());
@@ -191,7 +193,7 @@ int sweep(const Program& program, const SweepCommand& o) {
   write_text_atomically(fs::path(o.out) / "sweep.csv", sweep_table(points, reports));
   std::cout << "wrote " << (fs::path(o.out) / "sweep.csv").string() << '\n';
   if (cancelled) {
-    std::cerr << "interrupted; the same command goes on where this one stopped\n";
+    std::cerr << "interrupted; rerun the same command to resume\n";
     return interrupted;
   }
   write_sheet(program, session, o, points, reports);
@@ -201,26 +203,33 @@ int sweep(const Program& program, const SweepCommand& o) {
 }  // namespace
 
 void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
-  auto* command = app.add_subcommand("sweep", "Run a graph at every combination of some settings");
+  auto* command = app.add_subcommand("sweep", "Run a graph for every combination of parameter values");
   auto o = std::make_shared<SweepCommand>();
   add_graph_options(*command, *o);
-  command->add_option("--vary", o->vary, "NODE.PARAM=A,B,C or NODE.PARAM=LO:HI:STEP, or a graph's parameter")
+  command
+      ->add_option(
+          "--vary", o->vary,
+          "Values of a parameter: NODE.PARAM=A,B,C or NODE.PARAM=LO:HI:STEP, or NAME=... for a graph "
+          "parameter (repeatable)")
       ->required()
       ->take_all()
       ->expected(1);
   add_run_options(*command, *o);
-  command->add_option("--target", o->targets, "NODE or NODE.PORT to evaluate (default: every sink)")
+  command
+      ->add_option("--target", o->targets,
+                   "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
+                   "nodes that write files, and nodes without consumers)")
       ->take_all()
       ->expected(1);
-  command->add_option("--jobs", o->jobs, "Points at a time; they share the threads")
+  command->add_option("--jobs", o->jobs, "Number of points to run at a time; they share the threads")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--executor", o->executor, "Who runs the points")
+  command->add_option("--executor", o->executor, "Executor that runs the points")
       ->check(CLI::IsMember({"local"}))
       ->capture_default_str();
-  command->add_option("--preview", o->preview, "The points' picture for the contact sheet")
+  command->add_option("--preview", o->preview, "Output file of each point to show on the contact sheet")
       ->capture_default_str();
-  command->add_flag("--quiet", o->quiet, "Errors only");
+  command->add_flag("--quiet", o->quiet, "Print errors only");
   command->callback([o, &program, &exit_code] { exit_code = sweep(program, *o); });
 }
 

@@ -13,7 +13,7 @@ const std::string& type_of(const Graph& graph, const Wire& w) {
   return at(graph, w.node).type->find_output(w.port)->types[0];
 }
 
-// The nearest wire upstream of `from` that carries such a value.
+// The nearest wire upstream of `from` that carries a value of this type.
 std::optional<Wire> nearest_upstream(const Graph& graph, const Wire& from, const std::string& type) {
   std::deque<int> next{from.node};
   std::vector<bool> seen(graph.nodes.size(), false);
@@ -44,7 +44,7 @@ int append_writer(const Registry& registry, Graph& graph, const Wire& wire, cons
     node.type = type;
     node.place = {"command line (-o)", 0, 0};
     node.inputs[port->name] = {wire};
-    // Particles in glTF are instances of meshes, which the value does not hold.
+    // glTF stores particles as mesh instances, and the particles value contains no meshes.
     if (type_of(graph, wire) == "Particles" && file.extension() == ".glb")
       if (const auto shapes = nearest_upstream(graph, wire, "Shapes"))
         for (const auto& p : type->inputs)
@@ -53,7 +53,7 @@ int append_writer(const Registry& registry, Graph& graph, const Wire& wire, cons
     graph.nodes.push_back(std::move(node));
     return static_cast<int>(graph.nodes.size()) - 1;
   }
-  throw Error("usage", "no node type of this program writes a " + type_of(graph, wire) + " to a file");
+  throw Error("usage", "no node type writes values of type " + type_of(graph, wire) + " to files");
 }
 
 }  // namespace terrazzo::cli

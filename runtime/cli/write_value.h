@@ -1,4 +1,4 @@
-// Any value to a file, by a node type that writes such values.
+// Writes any value to a file, with a node type that accepts its type.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace terrazzo::cli {
 
-// Appends to `graph` a node that writes the value on the wire to `file`, and returns its index. A
-// packing's shapes come from the nearest node upstream that gives some. Throws Error "usage" where
-// no node type writes such a value.
+// Appends a node to `graph` that writes the value on the wire to `file`, and returns its index. To write
+// particles as glTF, it uses the shapes from the nearest node upstream that outputs shapes. Throws Error
+// "usage" if no node type writes values of this type.
 int append_writer(const Registry&, Graph& graph, const Wire&, const std::filesystem::path& file);
 
 }  // namespace terrazzo::cli

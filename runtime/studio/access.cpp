@@ -14,13 +14,13 @@ namespace {
 std::string random_token() {
   std::array<unsigned char, 16> bits;
   if (::getrandom(bits.data(), bits.size(), 0) != static_cast<ssize_t>(bits.size()))
-    throw Error("no-random-numbers", "the system gives no random numbers");
+    throw Error("no-random-numbers", "the system provides no random numbers");
   std::string out;
   for (const auto b : bits) out += fmt::format("{:02x}", b);
   return out;
 }
 
-// Takes as long wherever the two differ: the time of an answer tells nothing of the token.
+// Compares in constant time, so that response times reveal nothing about the token.
 bool equal(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   volatile unsigned char difference = 0;
@@ -39,7 +39,7 @@ Access::Access() : token_(random_token()) {}
 
 std::string Access::address() const { return fmt::format("http://127.0.0.1:{}/?token={}", port_, token_); }
 
-// Cookies are shared by all ports of a host: each server's has a name of its own.
+// All ports of a host share their cookies, so the cookie name contains the port.
 std::string Access::cookie_name() const { return fmt::format("terrazzo_paint_{}", port_); }
 
 std::string Access::cookie() const {
@@ -75,11 +75,11 @@ bool Access::has_token(const httplib::Request& in) const {
 
 std::optional<Access::Refusal> Access::refusal(const httplib::Request& in) const {
   if (!is_from_our_page(in))
-    return refused(403, "foreign-origin", "this request comes from another site or names another host",
+    return refused(403, "foreign-origin", "the request comes from another site or names another host",
                    "open the address that terrazzo paint prints");
   if (!has_token(in))
-    return refused(403, "no-token", "this request does not carry the token of this session",
-                   "open the whole address that terrazzo paint prints");
+    return refused(403, "no-token", "the request does not contain the token of this session",
+                   "open the complete address that terrazzo paint prints");
   if (in.has_header("Transfer-Encoding") || in.has_header("Content-Encoding"))
     return refused(415, "encoded", "the request's body is chunked or encoded",
                    "send plain JSON with a Content-Length");

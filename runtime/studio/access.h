@@ -1,4 +1,4 @@
-// Who may talk to a page's server: anybody who knows the token in the address that the program prints.
+// Access control of the paint server: only clients that know the token in the printed address may use it.
 #pragma once
 
 #include <optional>
@@ -19,17 +19,18 @@ class Access {
     Diagnostic why;
   };
 
-  Access();  // Draws a token of 128 random bits. Throws Error "no-random-numbers".
+  Access();  // Creates a token of 128 random bits. Throws Error "no-random-numbers".
 
   void set_port(int port) { port_ = port; }
   // http://127.0.0.1:PORT/?token=TOKEN
   std::string address() const;
-  // The Set-Cookie header that keeps the token in the browser.
+  // The Set-Cookie header value that stores the token in the browser.
   std::string cookie() const;
 
-  // Refuses what names another host or comes from another site's page (so no page elsewhere can use the
-  // server, nor any name that points here), what lacks the token in its address and in its cookies (so no
-  // other account can), and bodies that are encoded or chunked (so their size is known before they are read).
+  // Refuses requests that name another host or come from another site's page, to block cross-site requests
+  // and DNS rebinding. Refuses requests without the token in their address or cookies, to block other
+  // accounts on this machine. Refuses encoded or chunked bodies, so that a body's size is known before it is
+  // read.
   std::optional<Refusal> refusal(const httplib::Request&) const;
 
  private:

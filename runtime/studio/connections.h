@@ -1,4 +1,4 @@
-// Sockets of a server that nobody can hold up: deadlines count for a whole request, not for each read.
+// Server sockets that slow clients cannot block: deadlines apply to a whole request, not to each read.
 #pragma once
 
 #include <array>
@@ -13,27 +13,27 @@
 namespace terrazzo::studio {
 
 struct ConnectionLimits {
-  std::size_t head = 16 << 10, body = 1 << 20;  // bytes of a request
+  std::size_t head = 16 << 10, body = 1 << 20;  // maximum bytes of a request
   std::chrono::milliseconds read{3000};         // for the whole request
   std::chrono::milliseconds write{20000};       // for the whole response
-  std::size_t threads = 64;                     // connections at a time
+  std::size_t threads = 64;                     // maximum number of simultaneous connections
 };
 
-// The open sockets. shutdown() on them wakes the thread that waits for them.
+// The open sockets. Shutting one down wakes the thread that waits for it.
 class Connections {
  public:
   struct Entry {
     int socket;
-    bool waiting = true;  // for more of the request
+    bool waiting = true;  // the request is incomplete
   };
   using Handle = std::list<Entry>::iterator;
 
   Handle add(int socket);
   void set_waiting(Handle, bool);
   void close(Handle);
-  // Ends the oldest connection whose request is not there yet.
+  // Shuts down the oldest connection whose request is incomplete.
   void drop_oldest_waiting();
-  // Ends all that are open, and every one added from now on.
+  // Shuts down all open connections, and every connection added later.
   void end();
 
  private:
@@ -42,15 +42,15 @@ class Connections {
   bool ended_ = false;
 };
 
-// One connection: one request in, one response out.
+// One connection, for one request and one response.
 class ConnectionStream : public httplib::Stream {
  public:
   ConnectionStream(Connections&, Connections::Handle, const ConnectionLimits&);
 
-  // The request's head was read; `body` bytes follow.
+  // Call when the request's head was read and `bytes` bytes of body follow.
   void expect_body(std::size_t bytes);
-  // Reads what the other side still sends, for a short time: closing a socket with unread bytes would take
-  // the response away from it.
+  // Reads and discards what the client still sends, for a short time. Closing a socket with unread bytes
+  // would reset the connection before the client has read the response.
   void drain();
 
   bool is_readable() const override { return true; }

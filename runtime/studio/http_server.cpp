@@ -11,7 +11,7 @@
 namespace terrazzo::studio {
 namespace {
 
-// Threads that start when they are needed.
+// A thread pool that starts threads on demand.
 class Workers : public httplib::TaskQueue {
  public:
   Workers(std::size_t most, std::function<void()> all_busy) : most_(most), all_busy_(std::move(all_busy)) {}
@@ -37,7 +37,7 @@ class Workers : public httplib::TaskQueue {
   }
 
  private:
-  // False if there are as many as may be.
+  // Starts a thread. False if no more threads are possible.
   bool start() {
     if (threads_.size() >= most_) return false;
     try {
@@ -45,7 +45,7 @@ class Workers : public httplib::TaskQueue {
       return true;
     } catch (const std::system_error&) {
       if (threads_.empty()) throw;
-      return false;  // the system gives no more: those that run will do
+      return false;  // the system refuses more threads; use those that exist
     }
   }
 
@@ -79,9 +79,9 @@ class Workers : public httplib::TaskQueue {
 HttpServer::HttpServer(ConnectionLimits limits) : limits_(limits) {
   set_payload_max_length(limits_.body);
   new_task_queue = [this] {
-    // An end() before the server listened closed nothing.
+    // If end() was called before the server listened, it had nothing to close, so stop now.
     if (ended_) httplib::Server::stop();
-    // The library's queue holds five: a sixth connection at a time would wait a second for its next try.
+    // The library listens with a backlog of 5, so a sixth simultaneous connection would wait 1 s for a retry.
     ::listen(svr_sock_, 128);
     return new Workers(limits_.threads, [this] { connections_.drop_oldest_waiting(); });
   };
@@ -104,7 +104,7 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
       });
       stream.drain();
     } catch (const std::exception& e) {
-      std::cerr << "warning: a request failed: " << e.what() << '\n';  // such as no memory for it
+      std::cerr << "warning: a request failed: " << e.what() << '\n';  // such as std::bad_alloc
     }
   }
   connections_.close(handle);

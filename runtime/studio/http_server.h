@@ -1,16 +1,18 @@
-// httplib's server for a page on this machine, made so that no client can hold it up or fill its memory.
+// An httplib server for a page on this machine, hardened so that no client can block it or exhaust its
+// memory.
 #pragma once
 
 #include "runtime/studio/connections.h"
 
 namespace terrazzo::studio {
 
-// One request a connection. A request has a deadline and a size limit as a whole. If all threads are taken, a
-// new connection ends the oldest one whose request is not complete.
+// Serves one request per connection. The deadline and the size limit apply to the whole request. If all
+// threads are busy, a new connection ends the oldest connection whose request is incomplete.
 class HttpServer : public httplib::Server {
  public:
   HttpServer(ConnectionLimits = {});
-  // From any thread, before or while listening: listen_after_bind() returns once the handlers have.
+  // Stops the server. Callable from any thread, before or while listening. listen_after_bind() returns when
+  // all handlers have returned.
   void end();
 
  private:

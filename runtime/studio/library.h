@@ -1,5 +1,6 @@
-// What the program takes from the libraries of the studio and the nodes. It loads them when a command needs
-// them: they bring 270 shared libraries of others, and loading those takes longer than most commands.
+// The functions that the program uses from the studio and node libraries. It loads these libraries only when
+// a command needs them: they depend on 270 other shared libraries, and loading those takes longer than most
+// commands.
 #pragma once
 
 #include <filesystem>
@@ -23,5 +24,5 @@ const Library& library();
 
 }  // namespace terrazzo::studio
 
-// The one function that the program finds by its name.
+// The function that the program looks up by name.
 extern "C" const terrazzo::studio::Library* terrazzo_studio_library();

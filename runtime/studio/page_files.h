@@ -1,11 +1,11 @@
-// The page's files, embedded when the program is built.
+// The files of the paint page, embedded at build time.
 #pragma once
 
 #include <string>
 
 namespace terrazzo::studio {
 
-// The text of a file of page/ by name, or null.
+// The content of the file with this name in page/, or null.
 const char* page_file(const std::string& name);
 
 }  // namespace terrazzo::studio

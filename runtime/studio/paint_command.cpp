@@ -31,19 +31,19 @@ int paint(const PaintOptions& o) {
   const std::atomic<bool>* cancel = cli::cancel_on_interrupt();
   SaveFile save = save_file(o);
   if (find_invalid_utf8(painting.graph(save.path())) != std::string::npos)
-    throw Error("usage", "the picture's path is not UTF-8, so no graph file can name it",
-                "rename the picture");
+    throw Error("usage", "the image's path is not UTF-8, so no graph file can refer to it",
+                "rename the image");
   PaintServer server(painting, save, cancel);
   server.bind(o.port);
   std::cout << server.address() << std::endl;
-  std::cerr << "Open this address to paint on " << o.image << "; strokes are saved to "
-            << save.path().string() << ". Ctrl-C ends.\n";
+  std::cerr << "Open this address in a browser to paint on " << o.image << ". The page saves to "
+            << save.path().string() << ". Press Ctrl-C to stop.\n";
   std::atomic<bool> ended{false};
   std::thread watch([&] {
     while (!ended && !cancel->load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     server.stop();
   });
-  // Also where serve() throws: a thread that is not joined would end the program.
+  // A destructor, so that the thread is also joined if serve() throws. Otherwise the program would abort.
   const struct Joined {
     std::atomic<bool>& ended;
     std::thread& watch;
@@ -53,7 +53,7 @@ int paint(const PaintOptions& o) {
     }
   } joined{ended, watch};
   server.serve();
-  return cli::done;  // there is no other way to end it
+  return cli::done;  // Ctrl-C is the normal way to stop
 }
 
 }  // namespace terrazzo::studio

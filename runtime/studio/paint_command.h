@@ -1,11 +1,11 @@
-// terrazzo paint IMAGE
+// The command `terrazzo paint IMAGE`.
 #pragma once
 
 #include "runtime/studio/paint_options.h"
 
 namespace terrazzo::studio {
 
-// Serves the page until it is stopped. Returns the exit code.
+// Serves the page until the user stops the program. Returns the exit code.
 int paint(const PaintOptions&);
 
 }  // namespace terrazzo::studio

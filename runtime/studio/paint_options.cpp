@@ -1,4 +1,4 @@
-// Belongs to the program itself, which prints its help without loading the studio.
+// Part of the program itself, so that help does not load the studio library.
 #include "runtime/studio/paint_options.h"
 
 #include <CLI/CLI.hpp>
@@ -10,17 +10,15 @@ namespace terrazzo::studio {
 
 void add_paint(CLI::App& app, int& exit_code) {
   auto* command =
-      app.add_subcommand("paint", "Paint on a picture with texture nibs, in a browser on this machine");
+      app.add_subcommand("paint", "Paint on an image with texture nibs, in a browser on this machine");
   auto o = std::make_shared<PaintOptions>();
-  command->add_option("image", o->image, "Picture to paint on")->required();
+  command->add_option("image", o->image, "Image to paint on")->required();
   command->add_option(
       "--save", o->save,
-      "Graph file that the page saves to (default: IMAGE's name with _painted.yaml, here, numbered "
-      "if that exists)");
-  command->add_flag("--overwrite", o->overwrite, "Let the page replace the file that --save names")
-      ->needs("--save");
-  command->add_option("--port", o->port, "Port on 127.0.0.1; 0: any that is free")
-      ->check(CLI::Range(0, 65535));
+      "Graph file to save to (default: IMAGE's name with _painted.yaml, in the current folder, "
+      "numbered if it exists)");
+  command->add_flag("--overwrite", o->overwrite, "Allow replacing an existing --save file")->needs("--save");
+  command->add_option("--port", o->port, "Port on 127.0.0.1; 0: any free port")->check(CLI::Range(0, 65535));
   command->callback([o, &exit_code] { exit_code = library().paint(*o); });
 }
 

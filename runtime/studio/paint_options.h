@@ -1,4 +1,4 @@
-// terrazzo paint IMAGE: the command's options.
+// Options of the command `terrazzo paint IMAGE`.
 #pragma once
 
 #include <string>

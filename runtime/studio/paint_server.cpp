@@ -67,7 +67,7 @@ NibChoice choice_of(const json& j) {
   return c;
 }
 
-// The media type of a page's file by its extension.
+// The media type of a page file, by its extension.
 const char* media_type(const std::string& name) {
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
   if (name.ends_with(".css")) return "text/css; charset=utf-8";
@@ -82,7 +82,7 @@ struct PaintServer::Impl {
   const std::atomic<bool>* cancel;
   Access access;
   HttpServer server;
-  std::mutex mutex;  // a painting is one thread's at a time
+  std::mutex mutex;  // only one thread at a time may use the painting
 
   Work work() const { return {cancel, nullptr}; }
 
@@ -95,7 +95,7 @@ struct PaintServer::Impl {
     answer(out, {{"code", d.code}, {"message", d.message}, {"hint", d.hint}});
   }
 
-  // A handler that holds the painting, reads JSON where there is a body, and tells errors as JSON.
+  // Wraps `act` in a handler that locks the painting, parses a JSON body and returns errors as JSON.
   template <class Act>
   httplib::Server::Handler handler(Act act) {
     return [this, act](const httplib::Request& in, httplib::Response& out) {
@@ -103,14 +103,14 @@ struct PaintServer::Impl {
         json body;
         if (in.method == "POST") {
           if (!in.get_header_value("Content-Type").starts_with("application/json"))
-            throw Error("bad-request", "the request's content is not JSON", "send application/json");
+            throw Error("bad-request", "the request's content type is not JSON", "send application/json");
           body = json::parse(in.body);
         }
         const std::lock_guard lock(mutex);
-        work().check();  // a painting whose stroke was cut short answers nothing more
+        work().check();  // after a cancelled stroke, the painting is unusable
         act(in, body, out);
       } catch (const Cancelled&) {
-        refuse(out, 503, {Severity::Error, "ending", "terrazzo paint is ending", "", {}, "", ""});
+        refuse(out, 503, {Severity::Error, "ending", "terrazzo paint is shutting down", "", {}, "", ""});
       } catch (const Error& e) {
         refuse(out, 400, e.diagnostic());
       } catch (const json::exception& e) {
@@ -164,8 +164,9 @@ struct PaintServer::Impl {
     const Rectangle all{0, 0, p.width, p.height};
     if (kind == "picture") return out.set_content(bytes_of(p, all), "application/octet-stream");
     if (kind != "base_relative" && kind != "occupancy")
-      throw Error("bad-request", "there is no view '" + kind + "'", "picture, base_relative or occupancy");
-    if (!painting.nib()) throw Error("no-nib", "no nib is chosen yet", "pick a region of the picture first");
+      throw Error("bad-request", "there is no view '" + kind + "'",
+                  "choose picture, base_relative or occupancy");
+    if (!painting.nib()) throw Error("no-nib", "there is no nib yet", "pick a region of the image first");
     const Image drawn = kind == "occupancy" ? texture_nib::occupancy_view(*painting.nib())
                                             : texture_nib::base_relative_view(*painting.nib());
     out.set_content(bytes_of(drawn, all), "application/octet-stream");
@@ -176,12 +177,12 @@ struct PaintServer::Impl {
     std::string graph;
     const bool moved = save_file.write([&](const auto& file) { return graph = painting.graph(file); });
     const std::string note =
-        moved ? fmt::format("'{}' was changed by something else and stays as it is", before) : "";
+        moved ? fmt::format("'{}' was changed by another program, so it was left as it is", before) : "";
     answer(out, {{"file", save_file.path().string()}, {"graph", graph}, {"note", note}});
   }
 
   void routes() {
-    // The library's default lets a second program share the port.
+    // The library's default, SO_REUSEPORT, would let a second program share the port.
     server.set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -199,7 +200,7 @@ struct PaintServer::Impl {
       return httplib::Server::HandlerResponse::Handled;
     });
     server.set_expect_100_continue_handler([](const httplib::Request&, httplib::Response& out) {
-      return out.status = 400;  // the page expects nothing
+      return out.status = 400;  // the page never sends Expect: 100-continue
     });
     for (const std::string name : {"paint.html", "paint.js", "paint.css"})
       server.Get(name == "paint.html" ? "/" : "/" + name,
@@ -221,7 +222,7 @@ struct PaintServer::Impl {
                                               httplib::Response& out) { stroke(body, out); }));
     server.Post("/api/undo", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                           httplib::Response& out) {
-                  if (!painting.undo(work())) throw Error("nothing-to-undo", "nothing is painted");
+                  if (!painting.undo(work())) throw Error("nothing-to-undo", "there is nothing to undo");
                   answer_state(in, body, out);
                 }));
     server.Post("/api/save",
@@ -249,8 +250,8 @@ int PaintServer::bind(int port) {
                     : server.bind_to_port("127.0.0.1", port) ? port
                                                              : -1;
   if (bound <= 0)
-    throw Error("port-in-use", fmt::format("port {} of 127.0.0.1 cannot be had", port),
-                "leave --port out for any that is free");
+    throw Error("port-in-use", fmt::format("cannot listen on port {} of 127.0.0.1", port),
+                "omit --port to use any free port");
   impl_->access.set_port(bound);
   return bound;
 }

@@ -1,5 +1,5 @@
-// Serves a painting and the page that shows it, on this machine alone. All that is said in HTTP is said here;
-// what is painted is Painting's.
+// Serves a painting and its page, on this machine only. This class implements the HTTP interface; Painting
+// does the painting.
 #pragma once
 
 #include <atomic>
@@ -11,20 +11,21 @@ namespace terrazzo::studio {
 class Painting;
 class SaveFile;
 
-// GET /, /paint.js, /paint.css; GET /api/state; GET /api/view?kind=picture|base_relative|occupancy: the
-// pixels, four bytes each; POST /api/nib, /api/stroke, /api/undo, /api/save with JSON. Errors are {code,
-// message, hint}. Listens on 127.0.0.1 only. Answers only who knows its token (access.h).
+// GET /, /paint.js and /paint.css return the page. GET /api/state returns JSON. GET
+// /api/view?kind=picture|base_relative|occupancy returns pixels of four bytes (RGBA). POST /api/nib,
+// /api/stroke, /api/undo and /api/save take JSON. Errors are {code, message, hint}. Listens only on 127.0.0.1
+// and answers only clients that know its token (access.h).
 class PaintServer {
  public:
-  // /api/save writes `save_file` and nothing else. `cancel` ends a stroke that is being painted.
+  // /api/save writes only `save_file`. `cancel` stops a stroke that is being painted.
   PaintServer(Painting&, SaveFile& save_file, const std::atomic<bool>* cancel = nullptr);
   ~PaintServer();
 
-  // Takes a port (0: any that is free). Throws Error "port-in-use".
+  // Binds a port (0: any free port) and returns its number. Throws Error "port-in-use".
   int bind(int port);
-  // What to open in a browser, with the token in it; once the port is bound.
+  // The address to open in a browser, with the token. Valid after bind().
   std::string address() const;
-  // Serves until stop() is called, from any thread.
+  // Serves until stop() is called. stop() may be called from any thread.
   void serve();
   void stop();
 

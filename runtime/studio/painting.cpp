@@ -22,7 +22,6 @@ std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') out += '\\';
-    // A parameter of the graph begins with "${".
     if (static_cast<unsigned char>(c) < 0x20)
       out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
     else
@@ -47,7 +46,7 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
   const NibChoice& c = layer.choice;
   const auto within = [](const char* name, double v, double lo, double hi) {
     if (!(v >= lo && v <= hi))
-      throw Error("bad-value", fmt::format("{} is {}, it lies between {} and {}", name, v, lo, hi))
+      throw Error("bad-value", fmt::format("{} must be between {} and {}; it is {}", name, lo, hi, v))
           .parameter(name);
   };
   within("levels", c.levels, 2, kMostLevels);
@@ -57,7 +56,8 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
   if (c.threshold) within("threshold", *c.threshold, 0, 10);
   const auto finish = std::find(std::begin(kFinishes), std::end(kFinishes), c.finish);
   if (finish == std::end(kFinishes))
-    throw Error("bad-value", fmt::format("'{}' is no finish", c.finish), "levels, colors or patches")
+    throw Error("bad-value", fmt::format("'{}' is not a finish", c.finish),
+                "choose levels, colors or patches")
         .parameter("finish");
   texture_nib::NibSettings s;
   s.levels = c.levels, s.extent = c.extent, s.scales = c.scales, s.seed = c.seed;
@@ -78,14 +78,14 @@ void Painting::choose(const NibChoice& choice, const Work& work) {
 }
 
 void Painting::begin_stroke(double radius) {
-  if (!nib_) throw Error("no-nib", "no nib is chosen yet", "pick a region of the picture first");
+  if (!nib_) throw Error("no-nib", "there is no nib yet", "pick a region of the image first");
   end_stroke();
   nib_->begin_stroke(radius);
   if (2 * radius > std::max(original_.width, original_.height))
     throw Error("nib-too-large",
-                fmt::format("a nib of {} pixels on a picture of {} × {}", 2 * radius, original_.width,
-                            original_.height),
-                "make it smaller");
+                fmt::format("the nib is {} pixels wide, larger than the image ({} × {} pixels)", 2 * radius,
+                            original_.width, original_.height),
+                "reduce its size");
   stroke_ = Stroke{{{}}, radius, false};
   met_ = false;
 }

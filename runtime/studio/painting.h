@@ -1,5 +1,5 @@
-// Painting: a picture being painted on with nibs, its history, and the graph that paints it again. What the
-// page shows; it knows neither server nor page.
+// Painting: an image that is painted on with nibs, its undo history, and a graph that reproduces it. It is
+// the model behind the paint page and independent of server and page.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace terrazzo::studio {
 
-// What the user chose of a nib; the parameters of a TextureNib node, of the same defaults.
+// The settings of a nib: the parameters of a TextureNib node, with the same defaults.
 struct NibChoice {
   std::vector<double> region;  // as in TextureNib: x, y, width, height, or a polygon
   int levels = 8, extent = 3, scales = 1, passes = 4;
@@ -22,36 +22,37 @@ struct NibChoice {
   std::uint64_t seed = 1;
 };
 
-// What takes long stops when its Work is cancelled and throws Cancelled. The painting is then half done: all
-// that may be done with it is to end.
+// Methods that take a Work throw Cancelled when it is cancelled. The painting is then incomplete and must
+// only be destroyed.
 class Painting {
  public:
-  // Throws what reading the picture throws.
+  // Reads the image. Throws what read_image() throws.
   explicit Painting(const std::filesystem::path& picture);
 
   const std::filesystem::path& file() const { return file_; }
   const Image& picture() const;
-  // Null before a nib was chosen.
+  // Null if no nib is chosen.
   const texture_nib::Nib* nib() const { return nib_ ? &*nib_ : nullptr; }
   const NibChoice* choice() const { return layers_.empty() ? nullptr : &layers_.back().choice; }
-  std::size_t strokes() const;  // of all nibs
+  std::size_t strokes() const;  // number of strokes of all nibs
 
-  // Takes up a nib; what was painted with it before is the picture that it is learnt from, and its map is
-  // empty. Throws Error "outside-image", "bad-region", "too-small", "one-color", "bad-value".
+  // Starts a new nib. It learns its texture from the current image, earlier strokes included, and its own map
+  // starts empty. Throws Error "outside-image", "bad-region", "too-small", "one-color", "bad-value".
   void choose(const NibChoice&, const Work& = {});
 
-  // A stroke, point by point; each returns what changed at once. Strokes that meet no pixel are forgotten.
-  // Throws Error "no-nib", "no-stroke", "bad-stroke", "nib-too-large".
+  // Paint a stroke point by point. extend_stroke() returns the rectangle that the point changed. A stroke
+  // that touches no pixel is dropped. Throw Error "no-nib", "no-stroke", "bad-stroke", "nib-too-large".
   void begin_stroke(double radius);
   texture_nib::Rectangle extend_stroke(const Vec2& point, const Work& = {});
   void end_stroke();
 
-  // Takes the last stroke back, or the last nib where it has painted nothing. False where there is nothing.
+  // Undoes the last stroke, or the last nib if it has no strokes. False if there is nothing to undo.
   bool undo(const Work& = {});
 
-  // A graph in YAML that gives this picture, bit for bit: at `file`, to which its paths are relative.
+  // A graph in YAML that reproduces this image bit for bit when saved as `file`. Its paths are relative to
+  // the folder of `file`.
   std::string graph(const std::filesystem::path& file) const;
-  // The content hash of the picture as `terrazzo run --report` tells it.
+  // The content hash of the image, as in the report of `terrazzo run --report`.
   std::string content() const;
 
  private:
@@ -67,8 +68,8 @@ class Painting {
   Image original_;
   std::vector<Layer> layers_;
   std::optional<texture_nib::Nib> nib_;
-  std::optional<Stroke> stroke_;  // going on
-  bool met_ = false;              // whether it met a pixel
+  std::optional<Stroke> stroke_;  // the stroke in progress
+  bool met_ = false;              // whether it touched a pixel
 };
 
 }  // namespace terrazzo::studio

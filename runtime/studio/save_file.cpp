@@ -16,13 +16,13 @@ namespace terrazzo::studio {
 namespace fs = std::filesystem;
 namespace {
 
-// Creates an empty file. False if something of that name exists, a dangling link included.
+// Creates an empty file. False if the name exists, even as a dangling link.
 bool create(const fs::path& path) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (fd >= 0) return ::close(fd), true;
   if (errno == EEXIST) return false;
   throw Error("write-failed", fmt::format("cannot create '{}': {}", path.string(), std::strerror(errno)),
-              "name a file in a folder that you may write to with --save");
+              "choose a file in a folder that you can write to with --save");
 }
 
 fs::path with_number(const fs::path& name, int number) {
@@ -45,10 +45,10 @@ SaveFile SaveFile::exactly(const fs::path& name, bool overwrite) {
   out.claimed_ = create(name);
   if (!out.claimed_) {
     if (!overwrite)
-      throw Error("usage", fmt::format("'{}' exists", name.string()),
-                  "add --overwrite to replace it, or leave --save out for a new file");
+      throw Error("usage", fmt::format("'{}' already exists", name.string()),
+                  "add --overwrite to replace it, or omit --save to create a new file");
     const auto content = read_file(name);
-    if (!content) throw Error("usage", fmt::format("'{}' is no file that can be read", name.string()));
+    if (!content) throw Error("usage", fmt::format("cannot read '{}'", name.string()));
     out.left_ = *content;
   }
   out.path_ = name;
@@ -63,7 +63,7 @@ SaveFile::SaveFile(SaveFile&& other) noexcept
 
 SaveFile::~SaveFile() {
   std::error_code error;
-  // Only the empty file of the claim: what somebody else wrote there meanwhile stays.
+  // Removes only an empty file, so that content that another program wrote meanwhile stays.
   if (claimed_ && fs::is_regular_file(path_, error) && fs::file_size(path_, error) == 0)
     fs::remove(path_, error);
 }
@@ -76,7 +76,7 @@ void SaveFile::take_next_number() {
 
 bool SaveFile::write(const std::function<std::string(const fs::path&)>& text) {
   std::error_code error;
-  // A file that somebody removed is written anew.
+  // If the file was removed, create it again.
   const bool gone = !fs::exists(fs::symlink_status(path_, error));
   if (gone && create(path_)) left_.clear(), claimed_ = true;
   const bool changed = read_file(path_) != left_;

@@ -1,5 +1,6 @@
-// Packing: spheres by number and density, stones, beside a plain descent of overlaps (each pair pushed apart
-// by its overlap, neighbours by a grid of cells, one thread) of the same spheres. `per_particle` in µs.
+// Packing of spheres, by number and density, and of stones. The baseline for the same spheres is a plain
+// descent of overlaps (each pair is pushed apart by its overlap, neighbors come from a cell grid, one
+// thread). `per_particle` is in µs.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -25,7 +26,7 @@ SizeDistribution equal_sizes(const Shapes& shapes, double fraction) {
   return d;
 }
 
-// Long ones: seconds of the clock, once.
+// Long runs: wall-clock seconds, one iteration.
 void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
 
 void pack(benchmark::State& state, const Shapes& shapes, std::int64_t count, double fraction) {

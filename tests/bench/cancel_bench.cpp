@@ -1,5 +1,5 @@
-// How long a cancelled run goes on: every node's example, cancelled at moments spread over its run. The goal
-// is 200 ms at worst; `whole_ms` is the run's own length, the baseline.
+// Measures the latency of cancellation: every node's example, canceled at moments spread over its run. The
+// goal is at most 200 ms; the baseline `whole_ms` is the duration of the whole run.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ void cancel(benchmark::State& state, const fs::path& example) {
   double whole = 0, worst = 0;
   const auto evaluate = [&](double after) {
     Session session(registry, types, {.output_folder = fs::temp_directory_path() / "terrazzo-cancel-bench"});
-    if (has_errors(session.open(example))) return state.SkipWithError("the example has mistakes");
+    if (has_errors(session.open(example))) return state.SkipWithError("the example has errors");
     const auto start = Clock::now();
     const auto evaluation = session.evaluate();
     if (after >= 0) {

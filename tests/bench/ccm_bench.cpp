@@ -1,6 +1,6 @@
-// Colour co-occurrence: pixel updates a second (1993: 450 at 5 × 5 and 8 levels), and a dab of the nib of 12
-// × 12 pixels. The baseline tries every level of a pixel by the paper's four changes one by one, as section 3
-// writes them.
+// Color co-occurrence: pixel updates per second (1993: 450 with 5 × 5 and 8 levels), and a dab of a nib of 12
+// × 12 pixels. The baseline tries every level of a pixel with the paper's four changes one by one, as written
+// in section 3.
 #include <benchmark/benchmark.h>
 
 #include <map>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLevels = 8, kSide = 256;
 
-// Blotches: every pixel takes after one of its neighbours.
+// Blotches: every pixel resembles one of its neighbors.
 LevelField blotches(int side) {
   LevelField f(Vec3i(side, side, 1));
   for (int y = 0; y < side; ++y)
@@ -41,7 +41,7 @@ void count(benchmark::State& state, double pixels) {
   state.counters["pixel_updates"] = benchmark::Counter(pixels, benchmark::Counter::kIsRate);
 }
 
-// Five sweeps from noise.
+// Five sweeps, starting from noise.
 void ccm_synthesis(benchmark::State& state) {
   const LevelField source = blotches(kSide);
   const auto wanted = targets(
@@ -109,7 +109,7 @@ void ccm_plain(benchmark::State& state) {
 }
 BENCHMARK(ccm_plain)->Unit(benchmark::kMicrosecond);
 
-// A dab of 12 × 12 pixels, in the middle of a picture.
+// A dab of 12 × 12 pixels in the middle of an image.
 void ccm_nib(benchmark::State& state) {
   using namespace texture_nib;
   const LevelField field = blotches(kSide);

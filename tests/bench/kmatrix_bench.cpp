@@ -1,7 +1,7 @@
-// Section statistics of a convex mesh of 5,120 triangles: all depths of a direction at once, against one
+// Section statistics of a convex mesh of 5,120 triangles: all depths of a direction together, against one
 // plane at a time, as loops and as pixels of a stencil buffer. `slices` counts planes per second; for the
-// first the depths at which areas are exact (97 a direction), and `worst_class` is how far the default effort
-// is off a long run's.
+// first method, it counts the depths with exact areas (97 per direction). `worst_class` is the largest
+// deviation of the default effort from a long run.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ void kmatrix_all_depths(benchmark::State& state) {
 }
 BENCHMARK(kmatrix_all_depths)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-// Random planes, each section's loops made and measured.
+// Extracts and measures the loops of random sections.
 void kmatrix_one_plane_at_a_time(benchmark::State& state) {
   std::uint64_t item = 0;
   for (auto _ : state) {

@@ -1,7 +1,7 @@
-// Frames of a scan of 256³ at 512², over one turn: table 1 of Laursen et al. 2011. `min`, `max` and `mean`
-// are frames per second. The baseline beside them marches as the paper does, by steps of a thousandth of the
-// volume's edge and through what is empty, and is timed on every twelfth frame alone. And 512² pictures of a
-// carved vase at 64 paths a pixel.
+// Renders one turn around a scan of 256³ voxels at 512² pixels: table 1 of Laursen et al. 2011. `min`, `max`
+// and `mean` are frames per second. The baseline marches like the paper, with steps of a thousandth of the
+// volume's edge and without skipping empty space, and is timed only on every twelfth frame. Also renders 512²
+// images of a carved vase at 64 paths per pixel.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -53,7 +53,7 @@ const Scene& scene() {
 Scene with(bool textured, bool opened) {
   Scene s = scene();
   s.look.textured = textured;
-  if (opened) s.look.clip[1].y() = 0.5f;  // half of the limb, which shows no skin but at its rim
+  if (opened) s.look.clip[1].y() = 0.5f;  // half of the limb, where skin is visible only at the rim
   return s;
 }
 
@@ -73,7 +73,7 @@ void turn(benchmark::State& state, const Scene& s, int step, Draw&& draw) {
   state.counters["ms_a_frame"] = 1000 * seconds / frames;
 }
 
-// Each frame plain, then textured, so that both meet the machine in the same state.
+// Renders each frame plain, then textured, so that the machine is in the same state for both.
 void march_turn(benchmark::State& state, bool opened) {
   const Scene plain = with(false, opened), textured = with(true, opened);
   const Bricks bricks(plain.scan, plain.intervals);
@@ -109,7 +109,7 @@ void render_baseline_every_step(benchmark::State& state) {
   Scene s = with(false, false);
   s.look.skip_empty = false;
   s.look.step = 0.001 * s.scan.extent().maxCoeff() / s.scan.spacing.minCoeff();
-  // Without skipping every brick must hold its voxels: a class that takes in the air, and adds nothing.
+  // To disable skipping, every brick must store its voxels: add a transparent class that includes air.
   s.tissues = parse_tissues({"air -5000 -600 opacity=0", "skin -600 -190 #d9a58c noise opacity=0.25",
                              "fat -190 -30 #ead9a9", "muscle -30 150 #8f3a36", "bone 150 4000 #efe6cf"});
   s = Scene(s.scan, s.tissues, {}, s.look);

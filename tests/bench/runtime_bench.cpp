@@ -1,5 +1,5 @@
-// Overhead of the evaluator per node, cold and fully cached, beside oneTBB's flow graph alone on the same
-// topology.
+// Overhead of the evaluator per node, with a cold and a full cache. The baseline is a bare oneTBB flow graph
+// with the same topology.
 #include <benchmark/benchmark.h>
 #include <tbb/flow_graph.h>
 
@@ -65,7 +65,7 @@ Graph chain(int start) {
   return load_graph_text(text, "chain.yaml", registry(), {}, found);
 }
 
-// Every node of a square depends on the ones above and to its left.
+// A square grid in which every node depends on the nodes above and to the left.
 Graph grid(int start) {
   std::string text = "terrazzo: 1\nnodes:\n";
   for (int y = 0; y < side; ++y)
@@ -92,11 +92,11 @@ void per_node(benchmark::State& state, std::size_t nodes) {
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-// A run that did not do what is timed here would be fast and worthless.
+// Checks that the timed run did the expected work.
 void demand(benchmark::State& state, const RunResult& r, Status status) {
   std::size_t n = 0;
   for (const auto& node : r.nodes) n += node.status == status;
-  // Equal nodes of a grid (it is symmetric) are computed once.
+  // The grid is symmetric, and equal nodes are computed once.
   if (n * 2 < r.nodes.size() || r.nodes.empty()) state.SkipWithError("nodes were not computed");
 }
 
@@ -131,7 +131,7 @@ void cached(benchmark::State& state, Make make) {
   per_node(state, g.nodes.size());
 }
 
-// The same topology with nothing around it.
+// The baseline: the same topology without the evaluator.
 void tbb_alone(benchmark::State& state, Make make) {
   const Graph shape = make(0);
   for (auto _ : state) {

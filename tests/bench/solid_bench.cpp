@@ -1,7 +1,8 @@
-// Solid textures: our search by coherence beside the recipe of Laursen, Ersbøll and Bærentzen 2011 (nearest
-// neighbours from a tree, their weights and schedule), both on one core, on the same exemplar. `times` is the
-// papers' CPU time over ours; the other counters are measures of the slices, worst axis, in the same units
-// for both: 1 is right for `finest`, 0 for `patches`, `histogram` and `copied`.
+// Solid textures: the default method (coherence search) against the reference method of Laursen, Ersbøll and
+// Bærentzen 2011 (nearest neighbors from a tree, their weights and schedule), both on one core with the same
+// exemplar. `times` is the CPU time of the reference method over that of the default method. The other
+// counters are measures of the slices on the worst axis, in the same units for both; the ideal is 1 for
+// `finest` and 0 for `patches`, `histogram` and `copied`.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
@@ -19,7 +20,7 @@ namespace so = solid_optimize;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// Blobs of value noise with a rim, and grain.
+// Value-noise blobs with a rim, plus grain.
 so::SolidExemplar blobs(int side) {
   so::SolidExemplar e;
   e.width = e.height = side;
@@ -82,7 +83,7 @@ void solid_papers_beside_coherence(benchmark::State& state) {
   state.counters["papers_copied"] = theirs.copied;
   state.counters["times"] = theirs.seconds / ours.seconds;
 }
-// 128: four minutes.
+// Size 128 takes four minutes.
 BENCHMARK(solid_papers_beside_coherence)->Arg(32)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
 
 void solid_coherence(benchmark::State& state) {
@@ -92,7 +93,7 @@ void solid_coherence(benchmark::State& state) {
 }
 BENCHMARK(solid_coherence)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
 
-// The same by passes that know of a voxel's surroundings alone.
+// The same with the blockwise method, whose passes see only a bounded neighborhood.
 void solid_local(benchmark::State& state) {
   Made m{0};
   for (auto _ : state) m = make(static_cast<int>(state.range(0)), false, true);
@@ -100,7 +101,7 @@ void solid_local(benchmark::State& state) {
 }
 BENCHMARK(solid_local)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecond);
 
-// The residual of grain of several sizes, one colour axis, on all cores.
+// The residual of grain of several sizes along one color axis, on all cores.
 void solid_residual(benchmark::State& state) {
   const auto e = blobs(256);
   Image image(256, 256, 1, 1);

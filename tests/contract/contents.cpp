@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-// Versions of the shared libraries that compute or decode, from the names of their files.
+// Versions of the loaded shared libraries that compute or decode, from their file names.
 std::string libraries() {
   static const std::vector<std::string> that_matter = {
       "libopenvdb", "libOpenImageIO.", "libOpenColorIO", "libopencv_core", "libopencv_imgproc",
@@ -38,10 +38,10 @@ std::string libraries() {
   return fmt::format("{}", fmt::join(found, " "));
 }
 
-// The other formats carry provenance, which is not part of a result.
+// Other formats contain provenance, which is not part of the result.
 const std::set<std::string> without_metadata = {".csv", ".json", ".obj", ".ply", ".stl"};
 
-// What compilers, libm and libraries choose code by.
+// CPU features by which compilers, libm and libraries select code.
 std::string cpu() {
 #if defined(__x86_64__)
   std::vector<std::string> has = {"x86_64"};
@@ -140,17 +140,15 @@ std::string compare_contents(const std::string& type, const json& recorded, cons
       if (changed.empty()) continue;
       if (same_version) *same_version = true;
       return fmt::format(
-          "{} gives another result for equal inputs under the same version {}: {} of '{}' changed. Raise the "
-          "version "
-          "in its NodeType(…), then {}. If a library of this machine changed instead, first remove this "
-          "machine's "
-          "entry from that file",
+          "{} produces a different result from equal inputs under the same version {}: {} of '{}' changed. "
+          "Raise the version in its NodeType(…), then {}. If only a library on this machine changed, first "
+          "remove this machine's entry from that file",
           type, node.at("version").get<int>(), fmt::join(changed, ", "), path, renew);
     }
   }
   for (const auto& [path, node] : recorded.items())
     if (!now.contains(path))
-      return fmt::format("{}: '{}' is not in its example any more; {}", type, path, renew);
+      return fmt::format("{}: '{}' is no longer in its example; {}", type, path, renew);
   return {};
 }
 

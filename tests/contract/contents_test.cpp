@@ -1,4 +1,4 @@
-// The contents of every node's example are those recorded with its version.
+// Checks that every node's example produces the contents recorded for its version.
 #include "tests/contract/contents.h"
 #include "tests/support/all_nodes.h"
 
@@ -13,10 +13,9 @@ class RecordedContents : public ::testing::TestWithParam<std::string> {};
 TEST_P(RecordedContents, AreGivenAgain) {
   const json all = test::read_contents(), machine = test::this_machine();
   const json* known = test::contents_on(all, machine);
-  if (!known)
-    GTEST_SKIP() << "no contents are recorded for " << machine.dump() << "; ./dev contents records them";
+  if (!known) GTEST_SKIP() << "no contents are recorded for " << machine.dump() << "; run ./dev contents";
   if (!known->contains(GetParam()))
-    GTEST_SKIP() << "no contents of this node are recorded; ./dev contents records them";
+    GTEST_SKIP() << "no contents are recorded for this node; run ./dev contents";
   const json now = test::example_contents(test::all_nodes(), *test::all_nodes().find(GetParam()), 2);
   ASSERT_FALSE(now.empty()) << "the example does not use its node";
   EXPECT_EQ(test::compare_contents(GetParam(), known->at(GetParam()), now), "");
@@ -52,7 +51,7 @@ TEST(CompareContents, SaysWhatToDo) {
   EXPECT_NE(fed.find("parameters or inputs of 'pack'"), std::string::npos) << fed;
   EXPECT_NE(test::compare_contents("Anneal", json::object(), recorded).find("not recorded"),
             std::string::npos);
-  EXPECT_NE(test::compare_contents("Anneal", recorded, json::object()).find("any more"), std::string::npos);
+  EXPECT_NE(test::compare_contents("Anneal", recorded, json::object()).find("no longer"), std::string::npos);
 }
 
 TEST(CompareContents, AnotherMachineHasNoEntry) {

@@ -1,4 +1,4 @@
-// Which files nodes open: exactly those whose content is in their key, so that no edit goes unnoticed.
+// Checks that nodes open exactly the files whose content is in their action key, so that no edit is missed.
 #include <gtest/gtest.h>
 #include <sys/inotify.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 
-// Counts the files opened below a folder, by whatever library, from its construction on.
+// Records the files opened below a folder since construction, by any library.
 class OpenedFiles {
  public:
   explicit OpenedFiles(const fs::path& folder) : handle_(::inotify_init1(IN_NONBLOCK)) {
@@ -35,14 +35,14 @@ class OpenedFiles {
   OpenedFiles(const OpenedFiles&) = delete;
   OpenedFiles& operator=(const OpenedFiles&) = delete;
 
-  // Since the last call.
+  // Returns the files opened since the last call.
   std::set<fs::path> take() {
     std::set<fs::path> opened;
     alignas(inotify_event) char buffer[64 * (sizeof(inotify_event) + NAME_MAX + 1)];
     for (ssize_t n = 0; (n = ::read(handle_, buffer, sizeof buffer)) > 0;)
       for (const char* at = buffer; at < buffer + n;) {
         const auto* event = reinterpret_cast<const inotify_event*>(at);
-        if (event->mask & IN_Q_OVERFLOW) ADD_FAILURE() << "events were lost";
+        if (event->mask & IN_Q_OVERFLOW) ADD_FAILURE() << "inotify events were lost";
         if (!(event->mask & IN_ISDIR) && event->len > 0) opened.insert(folders_.at(event->wd) / event->name);
         at += sizeof(inotify_event) + event->len;
       }
@@ -59,7 +59,7 @@ class OpenedFiles {
   std::map<int, fs::path> folders_;
 };
 
-// The input files of a graph's nodes with their companions: what enters the keys.
+// The input files of a graph's nodes and their companion files, which enter the action keys.
 std::set<fs::path> declared(const Graph& g) {
   std::set<fs::path> all;
   for (const auto& node : g.nodes)
@@ -100,7 +100,7 @@ bool reads_files(const NodeType& t) {
   return false;
 }
 
-// Beside each file lie others that a reader may take an interest in.
+// Adds files next to each file that a reader might open too.
 void add_decoys(const fs::path& folder) {
   for (const auto& f : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {}))
     for (const char* other : {".mtl", ".hdr", ".img", ".aux", ".xml", ".ocio"}) {
@@ -141,7 +141,7 @@ TEST(FilesOfNodes, ExactlyTheDeclaredOnesAreOpened) {
   EXPECT_EQ(tried, all);
 }
 
-// A node that reads files looks at its budget before it reads.
+// A node that reads files checks its memory budget first.
 TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
   int tried = 0;
   for (const auto& e : fs::directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes")) {
@@ -165,7 +165,7 @@ TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
   EXPECT_GE(tried, 7);
 }
 
-// The shape's name is part of what LoadMesh gives.
+// The shape's name is part of LoadMesh's output.
 TEST(FilesOfNodes, ARenamedMeshIsCalledByItsNewName) {
   const fs::path folder = test::temporary_folder();
   Store store(test::value_types(), {});
@@ -228,12 +228,12 @@ TEST_F(NiftiPair, BothHalvesAreInTheKey) {
       EXPECT_EQ(opened.take(), declared(g));
       EXPECT_EQ(declared(g).size(), 2u);
       EXPECT_EQ(evaluate(g, store, folder / "out").nodes[0].status, Status::Memory);
-      n.data[0] = 99;  // of the voxels alone
+      n.data[0] = 99;  // changes only the voxels
       write();
       const RunResult second = evaluate(g, store, folder / "out");
       EXPECT_EQ(second.nodes[0].status, Status::Computed);
       EXPECT_NE(second.nodes[0].outputs, first.nodes[0].outputs);
-      n.pixdim[1] = 7;  // of the header alone
+      n.pixdim[1] = 7;  // changes only the header
       write();
       EXPECT_NE(evaluate(g, store, folder / "out").nodes[0].outputs, second.nodes[0].outputs);
     }

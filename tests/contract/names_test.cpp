@@ -1,5 +1,5 @@
-// Two types of one name in one namespace link without a word and crash when run: no two headers may define
-// the same.
+// Two types with the same name in one namespace link silently and crash at run time, so no two headers may
+// define the same type.
 #include <gtest/gtest.h>
 
 #include <filesystem>

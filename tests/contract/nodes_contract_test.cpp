@@ -1,4 +1,4 @@
-// What every registered node keeps, whoever wrote it.
+// The contract that every registered node must keep.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -71,7 +71,8 @@ TEST_P(EveryNode, EveryParameterIsInTheKey) {
     if (!p.value) continue;
     GraphNode same = node;
     same.parameters[p.name] = {*p.value, {}, {}};
-    EXPECT_EQ(action_key(same, {}, {}), plain) << p.name << ": a default written out changes the key";
+    EXPECT_EQ(action_key(same, {}, {}), plain)
+        << p.name << ": writing out the default changes the action key";
   }
 }
 
@@ -83,8 +84,8 @@ TEST_P(EveryNode, ACancelledRunComputesNothing) {
   EXPECT_THROW(compute_node(std::move(request)), Cancelled);
 }
 
-// The example beside the node runs, gives equal content at 1, 2 and 7 threads, and its values survive the
-// disk.
+// The node's example runs, produces equal content with 1, 2 and 7 threads, and its values survive a round
+// trip through the disk cache.
 TEST_P(EveryNode, ItsExampleRunsTheSameOnAnyNumberOfThreads) {
   Diagnostics found;
   const fs::path file = folder(type()) / "example.yaml";
@@ -120,7 +121,7 @@ TEST_P(EveryNode, ItsExampleRunsTheSameOnAnyNumberOfThreads) {
     for (const auto& r : runs) EXPECT_EQ(runs[0].nodes[i].outputs, r.nodes[i].outputs) << g.nodes[i].path;
 }
 
-// A value of each type with nothing in it.
+// An empty value of each type.
 Value empty_value(const std::string& type) {
   static const std::map<std::string, Value> values = {
       {"Image", Value::of(Image{})},        {"Labels", Value::of(Labels{})},
@@ -133,8 +134,8 @@ Value empty_value(const std::string& type) {
   return it == values.end() ? Value() : it->second;
 }
 
-// Each input in turn with nothing in it, the others as in the example: a result or an error that says
-// something, never a crash or an exception from within some library.
+// Empties each input in turn, with the others as in the example. The node must return a result or an error
+// with a message, and never crash or leak an exception of a library.
 TEST_P(EveryNode, SurvivesEmptyInputs) {
   Diagnostics found;
   const Graph g = load_graph(folder(type()) / "example.yaml", test::all_nodes(), {}, found);
@@ -160,7 +161,7 @@ TEST_P(EveryNode, SurvivesEmptyInputs) {
         for (const auto& w : wires) {
           const Value v = evaluator.value(g, result, w);
           request.inputs[port].push_back(port == emptied ? empty_value(v.type().name) : v);
-          ASSERT_TRUE(request.inputs[port].back()) << "no empty " << v.type().name << " in this test";
+          ASSERT_TRUE(request.inputs[port].back()) << "this test has no empty " << v.type().name;
         }
       try {
         compute_node(std::move(request));

@@ -1,4 +1,4 @@
-// The generated reference says what the declarations say.
+// Checks that the generated node reference matches the declarations.
 #include <gtest/gtest.h>
 
 #include "runtime/files.h"
@@ -26,7 +26,7 @@ TEST(Reference, IsFresh) {
   }
   for (const auto& e : fs::directory_iterator(kept))
     if (e.path().extension() == ".md") {
-      EXPECT_TRUE(fs::exists(fresh / e.path().filename())) << e.path() << " is of no node type";
+      EXPECT_TRUE(fs::exists(fresh / e.path().filename())) << e.path() << " belongs to no node type";
     }
 }
 

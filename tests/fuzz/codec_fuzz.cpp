@@ -1,5 +1,5 @@
-// The cache's codecs: bytes of any kind give a value or the error "damaged"; a value read is written the
-// same.
+// Fuzzes the cache's codecs. Any bytes decode to a value or to the error "damaged", and encoding a decoded
+// value is stable under another round trip.
 #include <cstdlib>
 
 #include "nodes/register_nodes.h"
@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }();
   static const auto names = types.names();
   if (size == 0) return 0;
-  // A record is text of another form.
+  // Records use a text format.
   if (data[0] == 255) {
     const std::string body(reinterpret_cast<const char*>(data) + 1, size - 1);
     parse_action(hash_of(body).text() + "\n" + body);

@@ -1,4 +1,4 @@
-// Graph files: whatever the text, messages and no crash; what loads can be written and loaded again.
+// Fuzzes graph files. No text causes a crash, and a loaded graph can be written and loaded again.
 #include <cstdlib>
 
 #include "graph/write_graph.h"
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (has_errors(found)) return 0;
   Diagnostics again;
   const Graph h = load_graph_text(write_graph(g), "/nowhere/fuzz.yaml", registry, {}, again);
-  // A value that holds "${" reads as a reference the second time: the one thing that does not come back.
+  // The exception: a value that contains "${" is read as a parameter reference the second time.
   for (const auto& d : again)
     if (d.severity == Severity::Error && d.code != "unknown-parameter") std::abort();
   if (!has_errors(again) && h.nodes.size() != g.nodes.size()) std::abort();

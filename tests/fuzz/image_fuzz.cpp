@@ -1,4 +1,4 @@
-// Pictures of every format, as photographs and as masks. The content decides the format.
+// Fuzzes images of every format, as photographs and as masks. The content determines the format.
 #include <unistd.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Mesh files in each format, and what mends them. The first byte chooses the format.
+// Fuzzes mesh files in each format, and mesh repair. The first byte selects the format.
 #include <unistd.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Strokes as drawings and as lists.
+// Fuzzes strokes as drawings and as lists.
 #include <unistd.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Tables of profiles.
+// Fuzzes tables of profiles.
 #include "nodes/load_profiles/profile_table.h"
 
 using namespace terrazzo;

@@ -1,4 +1,4 @@
-// Volumes as NIfTI, DICOM, pictures and OpenVDB. The first byte chooses the format.
+// Fuzzes volumes as NIfTI, DICOM, images and OpenVDB. The first byte selects the format.
 #include <unistd.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-// Files of every format version so far: one fixture each, loaded and run.
+// Loads and runs one fixture file per format version.
 #include <gtest/gtest.h>
 
 #include "runtime/evaluate.h"
@@ -19,7 +19,7 @@ TEST(Format, FilesOfVersion1Run) {
   const RunResult r = e.run(g, {});
   EXPECT_EQ(test::number_of(e.value(g, r, g.wire_to("result"))), 2 + 1.5 + 1);
   EXPECT_EQ(g.doc, "Every construct once.");
-  // Nor has what enters the keys changed: cached results of this version stay good.
+  // The action keys must not change either, so that cached results stay valid.
   EXPECT_EQ(r.nodes[static_cast<std::size_t>(g.find("inner/clamp"))].key.text(),
             "c39a2df043ff97981c479a34fddc437a");
 }
@@ -29,7 +29,8 @@ TEST(Format, AVersionToComeIsRefusedWithAWord) {
   load_graph_text("terrazzo: 2\nnodes:\n  a: {type: Constant}\n", "new.yaml", test::arithmetic(), {}, found);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].text(),
-            "new.yaml:1:1: error: format version '2' is not known here (made by a newer Terrazzo)");
+            "new.yaml:1:1: error: format version '2' is not supported (the file needs a newer version of "
+            "Terrazzo)");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Small files that stand for something huge are refused before it is built.
+// Small files that would expand to huge graphs are rejected before the graph is built.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -26,7 +26,7 @@ class GraphSize : public ::testing::Test {
     for (const auto& d : found) text += d.text() + "\n";
     return text;
   }
-  // The only message, at its line of a file.
+  // Expects exactly one message, at this line of this file.
   void expect_only(const std::string& code, const std::string& file, int line, const std::string& part) {
     ASSERT_EQ(found.size(), 1u) << all().substr(0, 2000);
     EXPECT_EQ(found[0].code, code);
@@ -38,7 +38,7 @@ class GraphSize : public ::testing::Test {
   Diagnostics found;
 };
 
-// Files f0 to f<levels>: each uses the next `times` times, the last holds one node.
+// The name of the file at a nesting level. Each file uses the next one.
 std::string name(int level) { return "f" + std::to_string(level) + ".yaml"; }
 
 TEST_F(GraphSize, AMillionNodesInSevenFilesAreRefusedWithTheirNumber) {
@@ -92,7 +92,7 @@ TEST_F(GraphSize, NestingHasALimitAndWorksUpToIt) {
 }
 
 TEST_F(GraphSize, FilesThatUseEachOtherManyTimesAreToldApart) {
-  // Built without a look ahead, this takes 12! steps until no file is left that is not around already.
+  // Without the check in advance, expanding this takes 12! steps.
   const int files = 12;
   for (int i = 0; i < files; ++i) {
     std::string nodes = "nodes:\n";
@@ -128,7 +128,7 @@ TEST_F(GraphSize, AChainOfFiftyThousandNodesLoads) {
     const std::string before = "n" + std::to_string(i - 1) + ".out";
     nodes += "  n" + std::to_string(i) + ": {type: Add, inputs: {a: " + before + ", b: " + before + "}}\n";
   }
-  // Consumers first, so that sorting starts at the far end.
+  // The consumer comes first, so that sorting starts at the far end of the chain.
   write("chain.yaml", "nodes:\n  first: {type: Add, inputs: {a: n49999.out, b: n0.out}}\n" + nodes.substr(7));
   const Graph g = load("chain.yaml");
   EXPECT_EQ(all(), "");
@@ -155,7 +155,7 @@ TEST_F(GraphSize, AliasesThatMultiplyAreRefused) {
     nodes += "  n" + std::to_string(i) + ": {type: Constant, params: {value: *long}}\n";
   write("squared.yaml", nodes);
   load("squared.yaml");
-  EXPECT_NE(all().find("more than 2000000 values, aliases written out"), std::string::npos)
+  EXPECT_NE(all().find("more than 2000000 values, with aliases expanded"), std::string::npos)
       << all().substr(0, 1000);
 }
 

@@ -13,13 +13,13 @@ using test::graph_of;
 
 struct Found {
   Diagnostics all;
-  // The one message at line:column, or a description of what there is.
+  // The message at line:column, or a list of all messages.
   std::string at(int line, int column) const {
     for (const auto& d : all)
       if (d.place.line == line && d.place.column == column) return d.message;
     std::string list;
     for (const auto& d : all) list += d.text() + "\n";
-    return "nothing there, but:\n" + list;
+    return "no message there, but:\n" + list;
   }
 };
 
@@ -54,7 +54,7 @@ TEST(LoadGraph, TenMistakesTenMessagesWithTheirPlaces) {
   EXPECT_NE(f.at(10, 40).find("no node 'nobody'"), std::string::npos) << f.at(10, 40);
   EXPECT_NE(f.at(11, 30).find("did you mean 'out'"), std::string::npos) << f.at(11, 30);
   EXPECT_NE(f.at(12, 3).find("needs the input 'b'"), std::string::npos) << f.at(12, 3);
-  EXPECT_NE(f.at(13, 3).find("stands twice"), std::string::npos) << f.at(13, 3);
+  EXPECT_NE(f.at(13, 3).find("appears twice"), std::string::npos) << f.at(13, 3);
 }
 
 TEST(LoadGraph, BrokenYamlAndForeignFiles) {

@@ -69,8 +69,8 @@ TEST(FormerNames, AreReadWithANote) {
       "0.5}}\n",
       "old.yaml", test::arithmetic(), {}, found);
   ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found[0].text(), "old.yaml:4:13: note: b: Limit is called Clamp now");
-  EXPECT_EQ(found[1].text(), "old.yaml:4:59: note: b: 'minimum' of Clamp is called 'low' now");
+  EXPECT_EQ(found[0].text(), "old.yaml:4:13: note: b: Limit is now called Clamp");
+  EXPECT_EQ(found[1].text(), "old.yaml:4:59: note: b: 'minimum' of Clamp is now called 'low'");
   EXPECT_FALSE(has_errors(found));
   const auto& node = g.nodes[static_cast<std::size_t>(g.find("b"))];
   EXPECT_EQ(node.type->name, "Clamp");
@@ -93,7 +93,7 @@ TEST(Places, AMistakeInASubgraphTellsTheWholeWay) {
                                  "/middle.yaml:3:3\n"
                                  "  in the graph used at " +
                                  base + "/outer.yaml:4:3");
-  // The same of what only running finds.
+  // The same for an error that only running the graph finds.
   std::ofstream(folder / "deep.yaml") << "terrazzo: 1\nnodes:\n  f: {type: Fail, params: {level: 2}}\n";
   found.clear();
   const Graph g = load_graph_text(outer, folder / "outer.yaml", test::arithmetic(), {}, found);

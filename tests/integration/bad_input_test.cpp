@@ -1,5 +1,5 @@
-// What users and machines do wrong: a message with node, parameter and place; nothing half-written; cached
-// work survives.
+// Mistakes of users and failures of machines: the message names node, parameter and position, no file is
+// partly written, and cached work survives.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class BadInput : public ::testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_program(arguments, o);
   }
-  // No file under the output folder, hidden temporary ones included.
+  // No file is left in the output folder, including hidden temporary files.
   std::vector<std::string> left_behind() const {
     std::vector<std::string> out;
     if (fs::exists(folder / "out"))
@@ -47,7 +47,7 @@ class BadInput : public ::testing::Test {
 #define EXPECT_SAYS(run, code, text)                                                \
   do {                                                                              \
     EXPECT_EQ((run).exit_code, code) << (run).err;                                  \
-    EXPECT_NE((run).err.find(text), std::string::npos) << "it said: " << (run).err; \
+    EXPECT_NE((run).err.find(text), std::string::npos) << "message: " << (run).err; \
   } while (false)
 
 TEST_F(BadInput, AMissingPicture) {
@@ -61,8 +61,7 @@ TEST_F(BadInput, ACorruptPicture) {
 }
 
 TEST_F(BadInput, APictureOfOneColour) {
-  write_image(folder / "grey.png",
-              Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one step of 8 bit
+  write_image(folder / "grey.png", Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one 8-bit step
   EXPECT_SAYS(run(segment_graph("grey.png")), 1, "error: segment");
 }
 
@@ -104,7 +103,7 @@ TEST_F(BadInput, AFullDisk) {
   EXPECT_EQ(r.exit_code, 1) << r.err;
   EXPECT_NE(r.err.find("error: file"), std::string::npos) << r.err;
   EXPECT_EQ(left_behind(), std::vector<std::string>{});
-  // A cache that cannot grow costs no result.
+  // A cache that cannot grow does not affect results.
   const auto values =
       run(write("h.yaml", "terrazzo: 1\nnodes:\n  rock: {type: Shape, params: {kind: rock}}\n"), {},
           {.largest_file = 512});

@@ -1,4 +1,4 @@
-// The cache folder under what happens to it: killed writers, several processes, bytes that flip.
+// The cache folder under stress: killed writers, several processes, flipped bytes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ nodes:
     return {"run",   (folder / "graph.yaml").string(), "--cache", cache.string(),
             "--out", (folder / out).string(),          "--quiet"};
   }
-  // Content of every output by node and port.
+  // Content hash of every output, by node and port.
   std::map<std::string, std::string> contents(const std::string& out) {
     std::map<std::string, std::string> found;
     const auto text = read_file(folder / out / "report.json");
@@ -68,21 +68,21 @@ TEST_F(CacheUnderStress, KilledRunsLeaveNothingDamagedAndTheResultTheSame) {
   const fs::path cache = folder / "cache";
   int killed = 0;
   for (int i = 0; i < 60 && killed < 20; ++i) {
-    if (i % 5 == 0) fs::remove_all(cache);  // early moments of a run are tried again and again
+    if (i % 5 == 0) fs::remove_all(cache);  // so that early moments of a run are hit often
     const double when = whole * Random(1, 0, static_cast<std::uint64_t>(i)).uniform();
     if (run_program(arguments(cache, "out"), {.kill_after = when}).exit_code == 128 + SIGKILL)
       ++killed;
     else
-      whole *= 0.9;  // too late: what is cached already, or a machine that is free again
+      whole *= 0.9;  // the run ended first, from the cache or on a less busy machine
   }
-  EXPECT_GE(killed, 10) << "the test killed too late to mean anything";
-  if (is_cache_folder(cache)) {  // the last may have been killed before it marked the folder
+  EXPECT_GE(killed, 10) << "the kills came too late for a meaningful test";
+  if (is_cache_folder(cache)) {  // the last run may have been killed before it marked the folder
     const auto verified = run_program({"cache", "verify", "--sample", "100", "--cache", cache.string()});
     EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   }
   ASSERT_EQ(run_program(arguments(cache, "out")).exit_code, 0);
   EXPECT_EQ(contents("out"), clean);
-  // What was written under a final name is whole.
+  // Every file under a final name is complete.
   for (const char* file : {"grids.vdb", "pack.glb"})
     EXPECT_EQ(fs::file_size(folder / "out" / file) > 0, true) << file;
 }
@@ -100,7 +100,7 @@ TEST_F(CacheUnderStress, EveryFlippedByteIsFoundAndNoneServed) {
     text[static_cast<std::size_t>(random.uniform() * static_cast<double>(text.size()))] ^=
         static_cast<char>(1 << static_cast<int>(random.uniform() * 8));
     std::ofstream(file, std::ios::binary) << text;
-    if (i % 5 == 4) {  // found on reading by a run, which does again what was lost
+    if (i % 5 == 4) {  // a run finds the damage on reading and recomputes what was lost
       ASSERT_EQ(run_program(arguments(folder / "cache", "out")).exit_code, 0);
       EXPECT_EQ(contents("out"), clean) << file;
       run_program({"cache", "verify", "--sample", "0", "--cache", (folder / "cache").string()});
@@ -128,7 +128,7 @@ TEST_F(CacheUnderStress, FourProcessesOnOneFolder) {
   const auto verified =
       run_program({"cache", "verify", "--sample", "100", "--cache", (folder / "cache").string()});
   EXPECT_EQ(verified.exit_code, 0) << verified.out;
-  // Each key at worst once a process.
+  // Each action key is computed at most once per process.
   for (int i = 0; i < 4; ++i) {
     std::map<std::string, int> computed;
     const json report = json::parse(*read_file(folder / ("out" + std::to_string(i)) / "report.json"));
@@ -138,12 +138,12 @@ TEST_F(CacheUnderStress, FourProcessesOnOneFolder) {
   }
 }
 
-// As in two containers that share a disk: both processes have the same process id.
+// Both processes have the same process id, as in two containers that share a disk.
 TEST_F(CacheUnderStress, TwoPidNamespacesOnOneFolder) {
   const std::vector<std::string> unshare = {"unshare", "--pid", "--fork"};
   auto probe = unshare;
   probe.insert(probe.end(), {"sh", "-c", "test $$ -lt 10"});
-  if (test::run_command(probe).exit_code != 0) GTEST_SKIP() << "this system makes no pid namespaces";
+  if (test::run_command(probe).exit_code != 0) GTEST_SKIP() << "this system cannot create pid namespaces";
   ASSERT_EQ(run_program(arguments(folder / "clean", "clean_out")).exit_code, 0);
   const auto clean = contents("clean_out");
   const fs::path cache = folder / "cache";

@@ -1,4 +1,4 @@
-// A graph writes below the output folder and nowhere else, and never over what it reads.
+// A graph writes only below the output folder and never overwrites its inputs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ TEST_F(Confinement, APathThatLeavesTheFolderIsAMistakeWithItsPlace) {
     EXPECT_EQ(outside(), before) << path;
     EXPECT_FALSE(fs::exists("/tmp/terrazzo-escape.obj"));
   }
-  // The same through a parameter of the graph, and from the command line.
+  // The same with the path in a parameter of the graph, and from the command line.
   EXPECT_EQ(run(graph("${name}.obj"), {"--param", "name=../x"}).exit_code, 2);
   EXPECT_EQ(run(graph("x.obj"), {"--set", "file.path=../x.obj"}).exit_code, 2);
 }
@@ -82,7 +82,7 @@ TEST_F(Confinement, ALinkDoesNotLeadOut) {
   }
   EXPECT_EQ(read_file(elsewhere / "x.obj"), "mine");
   EXPECT_EQ(std::distance(fs::directory_iterator(elsewhere), {}), 1);
-  // A link with the file's own name is replaced, and what it points to stays.
+  // A link with the file's name is replaced; its target stays unchanged.
   fs::create_symlink(elsewhere / "x.obj", folder / "out" / "y.obj");
   EXPECT_EQ(run(graph("y.obj")).exit_code, 0);
   EXPECT_EQ(read_file(elsewhere / "x.obj"), "mine");

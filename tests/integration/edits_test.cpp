@@ -1,5 +1,5 @@
-// Two hundred random edits of the default graph: what is recomputed is what must be, and nothing comes out
-// otherwise than from scratch.
+// Two hundred random edits of the default graph: exactly the affected nodes are recomputed, and every result
+// equals that of a run from scratch.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -51,7 +51,7 @@ TEST(Edits, AreIncrementalAndMinimal) {
                   {.cache_folder = base / "cache", .output_folder = base / "out"});
   for (const auto& d : session.open(file, small)) ADD_FAILURE() << d.text();
   std::set<Hash> known;
-  std::map<std::string, Hash> written;  // the record behind a writer's file
+  std::map<std::string, Hash> written;  // action record behind each written file
   int clean_runs = 0;
   for (int i = 0; i < 200; ++i) {
     Random random(11, 0, static_cast<std::uint64_t>(i));
@@ -65,8 +65,8 @@ TEST(Edits, AreIncrementalAndMinimal) {
       const NodeResult& n = r.nodes[k];
       if (n.error) ADD_FAILURE() << n.error->text();
       if (n.status == Status::Unneeded) continue;
-      // Computed if and only if its key is new: a result that came out as before ends the change. A file is
-      // written again too where another version took its name since.
+      // A node is computed if and only if its action key is new; an unchanged result ends the change. A file
+      // is also written again if another version has taken its name since.
       const bool fresh = known.insert(n.record).second;
       const bool overwritten =
           g.nodes[k].type->writes_files && std::exchange(written[g.nodes[k].path], n.record) != n.record;

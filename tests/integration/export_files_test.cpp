@@ -1,4 +1,4 @@
-// Exported files as other programs read them: Khronos' glTF validator, three.js, OpenVDB's tools, Python.
+// Reads exported files with other programs: Khronos' glTF validator, three.js, OpenVDB's tools, Python.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -37,8 +37,8 @@ bool has(const std::string& program) {
   return shell("command -v " + program + " >/dev/null 2>&1").exit_code == 0;
 }
 
-// A folder with the check and its packages, outside the source tree; made once and kept for later runs. Empty
-// where it cannot be made.
+// A folder outside the source tree with the check and its packages, created once and kept for later runs.
+// Empty if it cannot be created.
 fs::path gltf_check() {
   const fs::path source = fs::path(TERRAZZO_SOURCE) / "tests/integration/gltf_check";
   const fs::path folder = fs::temp_directory_path() / "terrazzo-gltf-check";
@@ -130,7 +130,7 @@ TEST(ExportedVdb, IsListedByVdbPrint) {
 TEST(ExportedVdb, OpensInPython) {
   if (shell("/usr/bin/python3 -c 'import pyopenvdb' >/dev/null 2>&1").exit_code != 0)
     GTEST_SKIP() << "python3-openvdb is not installed";
-  // Debian's pyopenvdb knows no integer grids: `id` is read by vdb_print and by other programs.
+  // Debian's pyopenvdb does not support integer grids; vdb_print and other programs read `id`.
   const Shell run =
       shell("/usr/bin/python3 -c \"\nimport pyopenvdb as vdb, json\nf = '" + some_vdb().string() +
             "'\ndensity, color = vdb.read(f, 'density'), vdb.read(f, 'Cd')\n"

@@ -1,4 +1,4 @@
-// Bytes that are not UTF-8: an error at their place in graphs, replaced in data, and never the end of a run.
+// Bytes that are not UTF-8: an error with a position in graphs, replaced in data. They never end a run.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -28,7 +28,7 @@ class ForeignBytes : public ::testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_program(arguments);
   }
-  // The report of a run; throws where it is no JSON, which is UTF-8.
+  // The report of a run. Throws if it is not valid JSON, and so not UTF-8.
   json report() const { return json::parse(read_file(out / "report.json").value_or("no report")); }
 
   const fs::path folder = test::temporary_folder();
@@ -75,7 +75,7 @@ nodes:
   EXPECT_NE(report().at("nodes").dump().find("'grains.csv' is not UTF-8"), std::string::npos);
 }
 
-// A wrong cell is quoted in the error: the node fails, the report is written.
+// The error quotes the wrong cell; the node fails, but the report is still written.
 TEST_F(ForeignBytes, InAnErrorLeaveTheReport) {
   write("grains.csv", "area,class\n12.5,gr\xfcn\n");
   const auto r = run(write("grains.yaml", R"(terrazzo: 1
@@ -89,7 +89,7 @@ nodes:
   EXPECT_NE(report().at("nodes").dump().find("gr\uFFFDn"), std::string::npos);
 }
 
-// The names of files and folders need not be UTF-8.
+// Names of files and folders need not be UTF-8.
 TEST_F(ForeignBytes, InNamesOfFilesHarmNothing) {
   const fs::path work = folder / "\xe9tude";
   fs::create_directories(work);

@@ -1,4 +1,4 @@
-// Every graph that the project ships is free of mistakes, and the default one does what the README says.
+// Checks that every shipped graph loads without errors and that the default graph does what the README says.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -26,7 +26,7 @@ TEST(Graphs, AllAreFreeOfMistakes) {
   EXPECT_GE(graphs, 4);
 }
 
-// The default graph at a size that a test can afford.
+// The default graph at a small size.
 class DefaultGraph : public ::testing::Test {
  protected:
   json run(std::vector<std::string> more, const fs::path& cache, int threads = 0) {
@@ -98,7 +98,7 @@ TEST_F(DefaultGraph, ComputesOnceAndThenExactlyWhatAnEditTouches) {
   EXPECT_EQ(with_status(colored, "computed"),
             (Names{"colorize", "voxels", "sections", "compare", "face", "block", "sheet", "instances",
                    "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));
-  // Back to what was: all known, only the files are written anew.
+  // After reverting, everything is a cache hit and only the files are written again.
   const json back = run({}, cache);
   EXPECT_EQ(with_status(back, "computed"),
             (Names{"instances", "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));

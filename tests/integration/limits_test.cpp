@@ -1,4 +1,4 @@
-// Where the system refuses something: one clear sentence and an exit code, never an abort.
+// If the system refuses a resource, the program prints one clear sentence and exits. It never aborts.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ TEST(Limits, ASweepIntoAFolderThatCannotBeWritten) {
   }
 }
 
-// From what the loader of libraries refuses up to what suffices.
+// Searches between a limit at which libraries fail to load and one that suffices.
 TEST(Limits, TooLittleAddressSpaceIsSaid) {
   const fs::path folder = test::temporary_folder(), graph = folder / "g.yaml";
   std::ofstream(graph)
@@ -45,7 +45,7 @@ TEST(Limits, TooLittleAddressSpaceIsSaid) {
     (run(middle).exit_code == 0 ? high : low) = middle;
     tried.push_back(middle);
   }
-  // Every few megabytes below what suffices, where threads and buffers begin to be refused.
+  // Tests every few megabytes below the sufficient limit, where threads and buffers start to fail.
   for (long m = high - 4; m > std::max(64L, high - 250); m -= 30) tried.push_back(m);
   for (const long m : tried) {
     const auto r = run(m);

@@ -1,4 +1,4 @@
-// Nodes and programs built outside the tree, against what `cmake --install` puts down.
+// Builds nodes and programs outside the tree, against the files that `cmake --install` installs.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -37,7 +37,8 @@ TEST(Outside, APluginAndAnEmbeddingProgramBuildAndRun) {
   const auto without = run_command(show);
   EXPECT_EQ(without.exit_code, 2);
   EXPECT_NE(without.err.find("there is no node type 'Double'"), std::string::npos) << without.err;
-  for (int twice = 0; twice < 2; ++twice) {  // computed, then read back from the disk by the plugin's codec
+  for (int twice = 0; twice < 2;
+       ++twice) {  // computed, then read back from the disk cache with the plugin's codec
     const auto with = run_command(show, {.environment = "TERRAZZO_PLUGIN_PATH=" + build});
     EXPECT_EQ(with.exit_code, 0) << with.err;
     EXPECT_NE(with.out.find("\"value\": 8.0"), std::string::npos) << with.out;

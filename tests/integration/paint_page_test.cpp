@@ -1,4 +1,4 @@
-// The page of `terrazzo paint` as a user has it: in a browser, by mouse and keyboard.
+// Tests the page of `terrazzo paint` in a browser, with mouse and keyboard.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -18,7 +18,7 @@ std::string chromium() {
   return {};
 }
 
-// The checker's folder with its one package installed, kept in the build folder; empty where npm cannot.
+// The checker's folder with its package installed, kept in the build folder; empty if npm cannot install it.
 fs::path checker() {
   const fs::path source = test::source_folder() / "tests/integration/paint_page";
   const fs::path folder = test::build_folder() / "paint_page";
@@ -64,7 +64,7 @@ TEST(PaintPage, PaintsUndoesSavesAndReplays) {
   EXPECT_GE(r["corners"], 5);
   EXPECT_NE(std::string(r["outlined"]).find("an outline of"), std::string::npos) << r["outlined"];
 
-  // The saved graph gives the picture that the page shows, bit for bit.
+  // The saved graph produces exactly the image that the page shows.
   const fs::path report = folder / "report.json";
   const auto replay = test::run_program({"run", graph.string(), "--no-cache", "--out",
                                          (folder / "out").string(), "--report", report.string(), "--quiet"});

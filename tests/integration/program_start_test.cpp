@@ -1,5 +1,4 @@
-// What the program loads before it knows that it is needed: a hundred libraries too many cost 0.1 s at every
-// start.
+// Checks which libraries the program loads at startup: a hundred unneeded ones cost 0.1 s at every start.
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
@@ -13,7 +12,7 @@ struct Start {
   bool nodes = false;
 };
 
-// What glibc's loader says that it loads.
+// The libraries that glibc's loader reports.
 Start start(const std::vector<std::string>& arguments) {
   const auto run = test::run_program(arguments, {.environment = "LD_DEBUG=files"});
   Start s{.exit_code = run.exit_code, .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos};
@@ -39,7 +38,7 @@ TEST(ProgramStart, HelpAndUsageErrorsLoadNoNodes) {
     for (const auto& a : arguments) text += " " + a;
     EXPECT_EQ(s.exit_code, exit_code) << text;
     EXPECT_FALSE(s.nodes) << text;
-    EXPECT_GT(s.libraries, 3) << text << ": the loader says nothing, so this test shows nothing";
+    EXPECT_GT(s.libraries, 3) << text << ": the loader reported no libraries, so this test is void";
     EXPECT_LT(s.libraries, 30) << text;
   }
 }

@@ -1,4 +1,4 @@
-// Files tell how they were made, and are made again from that; any value goes to a file.
+// Files record how they were made and can be reproduced. Every value can be written to a file.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -45,12 +45,12 @@ TEST_F(Reproduce, EveryFormatTellsHowItWasMade) {
     const auto r = run_program({"reproduce", (folder / "out" / file).string(), "--yes", "--out",
                                 again.string(), "--cache", (folder / "cache").string()});
     EXPECT_EQ(r.exit_code, 0) << file << ": " << r.err;
-    EXPECT_EQ(r.out.find("something else"), std::string::npos) << r.out;
-    EXPECT_NE(r.out.find("are computed from exactly the same as then"), std::string::npos) << r.out;
+    EXPECT_EQ(r.out.find("different action key"), std::string::npos) << r.out;
+    EXPECT_NE(r.out.find("have the same action key as in the original run"), std::string::npos) << r.out;
     if (std::string(file) != "report.json") {
       EXPECT_TRUE(fs::exists(again / file)) << r.out;
     }
-    // The graph written is one that stands on its own, overrides in it.
+    // The written graph is self-contained and includes the overrides.
     const auto graph = read_file(again / (fs::path(file).stem().string() + ".yaml"));
     ASSERT_TRUE(graph) << file;
     if (std::string(file) != "copy.png") {
@@ -73,7 +73,7 @@ TEST_F(Reproduce, WhatChangedSinceThenIsSaid) {
   granted.insert(granted.end(), {"--allow-read", folder.string()});
   const auto other = run_program(granted);
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_NE(other.out.find("photo is computed from something else"), std::string::npos) << other.out;
+  EXPECT_NE(other.out.find("photo has a different action key"), std::string::npos) << other.out;
   fs::remove(folder / "photo.png");
   const auto gone = run_program(again);
   EXPECT_EQ(gone.exit_code, 1);
@@ -95,14 +95,14 @@ TEST_F(Reproduce, AsksBeforeItRunsAnything) {
   EXPECT_EQ(r.exit_code, 2);
   EXPECT_NE(r.err.find("--yes"), std::string::npos) << r.err;
   EXPECT_FALSE(fs::exists(folder / "again"));
-  // It shows the graph, what it would read and what it would write.
+  // It shows the graph, the files it would read and the files it would write.
   for (const std::string& part : {std::string("type: LoadImage"), "reads  " + (folder / "photo.png").string(),
                                   "writes " + (folder / "again" / "copy.png").string(),
                                   "writes " + (folder / "again" / "copy.yaml").string()})
     EXPECT_NE(r.out.find(part), std::string::npos) << part << " in " << r.out;
 }
 
-// A report as a stranger could write it.
+// A report from an untrusted source.
 class StrangersFile : public Reproduce {
  protected:
   test::ProgramRun reproduce(const std::string& nodes, std::vector<std::string> more = {}) {
@@ -133,7 +133,7 @@ TEST_F(StrangersFile, ReadsNothingThatItCannotNameByContent) {
   EXPECT_FALSE(fs::exists(folder / "again"));
   EXPECT_EQ(reproduce(nodes, {"--allow-read", (folder / "mail").string()}).exit_code, 2);
   fs::create_directory_symlink(folder / "private",
-                               folder / "mail" / "link");  // does not widen what is granted
+                               folder / "mail" / "link");  // does not extend the granted access
   const std::string through =
       "  p: {type: LoadImage, params: {path: '" + (folder / "mail" / "link").string() +
       "/secret.png'}}\n  w: {type: Export, inputs: {image: p.image}, params: {path: x.png}}\n";
@@ -158,7 +158,7 @@ TEST_F(StrangersFile, WritesNothingOutsideTheOutputFolder) {
 TEST_F(StrangersFile, LoadsNoPlugins) {
   std::ofstream(folder / "not-a-plugin.so") << "x";
   const std::string plugins = "TERRAZZO_PLUGIN_PATH=" + (folder / "not-a-plugin.so").string();
-  // Other commands try, and say so.
+  // Other commands try to load the plugin and report the failure.
   const auto check = run_program({"check", (folder / "graph.yaml").string()}, {.environment = plugins});
   EXPECT_NE(check.err.find("not-a-plugin.so"), std::string::npos) << check.err;
   const auto r = run_program({"reproduce", (folder / "out" / "copy.png").string(), "--yes", "--no-cache",
@@ -201,7 +201,7 @@ TEST_F(Reproduce, ASweepSharesWhatIsCommonAndGoesOn) {
                                           "--jobs",    "2"};
   const auto first = run_program(sweep);
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  std::map<std::string, int> computed;  // by key
+  std::map<std::string, int> computed;  // by action key
   for (int i = 1; i <= 6; ++i) {
     const auto text = read_file(folder / "sweep" / ("point-00" + std::to_string(i)) / "report.json");
     ASSERT_TRUE(text);
@@ -211,7 +211,7 @@ TEST_F(Reproduce, ASweepSharesWhatIsCommonAndGoesOn) {
   }
   for (const auto& [key, times] : computed) EXPECT_EQ(times, 1) << key;
   EXPECT_EQ(computed.size(),
-            2u + 6 + 6);  // the shapes; pack and voxels of each point
+            2u + 6 + 6);  // the shapes; pack and voxels of each sweep point
   const auto table = read_file(folder / "sweep" / "sweep.csv").value_or("");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 7);
   EXPECT_EQ(table.rfind("point,pack.seed,kind,status,seconds,", 0), 0u) << table;

@@ -1,4 +1,4 @@
-// What others on the machine could have put in place is not believed.
+// Files that other users of the machine could have placed are not trusted.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -13,11 +13,11 @@ namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 
-// Without HOME the cache lies in the temporary folder, where anybody may have made it first.
+// Without HOME, the cache is in the temporary folder, where anybody could have created it first.
 class CacheWithoutHome : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(::chmod(folder.c_str(), 01777), 0);  // as /tmp
+    ASSERT_EQ(::chmod(folder.c_str(), 01777), 0);  // like /tmp
     std::ofstream(folder / "g.yaml") << "terrazzo: 1\nnodes: {s: {type: Shape}}\n";
   }
   test::ProgramRun run() {
@@ -48,7 +48,7 @@ TEST_F(CacheWithoutHome, IsMadePrivateAgain) {
 }
 
 TEST_F(CacheWithoutHome, OfAnotherUserIsNotUsed) {
-  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a folder away";
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can change the owner of a folder";
   fs::create_directory(cache);
   ASSERT_EQ(::chown(cache.c_str(), 65534, 65534), 0);
   const auto r = run();
@@ -77,7 +77,8 @@ TEST(Plugins, ThatOthersMayWriteToAreNotLoaded) {
                              {.environment = "TERRAZZO_PLUGIN_PATH=" + folder.string()})
         .err;
   };
-  EXPECT_EQ(says().find("may write"), std::string::npos) << says();  // it fails to load for what it holds
+  EXPECT_EQ(says().find("may write"), std::string::npos)
+      << says();  // it fails to load because of its content
   ::chmod(plugin.c_str(), 0666);
   EXPECT_NE(says().find("is not loaded: everybody may write to"), std::string::npos) << says();
   ::chmod(plugin.c_str(), 0644), ::chmod(folder.c_str(), 0777);

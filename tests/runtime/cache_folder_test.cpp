@@ -1,4 +1,4 @@
-// The cache folder: only what is marked is used, and only what this program named is removed.
+// The cache folder: only marked folders are used, and only files that this program named are removed.
 #include "runtime/cache_folder.h"
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@ class CacheFolder : public ::testing::Test {
     fs::create_directories(file.parent_path());
     std::ofstream(file) << text;
   }
-  // As old as something that nobody used for a year; negative: in the future.
+  // Sets a file's time to `days` ago; negative: in the future.
   static void age(const fs::path& file, double days = 365) {
     struct timespec now;
     ::clock_gettime(CLOCK_REALTIME, &now);
@@ -64,7 +64,7 @@ TEST_F(CacheFolder, AFolderOfTheUsersIsRefusedAndLeftAlone) {
     EXPECT_EQ(code(project), "not-a-cache") << file;
     EXPECT_EQ(read_file(project / file), "mine");
     EXPECT_FALSE(fs::exists(project / "CACHEDIR.TAG"));
-    // A store on it keeps results in memory and says so.
+    // A store in this folder keeps results in memory and reports the problem.
     Store store(test::value_types(), project);
     EXPECT_FALSE(store.trouble().empty());
     EXPECT_FALSE(store.keeps_on_disk());
@@ -101,7 +101,7 @@ TEST_F(CacheFolder, ThatEverybodyMayWriteToIsRefused) {
   EXPECT_EQ(code(cache), "unsafe-folder");
 }
 
-// Files of the user's that came into a cache folder later, old enough to be collected.
+// Files that the user put into a cache folder later, old enough to be collected.
 TEST_F(CacheFolder, CollectingSweepingAndClearingRemoveOnlyOurOwn) {
   open_cache_folder(cache);
   const std::string name = hash_of("x").text();
@@ -150,7 +150,7 @@ TEST_F(CacheFolder, RecordsCountTowardTheLimit) {
   const Collected c = tend_cache(cache, 100 * 4096);
   EXPECT_EQ(c.records, 110u);
   EXPECT_EQ(cache_stats(cache).bytes(), 90u * 4096);
-  // What was used last stays.
+  // The most recently used records stay.
   Store store(test::value_types(), cache);
   Tier tier;
   EXPECT_TRUE(store.find_action(hash_of("110"), tier));
@@ -160,7 +160,7 @@ TEST_F(CacheFolder, RecordsCountTowardTheLimit) {
 TEST_F(CacheFolder, AFullOneIsRelievedPartByPart) {
   {
     Store store(test::value_types(), cache);
-    for (int i = 0; i < 30'000; ++i) {  // more than 100 a part
+    for (int i = 0; i < 30'000; ++i) {  // more than 100 per part
       const fs::path f = cache_entry(cache, "values", hash_of(std::to_string(i)));
       write(f, value_head(i % 2 == 0 ? 1 : 1000) + std::string(16, '\0'));
     }
@@ -169,10 +169,10 @@ TEST_F(CacheFolder, AFullOneIsRelievedPartByPart) {
   const std::uint64_t limit = 29'000ull * 4096;
   const Collected c = tend_cache(cache, limit);
   EXPECT_GT(c.values, 1000u);
-  EXPECT_LT(c.values, 3000u);  // not all parts gave up a tenth
+  EXPECT_LT(c.values, 3000u);  // not all parts were reduced by a tenth
   EXPECT_LE(cache_stats(cache).bytes(), limit);
   EXPECT_EQ(CacheUsage(cache).add(0), cache_stats(cache).bytes());
-  // Only what saves little left.
+  // Only cheap values were removed.
   std::uint64_t cheap = 0, dear = 0;
   each_cache_file(cache, "values", -1,
                   [&](const CacheFile& f) { ++(value_summary(f.path)->seconds < 2 ? cheap : dear); });
@@ -182,7 +182,7 @@ TEST_F(CacheFolder, AFullOneIsRelievedPartByPart) {
 
 TEST_F(CacheFolder, WithinItsLimitOnePartIsLookedAtNotAll) {
   open_cache_folder(cache);
-  // Records that are unreadable and old: each sweep removes those of one part.
+  // Old, unreadable records: each call removes those of one part.
   for (int i = 0; i < 600; ++i) {
     const fs::path f = cache_entry(cache, "actions", hash_of(std::to_string(i)));
     write(f), age(f);
@@ -201,7 +201,7 @@ TEST_F(CacheFolder, TheSumOfBytesNeverFallsBelowZero) {
   EXPECT_EQ(usage.add(-8000), 0u);
   EXPECT_EQ(usage.add(100), 100u);
   fs::remove(cache / "usage");
-  EXPECT_EQ(usage.add(100), std::numeric_limits<std::uint64_t>::max());  // nobody knows
+  EXPECT_EQ(usage.add(100), std::numeric_limits<std::uint64_t>::max());  // unknown
 }
 
 TEST_F(CacheFolder, ATimeInTheFutureIsNotLeastValuable) {

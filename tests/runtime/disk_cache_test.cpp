@@ -58,12 +58,12 @@ TEST_F(DiskCache, StatsCountWhatIsThere) {
 TEST_F(DiskCache, CollectingKeepsWithinTheLimitAndNoResultIsLost) {
   const Graph g = graph_of(three);
   const RunResult first = run(g);
-  EXPECT_GE(collect_cache(cache, 100'000).values, 1u);  // the big one at least
+  EXPECT_GE(collect_cache(cache, 100'000).values, 1u);  // at least the large one
   EXPECT_LE(cache_stats(cache).bytes(), 100'000u);
-  // Nobody needs its value: nothing runs.
+  // No node needs its value, so nothing runs.
   const RunResult second = run(g);
   EXPECT_EQ(count(second, Status::Disk), 3);
-  // Somebody does: it runs again, what stands before it does not.
+  // A node needs its value, so it runs again, but not its source.
   const Graph changed = graph_of(three, {{{"end.high", "0.5"}}, {}});
   const RunResult third = run(changed);
   EXPECT_GE(count(third, Status::Computed), 2);
@@ -103,7 +103,7 @@ TEST_F(DiskCache, VerifyComputesAgainAndCompares) {
 }
 
 TEST_F(DiskCache, VerifyFindsARecordThatLies) {
-  // A record whose result is another computation's: whole, of our own making, and wrong.
+  // A well-formed record with the result of another computation.
   const Graph g = graph_of(
       "nodes:\n  a: {type: Constant, params: {value: 1}}\n  b: {type: Constant, params: {value: 2}}\n");
   const RunResult r = run(g);
@@ -131,12 +131,12 @@ TEST_F(DiskCache, AValueThatComesOutOtherwiseTheSecondTimeIsAnError) {
     lie.outputs.at("out").content.low ^= 1;
     store.put_action(r.nodes[small].key, std::make_shared<ActionRecord>(lie));
   }
-  const RunResult second = run(g);  // `big` has another input now, and asks for a value that nobody has
+  const RunResult second = run(g);  // `big` now has a different input, and needs a value that does not exist
   ASSERT_EQ(paths(g, second, Status::Failed), (Paths{"big"}));
   const Diagnostic& d = *second.nodes[static_cast<std::size_t>(g.find("big"))].error;
   EXPECT_EQ(d.code, "not-deterministic");
   EXPECT_EQ(d.node, "small");
-  EXPECT_EQ(count(run(g), Status::Failed), 0);  // forgotten: it is computed anew
+  EXPECT_EQ(count(run(g), Status::Failed), 0);  // the record was removed, so it is recomputed
 }
 
 TEST_F(DiskCache, AGraphLargerThanTheMemoryRunsThroughTheDisk) {

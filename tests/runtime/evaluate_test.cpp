@@ -28,7 +28,7 @@ const std::string chain =
 class Evaluate : public ::testing::Test {
  protected:
   RunResult run(const Graph& g, RunOptions o = {}) {
-    // A store of its own each time: what is shared is the folder alone, as between two processes.
+    // A new store each time, so that runs share only the cache folder, like two processes.
     Store store(test::value_types(), cache);
     FileHashes hashes(cache);
     Evaluator e(test::value_types(), store, hashes);
@@ -94,9 +94,9 @@ TEST_F(Evaluate, FilesAreInputsByContent) {
   };
   EXPECT_EQ(count(run(graph("a.txt")), Status::Computed), 1);
   write("b.txt", "123");
-  EXPECT_EQ(count(run(graph("b.txt")), Status::Disk), 1);  // another name, the same content
+  EXPECT_EQ(count(run(graph("b.txt")), Status::Disk), 1);  // different name, same content
   write("a.txt", "124");
-  EXPECT_EQ(count(run(graph("a.txt")), Status::Computed), 1);  // the same name and size, other content
+  EXPECT_EQ(count(run(graph("a.txt")), Status::Computed), 1);  // same name and size, different content
   const RunResult gone = run(graph("c.txt"));
   ASSERT_EQ(count(gone, Status::Failed), 1);
   EXPECT_EQ(gone.nodes[0].error->code, "no-file");
@@ -174,7 +174,7 @@ TEST_F(Evaluate, AnObserverThatThrowsCostsNoResult) {
   o.observer = &observer;
   const RunResult r = run(g, o);
   EXPECT_EQ(paths(g, r, Status::Computed), (Paths{"a", "b"}));
-  EXPECT_EQ(r.trouble, "progress is not shown any more: no terminal");
+  EXPECT_EQ(r.trouble, "the progress display stopped: no terminal");
 }
 
 TEST_F(Evaluate, DamagedCacheFilesAreMissesNeverResults) {
@@ -236,7 +236,7 @@ TEST_F(Evaluate, ExplainNamesTheCause) {
 }
 
 TEST_F(Evaluate, ManyRandomEditsAgreeWithACleanRun) {
-  // Incremental results equal clean ones, and what runs is what changed content reaches.
+  // Incremental results equal those of a clean run, and a second run computes nothing.
   std::uint64_t seed = 1;
   for (int edit = 0; edit < 60; ++edit) {
     seed = seed * 6364136223846793005ull + 1442695040888963407ull;

@@ -1,4 +1,4 @@
-// Files as inputs: whatever a file's name, size and times say, the content that was read decides.
+// Files as inputs: the content that was read decides, whatever the file's name, size and times are.
 #include "runtime/file_hashes.h"
 
 #include <fcntl.h>
@@ -27,12 +27,12 @@ class FileHashesTest : public ::testing::Test {
  protected:
   void SetUp() override { Store(test::value_types(), cache); }
   void write(const fs::path& file, const std::string& text) { std::ofstream(file) << text; }
-  // As an archive or `cp -p` does.
+  // Sets the modification time, as an archive or `cp -p` does.
   static void set_time(const fs::path& file, time_t seconds) {
     const struct timespec then = {seconds, 0}, times[2] = {then, then};
     ASSERT_EQ(::utimensat(AT_FDCWD, file.c_str(), times, 0), 0);
   }
-  // Past the grain of the file system's times, so that hashes are remembered.
+  // Waits longer than the resolution of the file system's timestamps, so that hashes are remembered.
   static void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(120)); }
   fs::path folder = test::temporary_folder(), cache = folder / "cache";
   fs::path file = folder / "picture";
@@ -46,7 +46,7 @@ TEST_F(FileHashesTest, SeesACopyThatKeepsTheTime) {
   EXPECT_EQ(here.hash(file), hash_of("first"));
   fs::rename(folder / "other", file);  // the same size and time
   EXPECT_EQ(here.hash(file), hash_of("secnd"));
-  EXPECT_EQ(FileHashes(cache).hash(file), hash_of("secnd"));  // as another run sees it
+  EXPECT_EQ(FileHashes(cache).hash(file), hash_of("secnd"));  // in another run
 }
 
 TEST_F(FileHashesTest, SeesContentWrittenInPlaceUnderAnOldTime) {
@@ -74,7 +74,7 @@ TEST_F(FileHashesTest, RemembersAFileThatDoesNotChange) {
   write(file, "first");
   settle();
   EXPECT_EQ(FileHashes(cache).hash(file), hash_of("first"));
-  // A memo that lies shows that the file itself was not read again.
+  // A stored hash that is wrong shows that the file was not read again.
   for (const auto& e : fs::recursive_directory_iterator(cache / "files"))
     if (e.is_regular_file()) {
       std::string line = read_file(e.path()).value();
@@ -102,8 +102,7 @@ TEST_F(FileHashesTest, BelievesNoMemoWithAFlippedBit) {
     }
 }
 
-// A registry with a node that reads its file, and meanwhile calls `between`, which somebody else's writing
-// stands for.
+// A node that reads its file and then calls `between`, which simulates another program that writes the file.
 std::function<void()> between;
 std::atomic<int> reads{0};
 void read_slowly(Context& c) {
@@ -151,7 +150,7 @@ TEST_F(ChangingFile, IsReadAgainAndNeverStoredUnderTheOldHash) {
   ASSERT_EQ(test::count(r, Status::Computed), 1);
   EXPECT_EQ(reads, 2);
   EXPECT_EQ(test::number_of(value), 13);
-  // The old content again: nothing was stored for it.
+  // Restore the old content: nothing was stored for it.
   between = nullptr;
   write(file, "one");
   EXPECT_EQ(test::count(run(&value), Status::Computed), 1);

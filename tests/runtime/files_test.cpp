@@ -1,4 +1,4 @@
-// Files written whole or not at all.
+// Atomic writing of files.
 #include "runtime/files.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,8 @@ TEST(WriteAtomically, KeepsTheExtensionForWritersThatChooseByIt) {
   write_atomically(file, [](const fs::path& temporary) {
     EXPECT_EQ(temporary.extension(), ".png");
     EXPECT_EQ(temporary.filename().string()[0], '.');
-    EXPECT_TRUE(fs::exists(temporary)) << "made before the writer opens it, so that nobody else can";
+    EXPECT_TRUE(fs::exists(temporary))
+        << "must exist before the writer opens it, so that nobody else can create it";
     std::ofstream(temporary) << "x";
   });
   EXPECT_EQ(read_file(file), "x");
@@ -61,7 +62,7 @@ TEST(WriteAtomically, NamesTheReasonAndTheFile) {
   }
 }
 
-// Processes that were forked share whatever a generator in memory would have seeded.
+// A forked process shares the state of any random generator in memory, so names must not depend on one.
 TEST(TemporaryFile, NoTwoProcessesShareAName) {
   const fs::path folder = test::temporary_folder();
   std::set<std::string> names;

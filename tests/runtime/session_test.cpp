@@ -42,8 +42,8 @@ TEST_F(SessionTest, AWrongEditChangesNothing) {
   const auto before = session.graph();
   EXPECT_TRUE(has_errors(session.set("b.valeu", "7")));
   EXPECT_TRUE(has_errors(session.set("c.value", "7")));
-  EXPECT_TRUE(has_errors(session.connect("sum.b", {})));           // a needed input
-  EXPECT_TRUE(has_errors(session.connect("sum.b", {"sum.out"})));  // a circle
+  EXPECT_TRUE(has_errors(session.connect("sum.b", {})));           // a required input
+  EXPECT_TRUE(has_errors(session.connect("sum.b", {"sum.out"})));  // a cycle
   EXPECT_TRUE(has_errors(session.connect("nothing.b", {"a.out"})));
   EXPECT_TRUE(has_errors(session.open_text("terrazzo: 1\nnodes: {x: {type: Nope}}\n", "x.yaml")));
   EXPECT_EQ(session.graph(), before);
@@ -64,10 +64,10 @@ TEST_F(SessionTest, AnEditStopsWhatItMakesObsoleteAndNothingElse) {
   } observer;
   const auto running = session.evaluate({"limited"}, &observer);
   while (!observer.endless) std::this_thread::yield();
-  EXPECT_TRUE(session.set("other.value", "5").empty());  // touches nothing that runs
+  EXPECT_TRUE(session.set("other.value", "5").empty());  // affects no running node
   EXPECT_FALSE(running->done());
   EXPECT_TRUE(session.connect("limited.in", {"other.out"}).empty());
-  EXPECT_FALSE(running->done());  // `endless` itself is as it was
+  EXPECT_FALSE(running->done());  // `endless` itself did not change
   running->cancel();
   EXPECT_TRUE(running->wait().cancelled());
   EXPECT_EQ(number_of(session.value("sum")), 6);
@@ -76,7 +76,7 @@ TEST_F(SessionTest, AnEditStopsWhatItMakesObsoleteAndNothingElse) {
 TEST_F(SessionTest, AnEditOfARunningNodeStopsIt) {
   open("terrazzo: 1\nnodes:\n  e: {type: Endless}\n  c: {type: Clamp, inputs: {in: e.out}}\n");
   const auto running = session.evaluate();
-  // The node goes: the graph is another one altogether.
+  // The new graph does not contain the node.
   open("terrazzo: 1\nnodes:\n  c: {type: Constant}\n");
   EXPECT_TRUE(running->wait().cancelled());
   EXPECT_EQ(number_of(session.value("c")), 1);

@@ -13,7 +13,7 @@ TEST(Sweep, ValuesAreListsOrRanges) {
   EXPECT_EQ(parse_vary("a.b=0:.3:.1").values, (Words{"0", "0.1", "0.2", "0.3"}));
   EXPECT_EQ(parse_vary("a.b=5:1:-2").values, (Words{"5", "3", "1"}));
   EXPECT_EQ(parse_vary("a.b=1:2:.7").values, (Words{"1", "1.7"}));
-  EXPECT_EQ(parse_vary("photo=C:x:y").values, (Words{"C:x:y"}));  // no range
+  EXPECT_EQ(parse_vary("photo=C:x:y").values, (Words{"C:x:y"}));  // not a range
   EXPECT_EQ(parse_vary("a/b.c=1").target, "a/b.c");
   for (const char* bad : {"a.b", "a.b=", "=1", "a.b=1,,2", "a.b=1:2:0", "a.b=1:2:-1", "a.b=0:1:1e-9"})
     EXPECT_THROW(parse_vary(bad), Error) << bad;

@@ -1,4 +1,4 @@
-// Every node type that the build holds.
+// Every node type in this build.
 #pragma once
 
 #include "nodes/register_nodes.h"

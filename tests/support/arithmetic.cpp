@@ -64,7 +64,7 @@ const Registry& arithmetic() {
       }
     }));
     r.add(type("Big",
-               [](Context& c) {  // a table of many rows, all with `value`
+               [](Context& c) {  // a table with many rows, all equal to `value`
                  Table t{{"value"}, {}};
                  t.rows.assign(static_cast<std::size_t>(c.integer("rows")), {c.number("value")});
                  c.output("out", t);

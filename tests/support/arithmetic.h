@@ -1,4 +1,4 @@
-// A registry of small node types over one-number tables: enough to test graphs and the evaluator.
+// A registry of small node types on one-number tables, to test graphs and the evaluator.
 #pragma once
 
 #include "graph/graph.h"
@@ -11,11 +11,11 @@ namespace terrazzo::test {
 const Registry& arithmetic();
 const ValueTypes& value_types();
 
-// Loads text as a graph and expects no mistakes.
+// Loads text as a graph and expects no errors.
 Graph graph_of(const std::string& text, const Overrides& = {});
 double number_of(const Value&);
 
-// How many nodes of a run have this status.
+// Number of nodes of a run with this status.
 int count(const RunResult&, Status);
 // Paths of the nodes with this status, sorted.
 std::vector<std::string> paths(const Graph&, const RunResult&, Status);

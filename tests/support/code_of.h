@@ -1,4 +1,4 @@
-// The code of the error that a piece of a test throws.
+// Returns the code of the error that a function throws.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace terrazzo::test {
 
-// "" where it throws none.
+// "" if it throws none.
 inline std::string code_of(const std::function<void()>& f) {
   try {
     f();

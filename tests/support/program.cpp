@@ -30,7 +30,7 @@ ProgramRun run_command(const std::vector<std::string>& command, const ProgramOpt
       const struct rlimit limit = {static_cast<rlim_t>(options.largest_file),
                                    static_cast<rlim_t>(options.largest_file)};
       ::setrlimit(RLIMIT_FSIZE, &limit);
-      std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG, as it does with ENOSPC
+      std::signal(SIGXFSZ, SIG_IGN);  // write() then fails with EFBIG, like ENOSPC on a full disk
     }
     if (options.address_space >= 0) {
       const struct rlimit limit = {static_cast<rlim_t>(options.address_space),

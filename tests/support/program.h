@@ -1,4 +1,4 @@
-// Runs programs, terrazzo above all, as a user would.
+// Runs programs, mostly terrazzo, as a user would.
 #pragma once
 
 #include <filesystem>
@@ -17,13 +17,13 @@ struct ProgramOptions {
   double kill_after = -1;             // seconds; < 0: never. kill -9
   long largest_file = -1;             // bytes; < 0: no limit. Writing more fails as on a full disk
   long address_space = -1;            // bytes; < 0: no limit
-  std::string environment = {};       // one NAME=VALUE more
-  std::filesystem::path folder = {};  // to run in
+  std::string environment = {};       // one additional NAME=VALUE
+  std::filesystem::path folder = {};  // working folder
 };
 
-// `command`: the program, found in PATH where it has no slash, and its arguments.
+// `command`: the program (searched in PATH if it has no slash) and its arguments.
 ProgramRun run_command(const std::vector<std::string>& command, const ProgramOptions& = {});
-// terrazzo with these arguments.
+// Runs terrazzo with these arguments.
 ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& = {});
 std::filesystem::path source_folder();
 std::filesystem::path build_folder();

@@ -23,7 +23,7 @@ NodeRun run_node(const std::string& type_name, const std::multimap<std::string, 
   for (const auto& [port, value] : inputs) {
     const Port* p = request.type->find_input(port);
     if (!p || !p->accepts(value.type().name))
-      throw Error("unknown-port", type_name + " takes no " + value.type().name + " at '" + port + "'");
+      throw Error("unknown-port", type_name + " has no input '" + port + "' of type " + value.type().name);
     request.inputs[port].push_back(value);
   }
   for (const auto& p : request.type->inputs)
@@ -75,7 +75,7 @@ fs::path temporary_folder() {
     }
   };
   static const Folder root;
-  static std::atomic<int> serial = 0;  // tests ask from threads of their own
+  static std::atomic<int> serial = 0;  // tests may call this from several threads
   const fs::path folder = root.path / std::to_string(++serial);
   fs::create_directories(folder);
   return folder;

@@ -1,4 +1,4 @@
-// Runs one node type without a graph, with parameters as they would be written in a graph file.
+// Runs one node type without a graph, with parameters written as in a graph file.
 #pragma once
 
 #include <filesystem>
@@ -20,14 +20,13 @@ struct NodeRun {
   }
 };
 
-// A wire list for an input that takes many is given as several entries. Parameters are YAML: "3", "auto",
-// "[1, 2]". Throws what the node throws (Error), and Error for an unknown port or a parameter outside its
-// declaration.
+// A list input gets several entries with the same port. Parameters are YAML: "3", "auto", "[1, 2]". Throws
+// the node's Error, or an Error for an unknown port or a parameter that violates its declaration.
 NodeRun run_node(const std::string& type, const std::multimap<std::string, Value>& inputs,
                  const std::map<std::string, std::string>& parameters = {},
                  const std::filesystem::path& output_folder = {}, int threads = 0);
 
-// The shared data folder beside the checkout, or empty where it is absent: tests that need it then skip.
+// The shared data folder next to the checkout, or empty if there is none; tests that need it then skip.
 std::filesystem::path shared_data();
 // A fresh folder that is removed when the test program ends.
 std::filesystem::path temporary_folder();

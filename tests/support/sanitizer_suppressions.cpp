@@ -1,8 +1,8 @@
-// What the sanitizers must not report, in every program built with them.
+// Sanitizer suppressions for every program built with sanitizers.
 #ifdef __SANITIZE_THREAD__
-// Tasks are handed over within TBB, whose headers are compiled here and whose library is not
-// (runtime/thread_marks.h). The others are libraries built without the sanitizer; swrast_dri is Mesa's
-// software renderer with threads of its own.
+// TBB hands over tasks between its headers, which are compiled here, and its library, which is not
+// instrumented (runtime/thread_marks.h). The others are libraries built without the sanitizer; swrast_dri is
+// Mesa's multithreaded software renderer.
 extern "C" const char* __tsan_default_suppressions() {
   return "race_top:task_ptr_or_nullptr\n"
          "race_top:tbb::detail\n"
@@ -14,6 +14,6 @@ extern "C" const char* __tsan_default_suppressions() {
 }
 #endif
 #ifdef __SANITIZE_ADDRESS__
-// OpenImageIO keeps its plug-ins' tables to the end.
+// OpenImageIO never frees the tables of its plugins.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libOpenImageIO\n"; }
 #endif

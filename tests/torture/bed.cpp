@@ -29,7 +29,8 @@ nodes:
   table: {type: Export, inputs: {value: sizes.distribution}, params: {path: sub/sizes.csv}}
 )";
 
-// Files that every variant writes alike but for their provenance, which names the run that wrote them first.
+// Files that every variant writes identically, except for their provenance, which names the run that first
+// wrote them.
 const std::set<std::string> alike = {"copy.png", "sub/sizes.csv"};
 
 void write(const fs::path& file, const std::string& text) {
@@ -39,7 +40,7 @@ void write(const fs::path& file, const std::string& text) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-// By path below the folder; without the report, which holds times.
+// Files by path below the folder, without the report, which contains times.
 std::map<std::string, std::string> files_in(const fs::path& folder) {
   std::map<std::string, std::string> found;
   for (const auto& e : fs::recursive_directory_iterator(folder))
@@ -72,10 +73,10 @@ Bed::Bed(const Options& o) : folder_(fs::canonical(o.folder)) {
   for (int variant = 0; variant < variants; ++variant) {
     const fs::path out = folder_ / fmt::format("clean{}", variant);
     const Ended e = run(arguments(variant, out, folder_ / "clean_cache"), folder_);
-    if (e.exit_code != 0) throw std::runtime_error("the clean run fails: " + e.text());
+    if (e.exit_code != 0) throw std::runtime_error("the clean run failed: " + e.text());
     clean_.push_back({report_contents(out), files_in(out)});
     if (clean_.back().files.size() != 4 || clean_.back().contents.size() < 4)
-      throw std::runtime_error("the clean run gives too little: " + e.text());
+      throw std::runtime_error("the clean run has missing outputs: " + e.text());
     seconds_ = e.seconds;
   }
   new_out();
@@ -96,7 +97,7 @@ std::vector<std::string> Bed::arguments(int variant, const fs::path& out, const 
 
 void Bed::keep(const fs::path& file, const std::string& text) {
   write(file, text);
-  // Old enough for every rule that spares what is recent.
+  // Old enough for every rule that protects recent files.
   fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::hours(72));
   users_[file] = text;
 }
@@ -111,8 +112,8 @@ void Bed::new_cache() {
   for (auto it = users_.begin(); it != users_.end();)
     it = it->first.string().rfind(cache().string() + "/", 0) == 0 ? users_.erase(it) : std::next(it);
   fs::remove_all(cache());
-  const Ended e = run(arguments(0, folder_ / "clean0", cache()), folder_);  // makes the folder a cache
-  if (e.exit_code != 0) throw std::runtime_error("a run with a new cache fails: " + e.text());
+  const Ended e = run(arguments(0, folder_ / "clean0", cache()), folder_);  // turns the folder into a cache
+  if (e.exit_code != 0) throw std::runtime_error("a run with a new cache failed: " + e.text());
   keep(cache() / "thesis.doc", "in the cache folder");
   for (const char* name : {"values", "actions", "files", "history"})
     if (fs::is_directory(cache() / name)) {
@@ -128,13 +129,14 @@ std::string Bed::what_is_broken(const fs::path& out) const {
     const std::string name = fs::relative(e.path(), out).string();
     const std::string text = read_file(e.path()).value_or("");
     if (e.path().filename() == "report.json") {
-      if (!json::accept(text)) return fmt::format("{} is not whole", e.path().string());
+      if (!json::accept(text)) return fmt::format("{} is incomplete", e.path().string());
       continue;
     }
     bool known = e.path().filename().string()[0] == '.';  // a temporary file
     for (const Clean& c : clean_) known = known || (c.files.count(name) && c.files.at(name) == text);
     if (!known)
-      return fmt::format("{} ({} bytes) is no file that a clean run writes", e.path().string(), text.size());
+      return fmt::format("{} ({} bytes) is not a file that a clean run writes", e.path().string(),
+                         text.size());
   }
   return {};
 }
@@ -150,7 +152,7 @@ std::string Bed::what_differs(int variant, const fs::path& out) const {
     bool right = given == text;
     if (alike.count(name))
       for (const Clean& c : clean_) right = right || given == c.files.at(name);
-    if (!right) return fmt::format("{} is missing or not what it should be", (out / name).string());
+    if (!right) return fmt::format("{} is missing or wrong", (out / name).string());
   }
   return {};
 }
@@ -163,7 +165,7 @@ std::string Bed::what_the_user_lost() const {
 
 std::string Bed::what_a_run_gives(int variant) const {
   const Ended e = run(arguments(variant), folder_);
-  if (e.exit_code != 0) return "the next run fails: " + e.text();
+  if (e.exit_code != 0) return "the next run failed: " + e.text();
   return what_differs(variant, out());
 }
 

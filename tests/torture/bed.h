@@ -1,5 +1,5 @@
-// What the trials run: a small graph that writes files, in variants, with the results of clean runs to
-// compare with, and files of the user's that nothing may touch.
+// The test bed of the trials: a small graph that writes files, in several variants, the results of clean runs
+// for comparison, and user files that must stay untouched.
 #pragma once
 
 #include <filesystem>
@@ -20,23 +20,23 @@ class Bed {
   const std::filesystem::path& folder() const { return folder_; }
   std::filesystem::path out() const { return folder_ / "out"; }
   std::filesystem::path cache() const { return folder_ / "cache"; }
-  double seconds() const { return seconds_; }  // that a clean run takes
+  double seconds() const { return seconds_; }  // duration of a clean run
 
   std::vector<std::string> arguments(int variant, const std::filesystem::path& out,
                                      const std::filesystem::path& cache) const;
   std::vector<std::string> arguments(int variant) const { return arguments(variant, out(), cache()); }
 
-  // Removes the output folder or the cache, and lays the user's files into the new one.
+  // Replaces the output folder or the cache by a new one with the user's files in it.
   void new_out();
   void new_cache();
 
-  // What is wrong; "" if nothing is.
-  // Every file under a final name in an output folder is that of some variant, whole.
+  // These checks return a description of the fault, or "".
+  // Every file under a final name in an output folder is a complete file of some variant.
   std::string what_is_broken(const std::filesystem::path& out) const;
-  // Contents and files are those of this variant.
+  // Contents and files equal those of this variant.
   std::string what_differs(int variant, const std::filesystem::path& out) const;
   std::string what_the_user_lost() const;
-  // Runs this variant and compares everything: the state after whatever happened must allow that.
+  // Runs this variant and compares everything. This must succeed in any state that a trial leaves behind.
   std::string what_a_run_gives(int variant) const;
 
  private:
@@ -49,14 +49,14 @@ class Bed {
   std::filesystem::path folder_;
   double seconds_ = 0;
   std::vector<Clean> clean_;
-  std::map<std::filesystem::path, std::string> users_;  // what is in them
+  std::map<std::filesystem::path, std::string> users_;  // their content
 };
 
-// The contents in the report of a run by NODE.PORT; nothing if there is no report.
+// The content hashes in the report of a run, by NODE.PORT; empty if there is no report.
 std::map<std::string, std::string> report_contents(const std::filesystem::path& out);
 
-// Calls `trial` with 0, 1, 2 … until the time is over, at least once. What it throws gets the part's name,
-// the seed and the number of the trial.
+// Calls `trial` with 0, 1, 2 … until the time is over, at least once. Adds the part's name, the seed and the
+// trial number to exceptions.
 void repeat(const Options&, const std::string& part, const std::function<void(std::uint64_t)>& trial);
 
 }  // namespace terrazzo::torture

@@ -1,5 +1,5 @@
-// The program in child processes: forked from this one, where loading its libraries takes 0.3 s only once, or
-// started anew.
+// Runs the program in child processes, either forked from this one (so that loading the libraries takes 0.3 s
+// only once) or started anew.
 #pragma once
 
 #include <sys/types.h>
@@ -16,32 +16,32 @@
 namespace terrazzo::torture {
 
 struct ChildOptions {
-  std::filesystem::path program;    // to start; empty: a fork of this process
+  std::filesystem::path program;    // program to start; empty: forks this process
   std::optional<FaultPlan> faults;  // counted by fault_counts()
   std::int64_t largest_file = -1;   // bytes; < 0: no limit
 };
 
 struct Ended {
   int exit_code = -1;
-  int signal = 0;     // that ended it; 0: none
-  bool hung = false;  // killed because it took a minute
+  int signal = 0;     // signal that ended the process; 0: none
+  bool hung = false;  // killed after a minute
   double seconds = 0;
   std::string out, err;
-  std::string text() const;  // how it ended and what it said
+  std::string text() const;  // how it ended and what it printed
 };
 
 class Child {
  public:
-  // Runs `terrazzo` with these arguments; what it prints goes to files in `folder`.
+  // Runs `terrazzo` with these arguments. Its output goes to files in `folder`.
   Child(const std::vector<std::string>& arguments, const std::filesystem::path& folder,
         const ChildOptions& = {});
-  // Runs a function, whose result is the exit code.
+  // Runs a function whose result is the exit code.
   Child(const std::function<int()>& work, const std::filesystem::path& folder, const ChildOptions& = {});
   ~Child();
   Child(Child&&) noexcept;
   Child& operator=(Child&&) = delete;
 
-  // `kill_after`: seconds from its start to kill −9; < 0: never.
+  // `kill_after`: seconds from start to kill −9; < 0: never.
   Ended wait(double kill_after = -1);
 
  private:
@@ -56,7 +56,7 @@ Ended run(const std::vector<std::string>& arguments, const std::filesystem::path
 // All node types and value types.
 const NodeSet& node_set();
 
-// Of all children of this process.
+// Fault counts of all children of this process.
 FaultCounts& fault_counts();
 
 double now();  // seconds, monotonic

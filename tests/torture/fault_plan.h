@@ -1,5 +1,6 @@
-// Which file operations of a process fail. The library of fault_shim.cpp carries it out, either preloaded
-// into a program (LD_PRELOAD, with the plan in the environment) or linked to one that calls begin_faults.
+// The plan of which file operations of a process fail. The library of fault_shim.cpp applies it. It is either
+// preloaded into a program (LD_PRELOAD, with the plan in the environment) or linked to one that calls
+// terrazzo_begin_faults.
 #pragma once
 
 #include <atomic>
@@ -14,17 +15,17 @@ enum FaultOperation : unsigned {
   sync_file = 8,    // fsync, fdatasync
   rename_file = 16,
   make_folder = 32,
-  close_stream = 64,  // fflush, fclose: what was buffered is lost
+  close_stream = 64,  // fflush, fclose: buffered data is lost
   all_operations = 127
 };
 
 struct FaultPlan {
   std::uint64_t seed = 1;
-  double rate = 0;               // of the calls that fail
-  unsigned operations = 0;       // those that may
-  std::uint64_t full_after = 0;  // from this call on nothing can be written, as on a full disk; 0: never
-  bool passing = false;   // only interruptions and short counts, which a program gets over by trying again
-  char folder[512] = {};  // only files below it
+  double rate = 0;               // share of calls that fail
+  unsigned operations = 0;       // operations that may fail
+  std::uint64_t full_after = 0;  // from this call on, writes fail as on a full disk; 0: never
+  bool passing = false;          // only interruptions and short counts, which a retry overcomes
+  char folder[512] = {};         // only files below this folder fail
 };
 
 struct FaultCounts {
@@ -33,6 +34,6 @@ struct FaultCounts {
 
 }  // namespace terrazzo::torture
 
-// From now on, in this process. `counts` may lie in memory shared with another.
+// Activates the plan in this process. `counts` may be in memory shared with another process.
 extern "C" void terrazzo_begin_faults(const terrazzo::torture::FaultPlan*,
                                       terrazzo::torture::FaultCounts* counts);

@@ -1,7 +1,7 @@
-// Stands between a program and the C library, and lets file operations fail by a plan.
+// Intercepts calls of the C library and makes file operations fail according to a plan.
 //
-// Preloaded, it reads the plan from TERRAZZO_FAULTS="SEED RATE OPERATIONS FULL_AFTER PASSING FOLDER" and adds
-// its counts to the file that TERRAZZO_FAULT_COUNTS names: two numbers of 8 bytes, calls and faults.
+// When preloaded, it reads the plan from TERRAZZO_FAULTS="SEED RATE OPERATIONS FULL_AFTER PASSING FOLDER" and
+// adds its counts to the file named by TERRAZZO_FAULT_COUNTS: two 8-byte numbers, calls and faults.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -25,7 +25,8 @@ FaultPlan plan;
 FaultCounts own_counts;
 FaultCounts* counts = &own_counts;
 std::atomic<bool> active{false};
-thread_local int interruptions = 0;  // in a row: a program that tries again must get on at last
+thread_local int interruptions =
+    0;  // consecutive; limited, so that a program that retries succeeds eventually
 
 template <class F>
 F* real(F*, const char* name) {
@@ -54,8 +55,8 @@ bool below(int fd) {
   return path[0] == '/' && below(path);
 }
 
-// 0: the call goes through. Otherwise random bits that say how it fails. `can_pass`: by an interruption or a
-// short count.
+// Returns 0 if the call succeeds, else random bits that determine how it fails. `can_pass`: the call can fail
+// by an interruption or a short count.
 std::uint64_t fault(unsigned operation, bool can_pass = false) {
   const std::uint64_t call = ++counts->calls;
   const std::uint64_t bits = mix(plan.seed ^ mix(call));
@@ -80,7 +81,7 @@ int fail(std::uint64_t f, bool may_interrupt, int other = EIO) {
   return -1;
 }
 
-// Of `size` bytes to write: how many are written, fewer than `size`; 0: fail.
+// Returns how many of `size` bytes are written, fewer than `size`; 0: the call fails.
 std::size_t part(std::uint64_t f, std::size_t size) {
   return is_full(f) || size < 2 || (f >> 4) % 2 ? 0 : 1 + (f >> 16) % std::min<std::size_t>(size - 1, 64);
 }
@@ -181,7 +182,8 @@ ssize_t writev(int fd, const struct iovec* parts, int number) {
   if (active && fd > 2 && below(fd))
     if (const auto f = fault(write_bytes, true)) {
       if (number > 0 && part(f, parts[0].iov_len))
-        return real_writev(fd, parts, 1);  // the first part alone: a short count unless it is the only one
+        return real_writev(fd, parts,
+                           1);  // only the first part, which is a short count unless it is the only one
       return fail(f, true);
     }
   interruptions = 0;
@@ -192,7 +194,7 @@ size_t fwrite(const void* data, size_t size, size_t number, FILE* file) {
   if (active && ::fileno(file) > 2 && below(::fileno(file)))
     if (const auto f = fault(write_bytes)) {
       const size_t n = real_fwrite(data, size, part(f, number), file);
-      file->_flags |= _IO_ERR_SEEN;  // as the C library does
+      file->_flags |= _IO_ERR_SEEN;  // like the C library
       fail(f, false);
       return n;
     }
@@ -226,7 +228,7 @@ int fclose(FILE* file) {
 int fsync(int fd) {
   if (active && below(fd))
     if (const auto f = fault(sync_file, true)) return fail(f, true);
-  return 0;  // the machine does not crash here, and waiting for the disk would take most of the time
+  return 0;  // the machine does not crash in this test, and syncing would take most of the time
 }
 int fdatasync(int fd) { return ::fsync(fd); }
 int rename(const char* from, const char* to) {

@@ -1,4 +1,4 @@
-// File operations that fail, come back short or are interrupted, and disks that are full.
+// File operations that fail, return short counts or are interrupted, and full disks.
 #include <fmt/format.h>
 #include <sys/mount.h>
 
@@ -16,7 +16,8 @@ void hold(const std::string& trouble) {
   if (!trouble.empty()) throw std::runtime_error(trouble);
 }
 
-// A file system of `kilobytes` in memory, mounted until this goes. Not everybody may mount.
+// A file system of `kilobytes` in memory, mounted during this object's lifetime. Mounting may not be
+// permitted.
 class SmallDisk {
  public:
   SmallDisk(const fs::path& folder, std::uint64_t kilobytes) : folder_(folder) {
@@ -35,7 +36,7 @@ class SmallDisk {
   bool mounted_ = false;
 };
 
-// It ended by itself, and where it failed it said why.
+// Checks that the process ended by itself and, if it failed, printed the reason.
 void must_end_well(const Ended& e) {
   const bool clear = e.exit_code == 0 ||
                      ((e.exit_code == 1 || e.exit_code == 2) && e.err.find("error") != std::string::npos);
@@ -51,7 +52,7 @@ FaultPlan plan_of(Random& random, const fs::path& folder) {
   plan.rate = rates[random.below(5)];
   plan.operations = static_cast<unsigned>(1 + random.below(all_operations));
   if (random.below(3))
-    plan.operations &= ~static_cast<unsigned>(open_to_read);  // most of these end a run at once
+    plan.operations &= ~static_cast<unsigned>(open_to_read);  // most of these would end a run immediately
   if (random.below(4) == 0) plan.full_after = 1 + random.below(300);
   if (random.below(2)) {
     plan.passing = true;
@@ -80,16 +81,17 @@ Counts faults(const Options& o) {
     fs::path out = bed.out(), cache = bed.cache();
     std::optional<SmallDisk> disk;
     if (kind == 0) {
-      // What the program prints goes to a file as well, and must have room to say what is wrong.
+      // The program's output goes to a file too, which must have room for the error message.
       options.largest_file = static_cast<std::int64_t>(300 + random.below(3000));
     } else if (kind == 1) {
       const fs::path full = bed.folder() / "full";
       disk.emplace(full, 4 + random.below(150));
       if (!disk->mounted()) return;
-      (random.below(2) ? out : cache) = full;  // as deep as the others: provenance holds relative paths
+      (random.below(2) ? out : cache) =
+          full;  // as deep as the other folders, because provenance contains relative paths
     } else {
       options.faults = plan_of(random, bed.folder());
-      if (options.faults->passing) {  // in a new cache there is more to write
+      if (options.faults->passing) {  // a new cache requires more writes
         cache = bed.folder() / "passing_cache";
         fs::remove_all(cache);
       }
@@ -103,8 +105,7 @@ Counts faults(const Options& o) {
     const Ended e = run(arguments, bed.folder(), options);
     must_end_well(e);
     if (runs && options.faults && options.faults->passing && e.exit_code != 0)
-      throw std::runtime_error("writes that come back short or are interrupted must be tried again: " +
-                               e.text());
+      throw std::runtime_error("short or interrupted writes must be retried: " + e.text());
     ++counts["runs"];
     counts["runs that failed"] += e.exit_code != 0;
     counts["file size limits"] += options.largest_file >= 0;
@@ -114,7 +115,7 @@ Counts faults(const Options& o) {
     hold(bed.what_the_user_lost());
     if (runs && e.exit_code == 0) {
       const std::string differs = bed.what_differs(variant, out);
-      if (!differs.empty()) throw std::runtime_error("it ended well, but " + differs + "; " + e.text());
+      if (!differs.empty()) throw std::runtime_error("the run succeeded, but " + differs + "; " + e.text());
     }
     hold(bed.what_a_run_gives(random.below(2) ? variant : static_cast<int>(random.below(Bed::variants))));
     hold(bed.what_the_user_lost());

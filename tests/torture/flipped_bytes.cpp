@@ -1,4 +1,4 @@
-// Bytes that flip, and files that are cut, in the cache and in what was written, between runs.
+// Flips bytes and truncates files in the cache and in the output folder between runs.
 #include <algorithm>
 #include <fstream>
 #include <stdexcept>
@@ -11,7 +11,7 @@ namespace terrazzo::torture {
 namespace fs = std::filesystem;
 namespace {
 
-// Files that the program wrote there, in a fixed order.
+// Files that the program wrote to the folder, in a fixed order.
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> found;
   for (const auto& e : fs::recursive_directory_iterator(folder))
@@ -62,7 +62,7 @@ Counts flipped_bytes(const Options& o) {
     const Ended e = run(bed.arguments(variant), bed.folder());
     if (e.hung || e.signal) throw std::runtime_error(e.text() + "; damaged:" + what);
     if (e.exit_code != 0) {
-      // A folder that no longer says that it is a cache may be refused, if the message says so.
+      // A cache folder whose marker is damaged may be refused, if the message says so.
       if (e.err.find("cache") == std::string::npos) throw std::runtime_error(e.text() + "; damaged:" + what);
       ++counts["caches refused"];
       bed.new_cache();

@@ -21,7 +21,7 @@ namespace terrazzo::torture {
 namespace {
 namespace fs = std::filesystem;
 
-// A folder for each seed, "LoadVolume.vdb/1", in which the reader is given the first file.
+// One folder per seed, such as "LoadVolume.vdb/1", in which the reader opens the first file.
 class Writer {
  public:
   explicit Writer(fs::path folder) : folder_(std::move(folder)) {}
@@ -125,7 +125,7 @@ void niftis(Writer& w) {
   gzclose(f);
 }
 
-// An element of DICOM in explicit little endian.
+// A DICOM element in explicit little endian.
 std::string element(std::uint32_t tag, const std::string& kind, std::string value) {
   if (value.size() % 2) value += kind == "UI" ? '\0' : ' ';
   std::string out;
@@ -154,7 +154,7 @@ void dicoms(Writer& w) {
   std::string values;
   for (int i = 0; i < 6; ++i) values += number(100 * i);
   w.text("LoadVolume.dcm", "a.dcm", file("1.2.840.10008.1.2.1", element(0x7fe00010, "OW", values)));
-  // Run-length coded: two segments, of the high bytes and of the low ones, each as one literal run.
+  // Run-length encoded: two segments, the high bytes and the low bytes, each as one literal run.
   std::string rle(64, '\0'), high = "\5", low = "\5";
   rle[0] = 2, rle[4] = 64, rle[8] = 72;
   for (int i = 0; i < 6; ++i)

@@ -1,4 +1,4 @@
-// Small valid files of every kind that a reader takes, as the start of mutations.
+// Small valid files in every format of every reader, as seeds for mutation.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 namespace terrazzo::torture {
 
 struct InputSeed {
-  std::string reader;                        // "LoadVolume.vdb": a node, or a function, and a format
-  std::map<std::string, std::string> files;  // content by name; the reader is given the first
+  std::string reader;                        // such as "LoadVolume.vdb": a node or function, and a format
+  std::map<std::string, std::string> files;  // content by name; the reader opens the first
 };
 
-// Writes files below `folder`, which must exist. Starts threads; so call it in a process of its own.
+// Writes files below `folder`, which must exist. Starts threads, so call it in a separate process.
 void write_input_seeds(const std::filesystem::path& folder, const std::filesystem::path& source);
 std::vector<InputSeed> read_input_seeds(const std::filesystem::path& folder);
 

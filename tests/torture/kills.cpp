@@ -1,4 +1,4 @@
-// kill −9 at random moments of runs and of collections of the cache.
+// kill −9 at random moments of runs and of cache collections.
 #include <csignal>
 #include <stdexcept>
 
@@ -13,7 +13,7 @@ Counts kills(const Options& o) {
   const auto hold = [](const std::string& trouble) {
     if (!trouble.empty()) throw std::runtime_error(trouble);
   };
-  double usual = bed.seconds();  // that a run takes, cached or not, and however busy the machine is
+  double usual = bed.seconds();  // typical duration of a run, cached or not, on a machine however busy
   repeat(o, "kills", [&](std::uint64_t trial) {
     Random random(o.seed, 1, trial);
     if (trial % 20 == 0) bed.new_cache();

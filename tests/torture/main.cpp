@@ -1,5 +1,5 @@
-// ./dev torture [SECONDS [SEED [PART…]]]: every part for about SECONDS, its counts printed. The exit code is
-// 1 if a part lost something.
+// ./dev torture [SECONDS [SEED [PART…]]]: runs every part for about SECONDS and prints its counts. The exit
+// code is 1 if a part lost data.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>

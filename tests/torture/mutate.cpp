@@ -27,7 +27,7 @@ const std::uint64_t lengths[] = {0,
                                  0xffffffffffffffff,
                                  0x100000000};
 
-// A number in the text becomes another.
+// Replaces a number in the text.
 void edit_number(std::string& b, Random& r) {
   const std::size_t from = r.below(b.size());
   for (std::size_t i = 0; i < b.size(); ++i) {
@@ -42,7 +42,7 @@ void edit_number(std::string& b, Random& r) {
 
 void edit(std::string& b, const std::string& other, Random& r) {
   if (b.empty()) b = " ";
-  // The beginning, where headers are, is hit more often.
+  // The beginning, which holds headers, is hit more often.
   const std::size_t at = r.below(2) ? r.below(b.size()) : r.below(std::min<std::size_t>(b.size(), 400));
   switch (r.below(9)) {
     case 0:
@@ -52,7 +52,7 @@ void edit(std::string& b, const std::string& other, Random& r) {
       b[at] = static_cast<char>(r.below(256));
       break;
     case 2:
-    case 3: {  // a length in either byte order
+    case 3: {  // a length, in either byte order
       const std::size_t size = std::size_t{1} << r.below(4);
       std::uint64_t v = lengths[r.below(std::size(lengths))];
       char bytes[8];

@@ -1,4 +1,4 @@
-// Damage of every kind, by seed.
+// Damages data in many ways, reproducibly by seed.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace terrazzo::torture {
 
-// Flips bits, sets bytes, lengths and numbers, cuts, moves and repeats pieces, some taken from `other`. Half
-// the time checksums and compression around what was changed are made good again, so that the damage reaches
-// what lies behind.
+// Flips bits, sets bytes, lengths and numbers, and cuts, moves and repeats pieces, some taken from `other`.
+// In half of the cases, it restores checksums and compression around the change, so that the damage reaches
+// the code behind them.
 std::string mutated(const std::string& whole, const std::string& other, Random& r);
 
 }  // namespace terrazzo::torture

@@ -1,4 +1,4 @@
-// Every reader against damaged files, each in a child process with 2 GB of memory and 10 s.
+// Tests every reader with damaged files, each in a child process limited to 2 GB of memory and 10 s.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -33,16 +33,16 @@ namespace fs = std::filesystem;
 constexpr rlim_t kMemory = 2'000'000'000;
 constexpr unsigned kSeconds = 10;
 
-constexpr int kBatch = 25;  // inputs of one child: starting one takes longer than reading most inputs
+constexpr int kBatch = 25;  // inputs per child, because starting one takes longer than reading most inputs
 
-// What a child says about its inputs, in memory that it shares with its parent.
+// A child's verdicts on its inputs, in memory shared with its parent.
 struct Verdicts {
   int done = 0;
   char text[kBatch][200] = {};
   void say(const std::string& s) { std::snprintf(text[done], sizeof text[done], "%s", s.c_str()); }
 };
 
-// A damaged file with those that belong to it. The first is named to the reader.
+// A damaged file and its companion files. The reader opens the first.
 struct Input {
   std::map<std::string, std::string> files;
   bool other_choice = false;
@@ -66,13 +66,13 @@ void run_node(const std::string& name, const fs::path& file, bool other_choice) 
   for (const auto& p : request.files) written[p.first] = p.second[0].string();
   request.parameters = effective_parameters(*request.type, written);
   const ComputeResult result = compute_node(std::move(request));
-  // What was read can be stored, and read back to the same bytes.
+  // The loaded value can be stored and reads back to the same bytes.
   for (const auto& [port, value] : result.outputs) {
     BufferWriter once, twice;
     value.type().encode(value.data(), once);
     Reader reader(once.buffer.data(), once.buffer.size());
     value.type().encode(value.type().decode(reader).get(), twice);
-    if (once.buffer != twice.buffer) throw std::logic_error("the stored value is another");
+    if (once.buffer != twice.buffer) throw std::logic_error("the stored value differs");
   }
 }
 
@@ -88,7 +88,7 @@ void read(const std::string& reader, const fs::path& file, bool other_choice) {
   }
 }
 
-// What may start no thread is prepared once, so that each child has it.
+// Prepares, once for all children, what can be prepared without starting a thread.
 void prepare() {
   test::all_nodes();
   initialize_openvdb();
@@ -106,7 +106,7 @@ void read_one(const std::string& reader, const Input& input, const fs::path& pla
   } catch (const Error& e) {
     const auto& d = e.diagnostic();
     verdicts.say(d.code.empty() || d.message.size() > 1500
-                     ? "loss: an error of " + std::to_string(d.message.size()) + " bytes"
+                     ? "loss: an error message of " + std::to_string(d.message.size()) + " bytes"
                      : "error " + d.code);
   } catch (const std::exception& e) {
     verdicts.say(std::string("loss: ") + e.what());
@@ -123,7 +123,7 @@ void read_one(const std::string& reader, const Input& input, const fs::path& pla
   const rlimit memory{most, most}, no_core{0, 0};
   ::setrlimit(RLIMIT_AS, &memory);
   ::setrlimit(RLIMIT_CORE, &no_core);
-  if (!std::freopen("/dev/null", "w", stderr)) ::_exit(2);  // libraries print there
+  if (!std::freopen("/dev/null", "w", stderr)) ::_exit(2);  // libraries print to stderr
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   for (const Input& input : inputs) {
     read_one(reader, input, place, verdicts);
@@ -132,7 +132,7 @@ void read_one(const std::string& reader, const Input& input, const fs::path& pla
   ::_exit(0);
 }
 
-// The outcome of each input up to the first that ended the child.
+// Outcomes of the inputs up to the first one that ended the child.
 std::vector<std::string> run_child(const std::string& reader, const std::vector<Input>& inputs,
                                    const fs::path& place, Verdicts& verdicts) {
   verdicts = Verdicts{};
@@ -165,7 +165,7 @@ void make_seeds(const Options& o, const fs::path& folder) {
   }
   int status = 0;
   ::waitpid(pid, &status, 0);
-  if (status != 0) throw std::runtime_error("the seeds of mutated inputs could not be written");
+  if (status != 0) throw std::runtime_error("cannot write the seeds of mutated inputs");
 }
 
 }  // namespace
@@ -193,7 +193,7 @@ Counts mutated_inputs(const Options& o) {
       std::vector<Input> inputs;
       for (std::uint64_t trial = round * kBatch; trial < (round + 1) * kBatch; ++trial) {
         Random r(o.seed, index, trial);
-        // The first trials are the valid files, which must be read.
+        // The first trials are the valid files, which must load.
         const bool valid = trial < of_reader.size();
         const InputSeed& seed = *of_reader[valid ? trial : r.below(of_reader.size())];
         const InputSeed& other = *of_reader[r.below(of_reader.size())];

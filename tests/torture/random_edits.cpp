@@ -1,5 +1,5 @@
-// Random edits of parameters, wires and input files. Every result is compared with one computed from nothing:
-// a value of an earlier state that is still served shows.
+// Random edits of parameters, wires and input files. Every result is compared with one computed from scratch,
+// which detects stale values.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -29,7 +29,7 @@ nodes:
 )";
 
 std::string photo(Random& random) {
-  std::string text = "P6\n4 4\n255\n";  // equal sizes: what is in it must be looked at
+  std::string text = "P6\n4 4\n255\n";  // equal sizes, so that only the content shows a change
   for (int i = 0; i < 48; ++i) text += static_cast<char>(random.below(256));
   return text;
 }
@@ -53,7 +53,7 @@ void link(const fs::path& link, const fs::path& target) {
   fs::rename(fresh, link);
 }
 
-// The inputs lie in folders a and b; the times of all of them are always the same.
+// The inputs are in folders a and b and always have the same modification time.
 class Inputs {
  public:
   explicit Inputs(const fs::path& folder, Random& random) : folder_(folder) {
@@ -75,26 +75,26 @@ class Inputs {
     switch (random.below(5)) {
       case 0:
         link(folder_ / "link.ppm", std::string(random.below(2) ? "a" : "b") + "/photo.ppm");
-        return "link.ppm points elsewhere";
+        return "link.ppm changed its target";
       case 1:
         link(folder_ / "folder", random.below(2) ? "a" : "b");
-        return "folder points elsewhere";
+        return "folder link changed its target";
       case 2:  // in place
         write(file, photo(random));
         set_old_time(file);
-        return "written in place, time restored: " + file.string();
-      case 3: {  // another file under the name, as mv and cp -p leave it
+        return "overwritten in place, time restored: " + file.string();
+      case 3: {  // another file with the same name, as after mv or cp -p
         const fs::path other = file.string() + ".other";
         write(other, photo(random));
         set_old_time(other);
         fs::rename(other, file);
         return "replaced, time kept: " + file.string();
       }
-      default:  // unpacked again: the system likes to give the inode of what was just removed
+      default:  // unpacked again: the system often reuses the inode of the removed file
         fs::remove(file);
         write(file, photo(random));
         set_old_time(file);
-        return "removed and made again: " + file.string();
+        return "removed and created again: " + file.string();
     }
   }
 
@@ -122,7 +122,7 @@ std::map<std::string, std::string> contents(const Graph& g, const RunResult& r) 
   return out;
 }
 
-// One edit of the session's graph. Says what it was.
+// Makes one edit of the session's graph and returns its description.
 std::string edit(Session& session, Random& random) {
   static const std::vector<std::pair<std::string, std::vector<std::string>>> parameters = {
       {"wood.seed", {"1", "2", "3"}},         {"wood.scale", {"1", "2", "4"}},
@@ -150,8 +150,8 @@ std::string edit(Session& session, Random& random) {
   return what;
 }
 
-// A session under many edits, some while it computes; each of its results against a session that starts from
-// nothing.
+// A session under many edits, some during evaluation. Each result is compared with that of a new session
+// without a cache.
 void edit_session(const fs::path& folder, Inputs& inputs, Random& random, int edits) {
   const NodeSet& nodes = node_set();
   const auto must_open = [&](Session& s, const Overrides& overrides) {
@@ -159,14 +159,14 @@ void edit_session(const fs::path& folder, Inputs& inputs, Random& random, int ed
     if (has_errors(found)) throw std::runtime_error(found.front().text());
   };
   SessionOptions options{.cache_folder = folder / "cache", .output_folder = folder / "session"};
-  if (random.below(2)) options.memory = 1;  // nothing stays in memory
+  if (random.below(2)) options.memory = 1;  // keeps nothing in memory
   Session session(nodes.registry, nodes.types, options);
   must_open(session, {});
   std::string what;
   for (int i = 0; i < edits; ++i) {
     what += edit(session, random) + "; ";
     if (random.below(3) == 0) {
-      session.evaluate();  // stopped by the next edit, or by nobody waiting
+      session.evaluate();  // canceled by the next edit, or because nobody waits for it
       what += edit(session, random) + "; ";
     }
     if (random.below(3) == 0) what += inputs.change(random) + "; ";
@@ -210,7 +210,7 @@ Counts random_edits(const Options& o) {
         ::usleep(static_cast<useconds_t>(random.below(8000)));
         what += inputs.change(random) + "; ";
       }
-      const Ended e = running.wait();  // a file that is replaced is gone for a moment
+      const Ended e = running.wait();  // a file that is being replaced is missing for a moment
       if (e.hung || e.signal) throw std::runtime_error(e.text());
       ++counts["changes during a run"];
     } else {

@@ -1,4 +1,4 @@
-// Four processes on one cache, while a fifth keeps it small.
+// Four processes share one cache while a fifth collects it.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -25,12 +25,12 @@ Counts shared_cache(const Options& o) {
       const Ended e = run({"cache", "gc", "--cache", bed.cache().string(), "--cache-limit",
                            std::to_string(random.below(20000))},
                           bed.folder());
-      if (e.exit_code != 0) throw std::runtime_error("collecting fails: " + e.text());
+      if (e.exit_code != 0) throw std::runtime_error("collecting the cache failed: " + e.text());
       ++counts["collections"];
     }
     for (std::size_t i = 0; i < running.size(); ++i) {
       const Ended e = running[i].wait();
-      if (e.exit_code != 0) throw std::runtime_error("a run fails: " + e.text());
+      if (e.exit_code != 0) throw std::runtime_error("a run failed: " + e.text());
       const std::string differs = bed.what_differs(variants[i], bed.folder() / fmt::format("out{}", i));
       if (!differs.empty()) throw std::runtime_error(differs + "; " + e.text());
       ++counts["runs"];

@@ -1,4 +1,4 @@
-// What every part of the torture run shares.
+// Shared by all parts of the torture run.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -6,14 +6,14 @@
 #include <string>
 namespace terrazzo::torture {
 struct Options {
-  double seconds = 60;  // about how long this part may take
+  double seconds = 60;  // approximate duration of this part
   std::uint64_t seed = 1;
   std::filesystem::path program;  // terrazzo
-  std::filesystem::path source;   // the checkout, for graphs
-  std::filesystem::path folder;   // empty, private to this part
+  std::filesystem::path source;   // the checkout, which contains the graphs
+  std::filesystem::path folder;   // empty folder, private to this part
 };
-using Counts = std::map<std::string, std::uint64_t>;  // "kills": 1000
-// Each throws std::runtime_error that names seed and trial on the first loss, hang or stale value.
+using Counts = std::map<std::string, std::uint64_t>;  // such as "kills": 1000
+// Each part throws std::runtime_error with seed and trial on the first loss, hang or stale value.
 Counts mutated_inputs(const Options&);
 Counts kills(const Options&);
 Counts faults(const Options&);

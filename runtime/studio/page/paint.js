@@ -1,19 +1,19 @@
-// The page of `terrazzo paint`: shows the picture, sends strokes, shows what came of them. What is painted is decided
-// by the server alone.
+// The page of `terrazzo paint`: shows the image, sends strokes and shows their results. All painting happens on the
+// server.
 
 const $ = (id) => document.getElementById(id);
 const canvas = $('canvas');
 const screen = canvas.getContext('2d');
-const shown = document.createElement('canvas'); // the view, one pixel a pixel
+const shown = document.createElement('canvas'); // the view, at one pixel per image pixel
 const pixels = shown.getContext('2d', { willReadFrequently: true });
 
 let state = null;
-let view = { scale: 1, x: 0, y: 0 }; // picture (0, 0) lies at (x, y) of the screen
-let pointer = null; // where it is, in pixels of the picture
+let view = { scale: 1, x: 0, y: 0 }; // image position (0, 0) is at (x, y) on the canvas
+let pointer = null; // its position in image pixels
 let drag = null; // { kind, from, to }
 let scheduled = false;
 
-// --- what the server says
+// --- Server requests
 
 async function ask(path, body) {
   const answer = await fetch(path, body === undefined ? {} : {
@@ -29,7 +29,7 @@ function tell(text, wrong = false) {
   $('status').classList.toggle('error', wrong);
 }
 
-// Runs one request after another, so that strokes arrive in the order in which they were drawn.
+// Runs requests one after another, so that strokes arrive in the order in which they were drawn.
 let queue = Promise.resolve();
 let waiting = 0;
 function enqueue(work) {
@@ -47,7 +47,7 @@ function take(fresh) {
   $('undo').disabled = !state.nib;
   $('nib').textContent = state.nib
     ? `Texture of ${state.nib.region.length === 4 ? state.nib.region.map((v) => Math.round(v)).join(', ') : `an outline of ${state.nib.region.length / 2} corners`}; ${state.strokes} strokes; φ ${state.nib.threshold.toFixed(3)}; error ${state.nib.error.toExponential(1)}`
-    : 'No nib: drag a rectangle over the texture to paint with, or an outline around it.';
+    : 'No nib: drag a rectangle over the texture to paint with, or draw an outline around it.';
 }
 
 async function reload() {
@@ -63,7 +63,7 @@ async function chooseNib(region) {
   take(await (await ask('/api/nib', {
     region, levels: +$('levels').value, extent: +$('extent').value, finish: $('finish').value,
   })).json());
-  tell('Paint with it now.');
+  tell('The nib is ready. Paint with it.');
   setTool('paint');
   await reload();
 }
@@ -87,7 +87,7 @@ function paint(points, { begin = false, end = false }) {
   });
 }
 
-// --- what the pointer does
+// --- Pointer input
 
 const tool = () => document.querySelector('input[name=tool]:checked').value;
 function setTool(name) {
@@ -99,9 +99,9 @@ const place = (event) => {
   const box = canvas.getBoundingClientRect();
   return [(event.clientX - box.left - view.x) / view.scale, (event.clientY - box.top - view.y) / view.scale];
 };
-// Quarters of a pixel: what is saved stays short.
+// Rounds to quarters of a pixel, to keep saved strokes short.
 const rounded = ([x, y]) => [Math.round(x * 4) / 4, Math.round(y * 4) / 4];
-// Within the picture.
+// Clamps to the image.
 const held = ([x, y]) => rounded([Math.min(Math.max(x, 0), state.width), Math.min(Math.max(y, 0), state.height)]);
 const inside = ([x, y]) => [Math.min(Math.max(Math.round(x), 0), state.width), Math.min(Math.max(Math.round(y), 0), state.height)];
 
@@ -113,7 +113,7 @@ canvas.addEventListener('pointerdown', (event) => {
   if (drag.kind === 'paint') {
     if (!state.nib) {
       drag = null;
-      tell('Pick a region as the nib first.', true);
+      tell('There is no nib yet: pick a region first.', true);
       return;
     }
     drag.last = rounded(at);
@@ -130,7 +130,7 @@ canvas.addEventListener('pointermove', (event) => {
     drag.to = pointer;
   } else if (drag?.kind === 'outline') {
     const next = held(pointer), last = drag.corners.at(-1);
-    // As many as a nib takes: a longer outline gets coarser.
+    // Limits the number of corners: long outlines get coarser.
     const step = drag.corners.length < 512 ? 2 : 16;
     if (Math.hypot(next[0] - last[0], next[1] - last[1]) >= step && drag.corners.length < 2048) drag.corners.push(next);
   } else if (drag?.kind === 'paint') {
@@ -154,7 +154,7 @@ canvas.addEventListener('pointerup', () => {
   }
   if (done?.kind === 'outline') {
     if (done.corners.length >= 3) enqueue(() => chooseNib(done.corners.flat()));
-    else tell('Drag all the way around the texture.', true);
+    else tell('The outline is too short: drag all the way around the texture.', true);
   }
   draw();
 });
@@ -180,7 +180,7 @@ $('zoom').addEventListener('input', () => zoomTo(2 ** +$('zoom').value));
 function undo() {
   enqueue(async () => {
     take(await (await ask('/api/undo', {})).json());
-    tell('Taken back.');
+    tell('Undone.');
     await reload();
   });
 }
@@ -190,7 +190,7 @@ $('save').addEventListener('click', () => enqueue(async () => {
   tell(`Saved to ${saved.file}${saved.note ? `: ${saved.note}` : ''}`, saved.note !== '');
 }));
 $('view').addEventListener('change', () => enqueue(reload));
-// Another kernel, levels or finish is another nib of the same region.
+// A change of extent, levels or finish creates a new nib from the same region.
 for (const id of ['levels', 'extent', 'finish'])
   $(id).addEventListener('change', () => state?.nib && enqueue(() => chooseNib(state.nib.region)));
 for (const id of ['size', 'levels', 'extent']) $(id).addEventListener('input', () => draw());
@@ -201,7 +201,7 @@ addEventListener('keydown', (event) => {
   if (name) event.preventDefault(), setTool(name);
 });
 
-// --- what is seen
+// --- Drawing
 
 function draw() {
   if (scheduled) return;
@@ -221,7 +221,7 @@ function draw() {
       screen.beginPath();
       screen.arc(pointer[0], pointer[1], radius, 0, 2 * Math.PI);
       screen.stroke();
-      screen.setLineDash([3 / view.scale, 3 / view.scale]); // the kernel's reach
+      screen.setLineDash([3 / view.scale, 3 / view.scale]); // the extent of the kernel
       screen.beginPath();
       screen.arc(pointer[0], pointer[1], radius + +$('extent').value, 0, 2 * Math.PI);
       screen.stroke();
@@ -248,7 +248,7 @@ function draw() {
 }
 addEventListener('resize', draw);
 
-// The token is in a cookie now: the address bar and the history need not keep it.
+// The token is now in a cookie, so remove it from the address bar and the history.
 history.replaceState(null, '', '/');
 
 enqueue(async () => {
@@ -260,7 +260,7 @@ enqueue(async () => {
   await reload();
 });
 
-// For tests: what is shown, and where a pixel of the picture lies on the page.
+// For tests: the shown pixels, and the position of an image pixel on the page.
 globalThis.terrazzo = {
   pixels: () => Array.from(pixels.getImageData(0, 0, shown.width, shown.height).data),
   screenAt: (x, y) => {

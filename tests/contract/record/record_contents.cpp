@@ -1,5 +1,5 @@
-// Renews this machine's entry in tests/contract/contents.json: ./dev contents. Refuses a result that changed
-// while the version of its node did not.
+// ./dev contents: updates this machine's entry in tests/contract/contents.json. Refuses results that changed
+// while the version of their node did not.
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -32,7 +32,7 @@ int main() try {
     types[type->name] = std::move(now);
   }
   if (refused) {
-    std::cerr << "nothing is written: " << refused << " results changed under the same version\n";
+    std::cerr << "nothing was written: " << refused << " results changed under the same version\n";
     return 1;
   }
   bool found = false;

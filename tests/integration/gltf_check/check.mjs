@@ -1,4 +1,4 @@
-// node check.mjs FILE.glb → one JSON object: the validator's counts and messages, and what three.js made of the file.
+// node check.mjs FILE.glb: prints one JSON object with the validator's counts and messages and the scene that three.js loads.
 import { readFile } from 'node:fs/promises';
 import validator from 'gltf-validator';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';

@@ -1,4 +1,4 @@
-// A node type and a value type of its own, built against the installed headers.
+// A plugin with a node type and a value type, built against the installed headers.
 #include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"

@@ -1,4 +1,4 @@
-// A program of its own: opens a graph, edits it, evaluates it twice.
+// An external program that opens a graph, edits it and evaluates it twice.
 #include <iostream>
 
 #include "nodes/data/shapes.h"

@@ -1,5 +1,5 @@
-// node check.mjs TERRAZZO IMAGE GRAPH CHROMIUM → one JSON object: what happened as a user picked a nib, painted, undid and
-// saved to GRAPH.
+// node check.mjs TERRAZZO IMAGE GRAPH CHROMIUM: picks a nib, paints, undoes and saves to GRAPH like a user. Prints the
+// observed states as one JSON object.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { chromium } from 'playwright-core';
@@ -62,12 +62,12 @@ try {
   await page.selectOption('#view', 'picture');
   await settled();
 
-  await page.keyboard.press('o'); // another nib, whose texture is outlined
+  await page.keyboard.press('o'); // another nib, with its texture outlined
   await drag([[3, 3], [40, 6], [44, 40], [30, 60], [4, 56]]);
   result.corners = await page.evaluate(() => terrazzo.state().nib.region.length / 2);
   result.outlined = await page.textContent('#nib');
   await page.keyboard.press('p');
-  await page.fill('#extent', '2'); // and another kernel for it
+  await page.fill('#extent', '2'); // another kernel for it
   await page.dispatchEvent('#extent', 'change');
   await settled();
   await drag([[56, 44], [64, 48], [70, 40]]);

@@ -1,4 +1,4 @@
-// No overlap, and how dense.
+// Tests that packings have no overlap, and how dense they are.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,14 +20,15 @@ TEST(Anneal, SpheresDoNotOverlap) {
   expect_sound(shapes, run, 0.5);
 }
 
-// Packed as the spheres that they stand for: corners of facets, which lie beyond, are turned away.
+// Spheres are packed as the spheres that their meshes represent; corners of facets, which extend
+// beyond, are rotated away.
 TEST(Anneal, FacetsOfSpheresCostNoDensity) {
   const auto shapes = test::shapes_of({test::icosphere(3)});
   const auto run = pack(shapes, test::distribution(shapes, 1, 1.3, 0.62), {{"count", "200"}});
   expect_sound(shapes, run, 0.62);
   const auto& p = run.output<Particles>("particles");
   const double ball = std::cbrt(0.75 / M_PI * shapes.shapes[0].volume);
-  int closer = 0;  // than their corners would allow
+  int closer = 0;  // pairs closer than their corners would allow
   for (std::size_t i = 0; i < p.count(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       Vec3 d = p.position[i] - p.position[j];
@@ -84,7 +85,7 @@ TEST(Anneal, BinderGapKeepsDistance) {
   EXPECT_EQ(anneal::audit(shapes, p, 0.1).worst, 0);
 }
 
-// Fractions that frictionless bodies reach when poured and shaken, and loose ones do not.
+// Volume fractions that frictionless bodies reach when poured and shaken, but loose packings do not.
 TEST(Anneal, PolyhedraPackAsDenseAsShakenDice) {
   const auto reached = [](const Mesh& mesh) {
     const auto shapes = test::shapes_of({mesh});
@@ -103,8 +104,8 @@ TEST(Anneal, DenseEllipsoids) {
                0.65);
 }
 
-// Small grains touch large ones in their dents and across their ridges, where a choice of surface points made
-// for flat partners sees nothing.
+// Small grains touch large ones in their dents and across their ridges, where surface points chosen for
+// flat contacts miss them.
 TEST(Anneal, DentedGrainsOfManySizesPackDense) {
   const auto shapes = test::shapes_of({test::warped(test::icosphere(3), [](const Vec3& p) {
     const double r =

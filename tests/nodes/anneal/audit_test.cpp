@@ -110,7 +110,7 @@ TEST(AnnealAudit, DistancesBelowTheGap) {
   EXPECT_NEAR(audit(shapes, two(box, {5, 5, 5}, {5.9, 5.2, 5.1}), 0.3).worst * 1.0, (0.3 + 0.1) / 1.0, 1e-9);
 }
 
-// The separating axis test against the exact one, for polyhedra of all attitudes and depths.
+// Compares the separating axis test with the exact one, for polyhedra of all orientations and depths.
 TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
   const auto shapes = test::shapes_of({test::cube(), test::tetrahedron()});
   anneal::Polytope polytopes[2] = {anneal::make_polytope(shapes.shapes[0].mesh, 40),
@@ -143,7 +143,7 @@ TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
     EXPECT_EQ(m.separation < 0, overlap) << "trial " << trial;
     overlapping += overlap;
     if (!overlap) continue;
-    // Moved apart along the axis by the depth, they are free; by a little less, they are not.
+    // Moved apart along the axis by the depth, they are free; by slightly less, they are not.
     p.position[1] += m.normal.cast<double>() * (1e-4 - m.separation);
     EXPECT_EQ(audit(shapes, p).worst, 0) << "trial " << trial;
     EXPECT_GT(m.count, 0);

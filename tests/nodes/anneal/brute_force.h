@@ -1,5 +1,5 @@
-// Test shapes, and a check for overlap that has nothing in common with the node's: segments through triangles
-// and the parity of a ray, for all pairs and images.
+// Test shapes, and an overlap check that shares no code with the node: segments through triangles and the
+// parity of a ray, for all pairs and images.
 #pragma once
 
 #include <cmath>
@@ -44,7 +44,7 @@ inline Mesh warped(Mesh m, const std::function<Vec3(const Vec3&)>& f) {
   return m;
 }
 
-// A union of unit cubes at integer places, by the faces that no two share.
+// A union of unit cubes at integer positions, made of the faces that are not shared.
 inline Mesh cubes(const std::vector<Vec3i>& places) {
   Mesh m;
   std::map<std::array<int, 3>, int> index;
@@ -91,7 +91,7 @@ inline Shapes shapes_of(std::vector<Mesh> meshes) {
   return s;
 }
 
-// Sizes between low and high, filling `fraction` with any of the shapes.
+// Sizes between low and high with the volume fraction `fraction`, for any of the shapes.
 inline SizeDistribution distribution(const Shapes& shapes, double low, double high, double fraction,
                                      int classes = 4) {
   SizeDistribution d;
@@ -158,7 +158,7 @@ inline bool meshes_overlap(const std::vector<Vec3>& p, const std::vector<Triangl
   return inside(p[0], q, tq) || inside(q[0], p, tp);
 }
 
-// Overlapping pairs; `tiles` copies of the box along each axis are laid side by side first.
+// Number of overlapping pairs, after laying `tiles` copies of the box along each axis.
 inline int overlaps(const Shapes& shapes, const Particles& particles, int tiles = 1) {
   struct Placed {
     std::vector<Vec3> v;

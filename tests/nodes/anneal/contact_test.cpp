@@ -12,7 +12,7 @@ namespace {
 
 using namespace anneal;
 
-// Along x, of 48 sides: no edge is sharp, and rows of vertices run along the straight sides.
+// A cylinder along x with 48 sides: no edge is sharp, and rows of vertices run along the straight sides.
 Mesh cylinder(double radius, double length) {
   constexpr int kSides = 48, kRings = 40;
   Mesh m;
@@ -60,7 +60,7 @@ TEST(AnnealContact, RoundedRidgesThatCrossAreSeenInFullDetail) {
       EXPECT_EQ(depth(shape, crossed, offset + Vec3f(0, 0, 0.03f), Detail::All), 0);
       missed += depth(shape, crossed, offset, Detail::Fine) < 0.01f;
     }
-  EXPECT_GT(missed, 0);  // where flat partners touch is not enough
+  EXPECT_GT(missed, 0);  // points for flat contacts are not sufficient
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Packings by the node, and what every sound one is.
+// Runs the node, and checks what holds for every packing.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What is asked of a packing: sizes, fractions, what to do where they cannot be had, and what is refused.
+// Requests to the packer: sizes, volume fractions, on_jam, and invalid input.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A packing as a run: cancelled, repeated, of many particles.
+// Runs of the packer: cancellation, determinism, many particles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,8 @@ TEST(Anneal, StopsWhenCancelled) {
                Cancelled);
 }
 
-// Wherever the user stops, no further report comes: one interval between checks is all the work still done.
+// After a cancellation at any report, no other report follows: at most one interval between
+// checks is still computed.
 TEST(Anneal, StopsWithinOneReport) {
   const auto shapes = test::shapes_of({test::peanut(2), test::cube()});
   const auto d = test::distribution(shapes, 1, 2, 0.5);
@@ -89,11 +90,11 @@ TEST(Anneal, SpatialOrderKeepsNeighboursTogether) {
     step += (moved[i] - moved[i - 1]).cwiseQuotient(Vec3(2, 3, 1)).norm();
     before += (points[i] - points[i - 1]).cwiseQuotient(Vec3(2, 3, 1)).norm();
   }
-  EXPECT_LT(step, 0.2 * before);  // a random walk through the points goes .66 at each
+  EXPECT_LT(step, 0.2 * before);  // the mean step between random points is 0.66
 }
 
-// Many are placed and kept by where they are; they come out in their own order, the same at any number of
-// threads.
+// Many particles are packed in spatial order, but the output has the original order, for
+// any number of threads.
 TEST(Anneal, ManyComeOutInTheirOrder) {
   const auto shapes = test::shapes_of({test::icosphere(2)});
   const auto d = test::distribution(shapes, 1, 2, 0.2);
@@ -103,7 +104,7 @@ TEST(Anneal, ManyComeOutInTheirOrder) {
   ASSERT_GT(p.count(), 50000u);
   EXPECT_EQ(run.metrics.at("max_penetration"), 0);
   for (std::size_t i = 1; i < p.count(); ++i) ASSERT_GE(p.size[i - 1], p.size[i]);
-  // Anywhere: neither in lattice order nor missing from a part of the box.
+  // Uniformly distributed: no part of the box is missing.
   std::array<int, 8> octant{};
   for (const Vec3& x : p.position)
     ++octant[(x[0] * 2 > p.box[0]) + 2 * (x[1] * 2 > p.box[1]) + 4 * (x[2] * 2 > p.box[2])];

@@ -1,4 +1,4 @@
-// The box and its seam.
+// Tests of the periodic box and its seam.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -13,18 +13,18 @@ using test::expect_sound;
 using test::pack;
 using test::brute::overlaps;
 
-// Planes in the seam and planes midway between two seams cut the same numbers, areas and touching pairs.
+// Planes in the seam and planes midway between two seams cut equal numbers, areas and touching pairs.
 TEST(Anneal, TheSeamIsAPlaneLikeAnyOther) {
   const auto shapes = test::shapes_of({test::cube()});
   constexpr int runs = 16;
-  // Per axis and packing: seam less middle of the particles cut, of their area, of pairs that touch across.
+  // Per axis and packing: seam minus middle, for the cut particles, their area, and pairs that touch across.
   std::vector<std::array<double, 3>> difference;
   double pairs_seen = 0;
   for (int seed = 1; seed <= runs; ++seed) {
     const auto run = pack(shapes, test::distribution(shapes, 1, 1.3, 0.5),
                           {{"count", "150"}, {"seed", std::to_string(seed)}});
     const auto& p = run.output<Particles>("particles");
-    const double near = 1.3;  // centres of touching cubes of size 1 are about this far apart
+    const double near = 1.3;  // centers of touching cubes of size 1 are about this far apart
     for (int axis = 0; axis < 3; ++axis) {
       const double edge = p.box[axis];
       std::array<double, 3> d{};

@@ -1,4 +1,4 @@
-// Particles without matter, from their packing to what is written of them.
+// Voids, from the packing to the written files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(Voids, AClassIsPackedLikeOthersAndHasNoMatter) {
   double cubes = 0;
   for (std::size_t i = 0; i < p.count(); ++i) {
     EXPECT_EQ(p.is_void(i), p.shape[i] == 1);
-    EXPECT_EQ(p.position[i], q.position[i]);  // the packing does not care
+    EXPECT_EQ(p.position[i], q.position[i]);  // voids do not affect the packing
     if (p.shape[i] == 1) cubes += std::pow(p.scale[i], 3);
     if (p.is_void(i)) {
       EXPECT_EQ(p.color[i], Vec3f(Vec3f::Zero()));
@@ -86,12 +86,12 @@ TEST(Voids, WhatIsDroppedTakesItsMarkAlong) {
   for (std::size_t i = 0; i < p.count(); ++i) EXPECT_EQ(p.is_void(i), p.shape[i] == 1);
 }
 
-// Two balls side by side, one of them a void.
+// Two balls side by side, one of which is a void.
 Particles pair_of_balls() {
   Particles p;
   p.box = Vec3::Constant(4);
   p.resize(2);
-  p.position = {Vec3(1, 2, 0.2), Vec3(3, 2, 2)};  // the first across the box's face
+  p.position = {Vec3(1, 2, 0.2), Vec3(3, 2, 2)};  // the first one crosses the face of the box
   p.scale = {0.8, 0.9}, p.size = {1.6, 1.8};
   p.color = {Vec3f::Zero(), Vec3f(0.8f, 0.2f, 0.1f)};
   p.voids = {1, 0};
@@ -151,7 +151,7 @@ TEST(Voids, ColorsAreForMatter) {
   seen.profiles.resize(1);
   seen.profiles[0].area = 1, seen.profiles[0].weight = 1, seen.profiles[0].color = Vec3f(0, 1, 0);
   for (const auto mode : {ColorMode::Random, ColorMode::BySize, ColorMode::Classes}) {
-    p.cls = {5, 0};  // a void's class needs no profile
+    p.cls = {5, 0};  // the class of a void needs no profile
     colorize(p, seen, {mode, 1});
     EXPECT_EQ(p.color[0], Vec3f(Vec3f::Zero()));
     EXPECT_EQ(p.color[1], Vec3f(0, 1, 0));

@@ -89,7 +89,7 @@ TEST(Colorize, ClassesAreFoundWhereThereAreNone) {
     Random r(5, 0, i);
     Vec3f c = centers[i % 3];
     for (int k = 0; k < 3; ++k) c[k] += static_cast<float>(0.02 * r.normal());
-    seen.profiles.push_back(profile(0.5 + i % 3, c.cwiseMax(0.f)));  // each colour has a size of its own
+    seen.profiles.push_back(profile(0.5 + i % 3, c.cwiseMax(0.f)));  // each color has its own size
   }
   Particles p = particles(300, 2.6);
   const ColorReport report = colorize(p, seen, {ColorMode::Classes, 9});

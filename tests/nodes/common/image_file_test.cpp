@@ -115,7 +115,7 @@ TEST(ImageFile, GreyAlphaAndOrientation) {
   const Vec3f over_black = read_image(folder / "alpha.png").at(0, 0);
   EXPECT_NEAR(over_black[0], 0.2, 1e-6);
   EXPECT_NEAR(over_black[1], 0.2 * srgb_to_linear(Vec3f::Constant(128 / 255.0f))[0], 1e-6);
-  // Orientation 6: the first row of the file is the right-hand column of the upright picture.
+  // Orientation 6: the first row of the file is the right column of the upright image.
   write_raw(folder / "turned.tif", 3, 2, 1, {255, 0, 0, 0, 0, 0}, 6);
   const Image turned = read_image(folder / "turned.tif");
   ASSERT_EQ(turned.width, 2);
@@ -154,7 +154,7 @@ TEST(ColorConfig, NamedSpaces) {
   EXPECT_LT(largest_difference(automatic, encoded), 1e-6);
   EXPECT_EQ(code_of([&] { read_image(folder / "a.png", "no such space"); }), "unknown-colorspace");
   EXPECT_EQ(color_config_id(), "built-in");
-  for (const auto& name : colorspace_names()) {  // white is white everywhere
+  for (const auto& name : colorspace_names()) {  // white is white in every color space
     Vec3f white = Vec3f::Ones();
     to_linear_rec709(&white, 1, 1, name);
     EXPECT_LT((white - Vec3f::Ones()).cwiseAbs().maxCoeff(), 1e-4) << name;
@@ -179,7 +179,7 @@ colorspaces:
   to_linear_rec709(&half, 1, 1, "mine");
   EXPECT_NEAR(half[0], 0.25, 1e-5);
   half = Vec3f::Constant(0.5f);
-  to_linear_rec709(&half, 1, 1, "sRGB");  // not in that configuration: the built-in one knows it
+  to_linear_rec709(&half, 1, 1, "sRGB");  // not in that configuration, so the built-in one is used
   EXPECT_NEAR(half[0], 0.21404, 1e-4);
 }
 

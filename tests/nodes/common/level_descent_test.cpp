@@ -10,7 +10,7 @@
 namespace terrazzo {
 namespace {
 
-// Blotches: every pixel takes after one of its neighbours.
+// Blotches: most pixels copy one of their neighbors.
 LevelField blotches(const Vec3i& size, int levels, std::uint64_t seed) {
   LevelField f(size);
   for (int z = 0; z < size.z(); ++z)
@@ -87,8 +87,8 @@ TEST(Cooccurrence, ScaledCountsKeepTheSum) {
   EXPECT_EQ(test::code_of([&] { scaled_counts(none, 0, 10); }), "no-pairs");
 }
 
-// What is kept up to date is what a fresh measurement gives; every change lowers the error by what the
-// descent believes; nothing depends on edges, levels or dimensions.
+// The incremental counts equal fresh measurements, every change reduces the error by exactly what the descent
+// computes, and nothing depends on edges, levels or dimensions.
 TEST(LevelDescent, CountsKeptUpToDateEqualFreshOnes) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     Random r(seed, 9);
@@ -121,8 +121,8 @@ TEST(LevelDescent, CountsKeptUpToDateEqualFreshOnes) {
   }
 }
 
-// No single change of a pixel lowers the error once a sweep changes nothing: ΔE is exact, entries that two of
-// the four changes hit included (ERRATA 9).
+// Once a sweep changes nothing, no change of a single pixel reduces the error: ΔE is exact, also for entries
+// that two of the four changes hit (errata 9, docs/errata.md).
 TEST(LevelDescent, EndsWhereNoSingleChangeHelps) {
   for (const bool periodic : {true, false}) {
     const int levels = 4;

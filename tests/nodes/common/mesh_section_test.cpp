@@ -38,7 +38,7 @@ Mesh unit_cube() {
   return convex_hull(corners);
 }
 
-// A bumpy closed surface of genus 0 (or a ring of genus 1): non-convex, general position.
+// A bumpy closed surface of genus 0, or a ring of genus 1: non-convex, in general position.
 Mesh bumpy(std::uint64_t seed, bool ring) {
   Random r(seed);
   const double a = r.uniform(2, 4), b = r.uniform(0, 6), c = r.uniform(2, 5), d = r.uniform(0, 6);
@@ -83,7 +83,7 @@ TEST(Mesh, CubeMeasures) {
   EXPECT_NEAR(mesh_edge_curvature(m), 1.5, 1e-12);
   EXPECT_NEAR(mesh_mean_caliper(m), 1.5, 1e-9);
   transform(m, Vec3(-1, 2, 3).asDiagonal(), {100, 0, 0});
-  EXPECT_NEAR(mesh_volume(m), 6, 1e-9);  // turned inside out by the mirror, and back
+  EXPECT_NEAR(mesh_volume(m), 6, 1e-9);  // turned inside out by the mirroring, then corrected
   EXPECT_NEAR(mesh_mean_caliper(m), 3, 1e-9);
 }
 
@@ -164,7 +164,7 @@ TEST(MeshSection, CubeAcrossItsMiddle) {
 }
 
 TEST(MeshSection, PlanesThroughVerticesGiveClosedLoops) {
-  // Faces, edges and corners exactly in the plane: vertices on it count as above.
+  // Faces, edges and corners exactly in the plane: vertices on the plane count as above it.
   EXPECT_NEAR(loop_area(section_loops(unit_cube(), Mat3::Identity(), 1)[0]), 1, 1e-12);
   EXPECT_TRUE(section_loops(unit_cube(), Mat3::Identity(), 0).empty());
   const auto diagonal = section_loops(unit_cube(), frame(Vec3(1, -1, 0).normalized()), 0);
@@ -173,7 +173,7 @@ TEST(MeshSection, PlanesThroughVerticesGiveClosedLoops) {
 }
 
 TEST(MeshSection, VolumeSurfaceAndEulerFromRandomSections) {
-  // E over directions: ∫ A dh = V in each; ∫χ dh = (1/4π) Σ Lθ; ∫ perimeter dh = πS/4.
+  // Means over directions: ∫ A dh = V in each; ∫χ dh = (1/4π) Σ Lθ; ∫ perimeter dh = πS/4.
   for (const bool ring : {false, true}) {
     const Mesh m = bumpy(7, ring);
     Random r(11);

@@ -62,7 +62,7 @@ TEST(OutlineFeatures, OfASquareAndAnEllipse) {
 }
 
 TEST(OutlineFeatures, ReentrantOutlinesTurnFurther) {
-  // A plus sign turns eight right angles out and four in.
+  // A plus sign has eight convex and four concave right angles.
   const Loop plus{{1, 0}, {2, 0}, {2, 1}, {3, 1}, {3, 2}, {2, 2},
                   {2, 3}, {1, 3}, {1, 2}, {0, 2}, {0, 1}, {1, 1}};
   const auto f = outline_features(plus, {.points = 120});
@@ -78,7 +78,7 @@ TEST(OutlineFeatures, NeitherPlaceSizeNorTessellationCount) {
     const Loop loop = star(seed, 0.5);
     const auto f = outline_features(loop);
     Random r(seed, 3);
-    // The same curve, cut further and with points that nearly coincide; moved, turned and scaled.
+    // The same curve with more points, some nearly coincident; translated, rotated and scaled.
     Loop other;
     const Eigen::Rotation2Dd turn(r.uniform(0, 6));
     const double scale = std::exp(r.uniform(-5, 5));

@@ -28,7 +28,7 @@ Plot bars(const std::vector<double>& heights) {
   return plot;
 }
 
-// Longest run of the first palette colour in each column; runs of columns are bars.
+// Longest run of the first palette color in each column; adjacent columns with runs form bars.
 std::vector<int> bar_heights(const Image& image) {
   std::vector<int> heights;
   bool within = false;
@@ -93,7 +93,7 @@ TEST(Plot, SeriesThatShareNoPlaceStandOnTheirTicks) {
     for (int x = 0; x < image.width; ++x)
       if (is(alone.at(x, y), 0, 114, 178))
         left_alone = std::min(left_alone, x), right_alone = std::max(right_alone, x);
-  EXPECT_NEAR(right - left, 59, 1);  // the widest that bars get
+  EXPECT_NEAR(right - left, 59, 1);  // the maximum width of bars
   EXPECT_NEAR(right_alone - left_alone, right - left, 1);
 }
 

@@ -64,7 +64,7 @@ TEST(RandomSections, LargerBodiesAreMetMoreOften) {
   for (auto& s : two.shapes) s.probability = 0.5;
   int large = 0, central = 0;
   const double most = two.shapes[0].max_section_area;
-  // Sections of the large ball of more than the small one's largest: depth within √8 of 3.
+  // Sections of the large ball that are larger than the small ball's largest: depths within √8 of 3.
   for (const auto& s : random_sections(two, 4000, {SectionKind::Random, 1, 0}))
     large += loop_area(s[0][0]) > most;
   for (const auto& s : random_sections(two, 4000, {SectionKind::Central, 1, 0}))

@@ -14,7 +14,7 @@ namespace {
 
 using test::run_node;
 
-// Discs of lognormal diameter, a Poisson-like number of them.
+// Disks of lognormal diameter, with an approximately Poisson-distributed count.
 Profiles random_profiles(std::uint64_t seed, int n, double area, double mean = 0.2,
                          const Vec3f& color = Vec3f(0.4f, 0.3f, 0.2f)) {
   Profiles p;
@@ -34,7 +34,7 @@ Profiles random_profiles(std::uint64_t seed, int n, double area, double mean = 0
   return p;
 }
 
-int poisson(std::uint64_t seed, double mean) {  // close enough for the noise of a sum
+int poisson(std::uint64_t seed, double mean) {  // accurate enough for the noise of a sum
   Random r(seed, 2, 0);
   return static_cast<int>(std::lround(mean + std::sqrt(mean) * r.normal()));
 }
@@ -75,8 +75,8 @@ TEST(Compare, ClassesAddUpToTheDensity) {
 }
 
 TEST(Compare, SamplesOfOneThingStayWithinTheNoise) {
-  // 95 % intervals: of 60 repetitions × 10 classes about 30 exceed by chance, fewer as the sparse ones are
-  // cautious.
+  // With 95 % intervals, about 30 of 60 repetitions × 10 classes exceed by chance, fewer because intervals of
+  // sparse classes are conservative.
   int beyond = 0, fractions = 0, tested = 0;
   for (int i = 0; i < 60; ++i) {
     const Comparison c = compare(random_profiles(100 + i, poisson(i, 600), 100),
@@ -100,7 +100,7 @@ TEST(Compare, KnownDifferencesExceedTheNoise) {
   EXPECT_EQ(exceeding(size, "color"), 0);
   const Comparison color = compare(a, random_profiles(3, 800, 100, 0.2, Vec3f(0.2f, 0.3f, 0.4f)), {});
   EXPECT_GE(exceeding(color, "color"), 2);
-  EXPECT_LE(exceeding(color, "size_classes"), 1);  // one row in twenty does by chance
+  EXPECT_LE(exceeding(color, "size_classes"), 1);  // one row in twenty exceeds by chance
   const Vec3f la = linear_to_oklab(Vec3f(0.4f, 0.3f, 0.2f)), lb = linear_to_oklab(Vec3f(0.2f, 0.3f, 0.4f));
   EXPECT_NEAR(color.metrics.at("color_difference_particles"), (la - lb).norm(), 0.01);
 }
@@ -158,7 +158,7 @@ TEST(CompareDistributions, ByClassAndReclassed) {
   two.classes = 2;
   const Comparison other = compare(a, distribution({0, 0.5, 2}, {3, 3}, 0), two);
   ASSERT_EQ(other.numbers.size(), 3u);
-  EXPECT_NEAR(other.numbers[0].b, 4, 1e-12);  // 3 + a third of 3
+  EXPECT_NEAR(other.numbers[0].b, 4, 1e-12);  // 3 plus a third of 3
   EXPECT_NEAR(other.numbers[1].b, 2, 1e-12);
   EXPECT_EQ(other.metrics.at("N_V_b"), 6);
   EXPECT_EQ(exceeding(compare(a, distribution({0, 1, 2}, {9, 2}, 0.2), {}), "size_classes"), 2);

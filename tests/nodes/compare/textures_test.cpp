@@ -1,4 +1,4 @@
-// Compare's measures of textures and of outlines.
+// Tests the texture and outline measures of Compare.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +25,7 @@ int exceeding(const Comparison& c, const std::string& measure) {
   return n;
 }
 
-// Discs of a radius on a light ground, with noise; the pattern tiles.
+// Disks of one radius on a light background, with noise. The pattern is tileable.
 Image discs(std::uint64_t seed, double radius, int count, int edge = 160) {
   Image image(edge, edge, 1, 1, Vec3f::Constant(0.6f));
   for (int i = 0; i < count; ++i) {
@@ -50,7 +50,8 @@ TEST(PhaseStatistics, OfStripesAndNoise) {
   const PhaseStatistics s = phase_statistics({stripes}, 12);
   EXPECT_NEAR(s.two_point[0], 0.5, 1e-12);
   EXPECT_NEAR(s.lineal_path[0], 0.5, 1e-12);
-  // Down the stripes every segment stays; across, none of a stripe's width does, nor one end in another's.
+  // Along the stripes, a segment of 5 pixels stays in its stripe. Across them (width 5), it never does, and
+  // its ends are never both in stripes.
   const double down = 40 * (30 - 5) * 0.5, all = 30 * (40 - 5) + 40 * (30 - 5);
   EXPECT_NEAR(s.lineal_path[5], down / all, 1e-12);
   EXPECT_NEAR(s.two_point[5], down / all, 1e-12);
@@ -68,7 +69,7 @@ TEST(CompareTextures, OneTextureTwiceStaysWithinItsHalves) {
   const Comparison same = compare(a, a, {}), c = compare(a, b, {});
   for (const char* measure : {"bands", "patches", "two_point", "lineal_path"}) {
     EXPECT_EQ(exceeding(same, measure), 0) << measure;
-    // Halves differ more than wholes do, as a rule; not by a law.
+    // Halves usually differ more than whole images, but not always.
     EXPECT_LE(exceeding(c, measure), measure == std::string("bands") ? 2 : 1) << measure;
   }
   EXPECT_EQ(number(same, "two_point", "largest difference"), 0);
@@ -111,7 +112,7 @@ TEST(CompareTextures, SeamsAreWhereThePictureDoesNotTile) {
   const Comparison c = compare(a, shaded, {});
   EXPECT_NEAR(number(c, "seam", "across y"), 1, 0.6);
   EXPECT_GT(c.metrics.at("seam_x"), 3);
-  EXPECT_EQ(exceeding(c, "seam"), 0);  // it has no noise to exceed
+  EXPECT_EQ(exceeding(c, "seam"), 0);  // seam has no tolerance
 }
 
 TEST(CompareTextures, SmallPicturesAreComparedByColourAlone) {
@@ -137,7 +138,7 @@ TEST(NearestPatch, OfItselfIsNearAndOfAnotherFar) {
   EXPECT_LT(nearest_patch({a}, {PatchPicture{4, 4, std::vector<Vec3f>(16, Vec3f::Zero()), {}}}, 0.5), 0);
 }
 
-// Ellipses of an axial ratio, or squares.
+// Ellipses with a given aspect ratio, or squares.
 Profiles outlines(std::uint64_t seed, int count, double ratio, bool square = false) {
   Profiles p;
   p.observed_area = 1000;
@@ -165,7 +166,7 @@ TEST(CompareOutlines, ShapesAreToldFromNoise) {
     exceeds += exceeding(c, "circularity");
     EXPECT_NEAR(c.metrics.at("total_curvature_b"), 2 * M_PI, 0.02);
   }
-  EXPECT_LE(exceeds, 6);  // of forty, two by chance
+  EXPECT_LE(exceeds, 6);  // of forty; two exceed by chance
   EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.6), {}), "circularity"), 2);
   EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.8, true), {}), "circularity"), 2);
   EXPECT_EQ(number(compare(a, a, {}), "circularity", "Kolmogorov–Smirnov distance"), 0);
@@ -182,7 +183,7 @@ TEST(CompareOutlines, CutProfilesDoNotCountAndNoneIsSaid) {
   Comparison c = compare(a, b, {});
   EXPECT_EQ(c.metrics.count("circularity_a"), 0u);
   const std::size_t before = c.warnings.size();
-  b.profiles[30].contour = a.profiles[30].contour;  // one is no sample
+  b.profiles[30].contour = a.profiles[30].contour;  // one outline is not a sample
   c = compare(a, b, {});
   EXPECT_EQ(c.warnings.size(), before + 2);
   EXPECT_EQ(c.metrics.count("circularity_a"), 0u);

@@ -28,7 +28,8 @@ TEST(ContactSheet, PlacesPicturesInReadingOrder) {
   ASSERT_EQ(sheet.height, 2 * 100 + 3 * gap);
   EXPECT_LT((sheet.at(gap + 50, gap + 50) - red).norm(), 1e-4);
   EXPECT_LT((sheet.at(2 * gap + 150, gap + 50) - green).norm(), 1e-4);
-  EXPECT_LT((sheet.at(2 * gap + 150, gap + 10) - Vec3f::Ones()).norm(), 1e-4);  // above the low picture
+  EXPECT_LT((sheet.at(2 * gap + 150, gap + 10) - Vec3f::Ones()).norm(),
+            1e-4);  // above the image, which is shorter than its cell
   EXPECT_LT((sheet.at(gap + 50, 2 * gap + 150) - blue).norm(), 1e-4);
   EXPECT_LT((sheet.at(2 * gap + 150, 2 * gap + 150) - red).norm(), 1e-4);
   EXPECT_LT((sheet.at(2, 2) - Vec3f::Ones()).norm(), 1e-4);

@@ -35,8 +35,8 @@ std::vector<LevelField> slices_across(const LevelField& solid, int axis) {
   return out;
 }
 
-// Slices cut out as pictures have the pictures' matrices, on each axis its own: all but exactly where one
-// body has such sections, and nearer than to another axis' where two pictures contradict each other.
+// Slices cut out as pictures have the matrices of their axis' picture: almost exactly if one body has these
+// sections, and nearer than to another axis' matrix if two pictures contradict each other.
 TEST(CooccurrenceSolid, SlicesMatchThePictureOfTheirAxis) {
   for (const char* kind : {"fat", "muscle"}) {
     const bool agree = kind[0] == 'f';

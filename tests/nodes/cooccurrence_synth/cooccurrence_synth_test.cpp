@@ -51,8 +51,8 @@ TEST(CooccurrenceSynth, MatchesThePicturesMatrix) {
     }
 }
 
-// A field of wood from noise ends in a lattice of spots, whose error a sweep cannot lower; from coarse to
-// fine its fibres run through.
+// A field of wood made from noise ends in a lattice of spots, whose error a sweep cannot reduce. Made from
+// coarse to fine, its fibers are continuous.
 TEST(CooccurrenceSynth, LongStructuresNeedACoarseStart) {
   const Value wood = Value::of(pattern("wood", 128, "x"));
   const auto ratio = [&](const char* start) {
@@ -63,7 +63,7 @@ TEST(CooccurrenceSynth, LongStructuresNeedACoarseStart) {
   EXPECT_LT(ratio("noise"), 1000);
 }
 
-// A mask in stripes has no pairs at longer offsets, so its field starts where there are some.
+// A striped mask has no pairs at longer offsets, so its field starts at a scale that has some.
 TEST(CooccurrenceSynth, StartsNoCoarserThanTheSourceTells) {
   const Image source = pattern("fat", 64);
   Image stripes(64, 64, 1, 1);
@@ -90,8 +90,8 @@ TEST(CooccurrenceSynth, SizeSeedAndSpace) {
   EXPECT_LE(colors(run({{"space", "rgb"}, {"levels", "3"}})).size(), 3u);
 }
 
-// With patches every colour is the picture's own, more of them lie as in the picture, and the matrix is still
-// near.
+// With patches every color is the picture's own, more neighbors are those of the picture, and the matrix is
+// still close.
 TEST(CooccurrenceSynth, PatchesKeepWhatLiesSideBySide) {
   const Image source = pattern("fat", 128);
   std::map<std::tuple<float, float, float>, std::size_t> where;
@@ -148,7 +148,7 @@ TEST(CooccurrenceSynth, RefusesWhatItCannotMeasure) {
   EXPECT_EQ(code(Value::of(bad), {}), "bad-pixels");
   EXPECT_EQ(code(good, {}, {{"mask", Value::of(Image(16, 16, 1, 1))}}), "wrong-size");
   EXPECT_EQ(code(good, {}, {{"mask", Value::of(Image(32, 32, 1, 1))}}), "no-pixels");
-  Image thin(32, 32, 1, 1);  // a mask of single columns: no two pixels of it lie side by side
+  Image thin(32, 32, 1, 1);  // a mask of single columns: no two of its pixels are side by side
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; x += 8) thin.at(x, y) = Vec3f::Ones();
   EXPECT_EQ(code(good, {}, {{"mask", Value::of(thin)}}), "no-pairs");
@@ -156,7 +156,7 @@ TEST(CooccurrenceSynth, RefusesWhatItCannotMeasure) {
 
 TEST(CooccurrenceSynth, Photographs) {
   const auto folder = test::shared_data();
-  if (folder.empty()) GTEST_SKIP() << "no shared pictures here";
+  if (folder.empty()) GTEST_SKIP() << "the shared pictures are not available";
   Image photo = read_image(folder / "photos" / "gravel.png");
   Image part(96, 96, 1, 1);
   for (int y = 0; y < 96; ++y)

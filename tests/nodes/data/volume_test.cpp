@@ -29,7 +29,7 @@ typename Grid::Ptr grid_of(const std::string& name, typename Grid::ValueType bac
   return g;
 }
 
-// One of every type, with scattered voxels, dense blocks, tiles and negative coordinates.
+// One grid of every type, with scattered voxels, dense blocks, tiles and negative coordinates.
 Volume sample(int voxels = 300) {
   Volume v;
   v.resolution = Vec3i(32, 20, 16);
@@ -80,10 +80,10 @@ TEST(Volume, EqualVoxelsGiveEqualBytesWhateverTheTree) {
   for (int i = 15; i >= 0; --i)
     for (int j = 0; j < 16; ++j)
       for (int k = 0; k < 16; ++k) by_voxel->tree().setValueOn({i, j, k}, 1.0f);
-  by_voxel->tree().touchLeaf({5000, 0, 0});  // a leaf of background
+  by_voxel->tree().touchLeaf({5000, 0, 0});  // a leaf with only background values
   a.grids = {fill}, b.grids = {by_voxel};
   EXPECT_EQ(encoded(a), encoded(b));
-  by_voxel->tree().setValueOff({3, 3, 3});  // the value stays, the state changes
+  by_voxel->tree().setValueOff({3, 3, 3});  // the value remains, the state changes
   EXPECT_NE(encoded(a), encoded(b));
 }
 
@@ -96,7 +96,7 @@ TEST(Volume, DamagedBytesAreAnErrorOrAnotherVolume) {
     if (trial % 4 == 0) {
       bytes.resize(r.below(bytes.size()));
     } else {
-      // Half of the time among the headers, where lengths and types are.
+      // Half of the trials damage the headers, which contain lengths and types.
       const std::size_t range = trial % 2 ? bytes.size() : 400;
       for (int n = 0; n < 3; ++n) bytes[r.below(range)] = static_cast<char>(r.bits());
     }
@@ -107,7 +107,7 @@ TEST(Volume, DamagedBytesAreAnErrorOrAnotherVolume) {
       ++refused;
     }
   }
-  EXPECT_GE(refused, 50u);  // all that were cut short, at least
+  EXPECT_GE(refused, 50u);  // at least all truncated ones
 }
 
 TEST(Volume, IsDescribed) {

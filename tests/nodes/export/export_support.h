@@ -1,4 +1,4 @@
-// A small packing and what it needs, and a disk that is full.
+// A small packing with its shapes, and a simulated full disk.
 #pragma once
 
 #include <sys/resource.h>
@@ -24,7 +24,7 @@ inline Shape tetrahedron(const std::string& name, bool smooth) {
   return s;
 }
 
-// A smooth and a faceted shape, and a third that no particle has.
+// A smooth and a faceted shape, and a third one without particles.
 inline Shapes two_shapes() {
   Shapes s;
   s.shapes = {tetrahedron("faceted", false), tetrahedron("smooth", true), tetrahedron("unused", false)};
@@ -58,7 +58,8 @@ inline std::size_t files_in(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
 }
 
-// While it lives, this process can write no file beyond `bytes`: writes then fail as on a full disk.
+// During its lifetime, this process can write no file longer than `bytes`; longer writes fail as on a full
+// disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) {

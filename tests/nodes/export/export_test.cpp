@@ -197,7 +197,7 @@ TEST(Export, LabelsAreExactIntegers) {
     ASSERT_TRUE(in) << second;
     EXPECT_EQ(in->spec().nchannels, 1);
     std::vector<std::uint32_t> ids(30);
-    if (in->spec().format == OIIO::TypeDesc::UINT16) {  // OIIO scales where it converts
+    if (in->spec().format == OIIO::TypeDesc::UINT16) {  // OIIO scales values when it converts
       std::vector<std::uint16_t> narrow(30);
       ASSERT_TRUE(in->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT16, narrow.data()));
       ids.assign(narrow.begin(), narrow.end());
@@ -289,7 +289,7 @@ TEST(Export, AFullDiskLeavesNothingUnderTheFinalName) {
       EXPECT_EQ(failure(inputs, path, out), "write-failed") << path;
     }
     EXPECT_EQ(test::files_in(out), 0u) << path;
-    EXPECT_EQ(failure(inputs, path, out), "") << path << " with room";
+    EXPECT_EQ(failure(inputs, path, out), "") << path << " with enough space";
     EXPECT_GT(fs::file_size(out / path), 40000u) << path;
     fs::remove(out / path);
   }

@@ -46,7 +46,7 @@ TEST(ExportGltf, InstancesAreTheParticles) {
   const auto m = load(file);
   EXPECT_EQ(m.asset.generator, "Terrazzo");
   EXPECT_EQ(m.extensionsUsed, std::vector<std::string>{"EXT_mesh_gpu_instancing"});
-  ASSERT_EQ(m.meshes.size(), 2u);  // not the unused one
+  ASSERT_EQ(m.meshes.size(), 2u);  // without the unused shape
   ASSERT_EQ(m.nodes.size(), 2u);
   EXPECT_EQ(m.scenes.at(0).nodes.size(), 2u);
 
@@ -72,7 +72,7 @@ TEST(ExportGltf, InstancesAreTheParticles) {
         EXPECT_FLOAT_EQ(scale[3 * k + c], static_cast<float>(p.scale[i]));
         EXPECT_EQ(color[3 * k + c], p.color[i][c]);
       }
-      // Turning the world after the particle is the same as the written rotation after turning the mesh.
+      // Rotating the world after the particle equals applying the written rotation to the rotated mesh.
       for (const Vec3& v : {Vec3(1, 0, 0), Vec3(0.3, -2, 1)})
         EXPECT_LT((turned(p.orientation[i] * v) - q * turned(v)).norm(), 1e-5);
     }
@@ -105,8 +105,8 @@ TEST(ExportGltf, MeshesKeepHandednessAndShading) {
       for (int k = 0; k < 3; ++k)
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(normal[3 * index[t + k] + c], n[c], 1e-6);
     }
-    EXPECT_NEAR(volume, 8.0 / 3 * 1e-9, 1e-14);  // m³, positive: still seen from outside
-    if (mesh.name == "smooth") {                 // by symmetry the normals point along the corners
+    EXPECT_NEAR(volume, 8.0 / 3 * 1e-9, 1e-14);  // m³; positive, so faces still point outward
+    if (mesh.name == "smooth") {                 // by symmetry, normals point along the corners
       for (std::size_t i = 0; i < position.size(); ++i)
         EXPECT_NEAR(normal[i], position[i] / 0.001 / std::sqrt(3.0), 1e-5);
     }
@@ -134,7 +134,7 @@ TEST(ExportGltf, ShapesAloneStandSideBySide) {
   ASSERT_EQ(m.nodes.size(), 3u);
   EXPECT_TRUE(m.extensionsUsed.empty());
   double end = -1;
-  for (const auto& node : m.nodes) {  // each 2 mm wide about its own origin
+  for (const auto& node : m.nodes) {  // each 2 mm wide, centered at its origin
     const double x = node.translation.empty() ? 0 : node.translation[0];
     EXPECT_GT(x - 0.001, end);
     end = x + 0.001;

@@ -40,7 +40,8 @@ TEST(GridSweep, AreasAreThoseOfExactSections) {
   }
 }
 
-// A cube whose faces are divided into many triangles is cut at chosen depths, the cube itself at all.
+// A cube whose faces are subdivided into many triangles is cut at chosen depths, the plain
+// cube at all depths.
 TEST(GridSweep, ManyTrianglesGiveTheStatisticsOfFew) {
   const Mesh few = box_mesh({1, 1, 1});
   Mesh many = few;

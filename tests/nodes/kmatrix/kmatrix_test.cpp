@@ -93,7 +93,7 @@ TEST(KMatrix, SlicingAgreesWithTheClosedForm) {
   const Shapes shapes = one(measure_shape("ellipsoid", ellipsoid_mesh({1, .8, .6}, 4)));
   const KMatrix slice = make_kmatrix(shapes, {.orientations = 1000});
   const KMatrix exact = make_kmatrix(shapes, {.method = "analytic"});
-  // The first class sees the facets, whose corners have more small sections than a smooth pole.
+  // The first class is sensitive to the facets, whose corners have more small sections than a smooth pole.
   for (int i = 1; i < 10; ++i) EXPECT_NEAR(slice.shapes[0].K(i, 9) / exact.shapes[0].K(i, 9), 1, 1e-2) << i;
 }
 
@@ -122,7 +122,7 @@ TEST(KMatrix, UniformIsTheMeanOfUpperEdgesWithinAClass) {
       make_kmatrix(one(measure_shape("cube", cube())), {.classes = 10, .orientations = 1000});
   for (int j = 0; j < 10; ++j)
     for (int i = 0; i <= j; ++i) {
-      // Column means of ten finer classes: each at its upper edge, half a fine class too large.
+      // Column means of ten finer classes, each at its upper edge, which is half a fine class too large.
       double mean = 0;
       for (int a = 0; a < 10; ++a)
         for (int b = 0; b < 10; ++b) mean += fine.shapes[0].K(10 * i + b, 10 * j + a) / 10;
@@ -137,7 +137,7 @@ TEST(KMatrix, DisjointProfilesCountApart) {
   const KMatrix k = make_kmatrix(one(s), {.orientations = 4000});
   const auto& e = k.shapes[0];
   EXPECT_GT(e.profiles_per_caliper, 1);
-  EXPECT_NEAR(e.profiles_per_caliper * s.mean_caliper, 2 * 1.5, 2e-3);  // each cube by itself
+  EXPECT_NEAR(e.profiles_per_caliper * s.mean_caliper, 2 * 1.5, 2e-3);  // each cube separately
   EXPECT_NEAR(mean_area(e), 2.0 / 3, 2e-3);                             // V/H̄ of one cube
 }
 
@@ -160,7 +160,7 @@ TEST(KMatrix, ProbabilitiesAreNormalised) {
   const KMatrix k = make_kmatrix(shapes, {.orientations = 16});
   EXPECT_DOUBLE_EQ(k.shapes[0].probability, 0.75);
   EXPECT_DOUBLE_EQ(k.shapes[1].probability, 0.25);
-  // And that is said.
+  // The node warns about the normalization.
   const auto warnings = [](const Shapes& s) {
     return test::run_node("KMatrix", {{"shapes", Value::of(s)}}, {{"orientations", "16"}}).warnings.size();
   };

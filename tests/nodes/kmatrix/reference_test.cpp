@@ -1,5 +1,5 @@
-// Reference values and identities of stereology (Underwood 1970; Jagnow et al. 2004, eq. 1), met by slicing
-// at its default effort.
+// Reference values and identities of stereology (Underwood 1970; Jagnow et al. 2004, eq. 1), compared with
+// slicing at its default effort.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,7 +49,7 @@ struct Body {
   double caliper, largest;  // 0: not tabulated
 };
 
-// Curved ones of 20,480 triangles: with fewer their tessellation alone is more than 1e-3 off.
+// Curved bodies have 20,480 triangles: with fewer, the tessellation error would exceed 1e-3.
 std::vector<Body> bodies() {
   return {{"sphere", ellipsoid_mesh({1, 1, 1}, 5), 1, pi / 4},
           {"prolate", ellipsoid_mesh({2, 2, 4}, 5), 2.7603460, 2 * pi},
@@ -80,7 +80,7 @@ TEST(KMatrixReference, CalipersLargestSectionsAndMeanAreas) {
   }
 }
 
-// Corners of a convex outline: the sides of a triangulated face lie on one line.
+// Number of corners of a convex outline, ignoring the collinear vertices from a triangulated face.
 int corners(const std::vector<Vec2>& loop) {
   int n = 0;
   const std::size_t size = loop.size();
@@ -91,8 +91,8 @@ int corners(const std::vector<Vec2>& loop) {
   return n;
 }
 
-// Between two vertices the outline's length is linear in the depth and the number of its sides the same, so
-// that the middle tells the whole.
+// Between two vertices the outline's length is linear in the depth and the number of its sides constant, so
+// the middle represents the whole range.
 TEST(KMatrixReference, PerimetersAndSidesOfPolyhedra) {
   const double edges[] = {12, 6};
   const Mesh solids[] = {box_mesh({1, 1, 1}), platonic_mesh("tetrahedron")};
@@ -127,8 +127,9 @@ TEST(KMatrixReference, PerimetersAndSidesOfPolyhedra) {
   }
 }
 
-// E over directions of ∫χ dh = (1/4π) Σ L·θ, concave edges negative: a ring, whose sections are one region,
-// two, or one with a hole.
+// The mean over directions of ∫χ dh is (1/4π) Σ L·θ, with concave edges negative (the χ identity
+// in docs/reference-values.md). The body is a ring, whose sections are one region, two regions, or
+// one with a hole.
 TEST(KMatrixReference, EulerNumbersOfBodiesThatAreNotConvex) {
   const Mesh ring = test::square_ring().mesh;
   ProfileSweep sweep(ring);

@@ -1,4 +1,4 @@
-// The paper's way of slicing, on Mesa's software renderer; skipped where there is none.
+// The paper's slicing method, on Mesa's software renderer. Skipped if that is not available.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,15 +41,15 @@ TEST_F(Stencil, PixelsAgreeWithExactSections) {
     slicer.draw(planes);
     for (int i = 0; i < 20; ++i) {
       double exact = 0, perimeter = 0;
-      const Mat3 rows =
-          planes[i].rotation.toRotationMatrix().transpose();  // columns: what turns into x, y, z
+      // Columns: the vectors that are rotated to x, y, z.
+      const Mat3 rows = planes[i].rotation.toRotationMatrix().transpose();
       for (const auto& loop : section_loops(s.mesh, rows, planes[i].depth))
         exact += loop_area(loop), perimeter += loop_perimeter(loop);
       std::int64_t inside = 0;
       for (int y = 0; y < StencilSlicer::kTile; ++y)
         for (int x = 0; x < StencilSlicer::kTile; ++x) inside += slicer.row(i, y)[x] & 1;
-      // An outline crosses about perimeter / pixel pixels, each right by half: errors add up as a walk's, and
-      // along edges parallel to the rows all at once.
+      // An outline crosses about perimeter / pixel size pixels, each half right on average. The errors add up
+      // as a random walk, and along edges parallel to the rows coherently.
       EXPECT_NEAR(static_cast<double>(inside) * slicer.pixel_area(), exact,
                   0.5 * perimeter * std::sqrt(slicer.pixel_area()))
           << s.name << ' ' << i;
@@ -74,7 +74,7 @@ TEST_F(Stencil, MeetsTheSliceMethodWithinItsSamplingError) {
 }
 
 TEST_F(Stencil, DisjointProfilesCountApart) {
-  // Two balls far apart: a plane that meets the hull meets one of them, both, or none.
+  // Two balls far apart: a plane that meets the hull meets one of them, both, or neither.
   Mesh two = ellipsoid_mesh(Vec3(1, 1, 1), 2);
   const auto first = static_cast<std::int32_t>(two.vertices.size());
   const Mesh other = two;

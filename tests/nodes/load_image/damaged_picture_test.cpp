@@ -1,4 +1,4 @@
-// Pictures that were cut short, damaged, or promise more than they hold.
+// Images that are truncated, damaged, or whose headers claim more than they contain.
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 class DamagedPicture : public ::testing::Test {
  protected:
-  // A picture whose pixels do not compress away.
+  // An image whose pixels are hardly compressible.
   std::string written(const std::string& name, int width = 60, int height = 40) {
     Image image(width, height, 1, 1);
     for (std::size_t p = 0; p < image.pixels.size(); ++p) {
@@ -64,14 +64,14 @@ std::string chunk(const std::string& name, const std::string& data) {
              crc32(0, reinterpret_cast<const Bytef*>(body.data()), uInt(body.size()))));
 }
 
-// Every format that is written, cut anywhere: an error each time.
+// Every supported format, truncated anywhere: always an error.
 TEST_F(DamagedPicture, ACutFileIsAnError) {
   for (const std::string name : {"a.jpg", "a.png", "a.tif", "a.exr", "a.hdr", "a.bmp", "a.ppm"}) {
     const std::string whole = written(name);
     const auto good = read(folder / name);
     ASSERT_EQ(good.code, "") << name << good.message;
     EXPECT_TRUE(good.warnings.empty()) << name;
-    // The last bytes of some formats mean nothing: JPEG's end mark is two bytes long.
+    // The last bytes of some formats are insignificant: JPEG's end marker has two bytes.
     for (const double share : {0.0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99}) {
       const auto size = static_cast<std::size_t>(share * static_cast<double>(whole.size()));
       EXPECT_EQ(read(write("cut" + name, whole.substr(0, size))).code, "unreadable-image")
@@ -83,7 +83,7 @@ TEST_F(DamagedPicture, ACutFileIsAnError) {
   }
 }
 
-// The first page stands before the pixels, as cameras write it.
+// The first directory precedes the pixels, as cameras write it.
 TEST_F(DamagedPicture, ATiffWhosePixelsComeLastIsCutToo) {
   const auto entry = [](std::uint16_t tag, std::uint16_t type, std::uint32_t value) {
     return std::string{static_cast<char>(tag), static_cast<char>(tag >> 8), static_cast<char>(type), 0} +
@@ -117,11 +117,11 @@ TEST_F(DamagedPicture, WhatTheJpegDecoderComplainsAboutIsAWarning) {
 
 TEST_F(DamagedPicture, AWarningReachesTheUserOfTheNode) {
   std::string bytes = written("a.jpg", 200, 200);
-  bytes.insert(bytes.size() - 2, "superfluous");  // before the end mark
+  bytes.insert(bytes.size() - 2, "superfluous");  // before the end marker
   write("a.jpg", bytes);
   const auto run = test::run_node("LoadImage", {}, {{"path", (folder / "a.jpg").string()}});
   ASSERT_EQ(run.warnings.size(), 1u);
-  EXPECT_NE(run.warnings[0].find("a.jpg: the JPEG decoder complains"), std::string::npos) << run.warnings[0];
+  EXPECT_NE(run.warnings[0].find("a.jpg: the JPEG decoder warned"), std::string::npos) << run.warnings[0];
 }
 
 TEST_F(DamagedPicture, AFlippedBitInAPngIsFound) {
@@ -148,11 +148,11 @@ TEST_F(DamagedPicture, BmpColorsThatAreNotThere) {
   EXPECT_EQ(read(write("a.bmp", bmp(8, 0, 4, {0, 1, 2, 4}))).code, "unreadable-image");
   EXPECT_EQ(read(write("a.bmp", bmp(4, 0, 4, {0x01, 0x23, 0, 0}))).code, "");
   EXPECT_EQ(read(write("a.bmp", bmp(4, 0, 4, {0x01, 0x53, 0, 0}))).code, "unreadable-image");
-  EXPECT_EQ(read(write("a.bmp", bmp(8, 1, 4, {4, 1, 0, 1}))).code, "unreadable-image");  // run-length coded
+  EXPECT_EQ(read(write("a.bmp", bmp(8, 1, 4, {4, 1, 0, 1}))).code, "unreadable-image");  // run-length encoded
   EXPECT_EQ(read(write("a.bmp", bmp(24, 1, 0, std::string(12, '\1')))).code, "unreadable-image");
 }
 
-// A few bytes that promise gigapixels are damaged, whatever memory there is.
+// A file of a few bytes that claims gigapixels is damaged, no matter how much memory there is.
 TEST_F(DamagedPicture, AHeaderAloneTakesNoMemory) {
   const std::uint64_t plenty = 1'000'000'000'000;
   const std::string png = std::string("\x89PNG\r\n\x1a\n", 8) +
@@ -198,7 +198,7 @@ TEST_F(DamagedPicture, OtherFormatsAreRefusedByName) {
   EXPECT_EQ(read(folder).code, "unreadable-image");
 }
 
-// OpenImageIO reads XMP by recursion, which ended the program.
+// OpenImageIO parses XMP recursively, which used to crash the program.
 TEST_F(DamagedPicture, NotesWithinNotesAreBounded) {
   const auto png = [&](int levels, bool packed) {
     std::string xmp = "<rdf:Description rdf:about=\"\">";
@@ -223,7 +223,8 @@ TEST_F(DamagedPicture, NotesWithinNotesAreBounded) {
   }
 }
 
-// A stranger's file says how it was made, or nothing; it never costs more than its size.
+// Reading the provenance of untrusted files returns a text or nothing, and never needs more memory than the
+// file's size.
 TEST_F(DamagedPicture, ProvenanceOfAnything) {
   Image image(8, 8, 1, 1);
   write_image(folder / "p.png", image, 0, "{\"document\":1}");

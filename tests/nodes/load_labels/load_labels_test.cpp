@@ -47,7 +47,7 @@ TEST(LoadLabels, ClassesAreTheirConnectedComponents) {
                                           0, 0, 1,  //
                                           2, 0, 0};
   const Labels l = load(write(folder / "c.png", 3, 4, 1, data, OIIO::TypeDesc::UINT8), "classes");
-  EXPECT_EQ(l.count(), 3);  // the diagonal is one
+  EXPECT_EQ(l.count(), 3);  // diagonal pixels are connected
   EXPECT_EQ(l.classes, (std::vector<std::int32_t>{0, 1, 1}));
   EXPECT_EQ(l.ids[0], l.ids[8]);
 }

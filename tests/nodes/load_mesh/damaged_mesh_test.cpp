@@ -1,5 +1,4 @@
-// Mesh files that lie about what follows: an error each time, within the memory and time that their size
-// allows.
+// Mesh files with false counts and sizes: always an error, within the memory and time that their size allows.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -113,8 +112,8 @@ TEST_F(DamagedMesh, ObjThatNamesWhatIsNotThere) {
   EXPECT_EQ(code("nan.obj", "v nan 0 0\n" + v + "f 2 3 4\n"), "unreadable-mesh");
 }
 
-// What Export writes, and the text forms, cut anywhere. An OBJ file says nowhere how many lines belong to it:
-// cut between two lines it is another valid file, and only its solid is open (which LoadMesh refuses).
+// Exported files and text formats, truncated anywhere. An OBJ file does not contain its number of lines:
+// truncated between two lines it is another valid file whose surface is open, which LoadMesh rejects.
 TEST_F(DamagedMesh, ACutFileIsAnError) {
   Shapes shapes;
   shapes.shapes.emplace_back();
@@ -138,7 +137,7 @@ TEST_F(DamagedMesh, ACutFileIsAnError) {
   files["t.stl"] += "endsolid s\n";
   for (const auto& [name, whole] : files) {
     ASSERT_EQ(code(name, whole), "") << name;
-    // The last characters of a text may be a line's end and a name.
+    // The last characters of a text may be a line end and a name.
     const std::size_t last = name[0] == 'b' ? whole.size() - 1 : whole.size() - 4;
     for (std::size_t size = 0; size <= last; ++size)
       ASSERT_NE(code("cut" + name, whole.substr(0, size)), "")
@@ -154,7 +153,7 @@ TEST_F(DamagedMesh, ACutFileIsAnError) {
             "open-mesh");
 }
 
-// A reader needs no more than a multiple of the file's size, and says so before it takes it.
+// A reader needs at most a multiple of the file's size, and checks the budget before it allocates.
 TEST_F(DamagedMesh, TheBudgetIsKept) {
   Reading little;
   little.memory = 1000;
@@ -163,7 +162,7 @@ TEST_F(DamagedMesh, TheBudgetIsKept) {
   EXPECT_EQ(code("good.ply", ply(), little), "");
 }
 
-// Messages quote a little of what they found, and nothing that a terminal would act on.
+// Messages quote only a short part of the file, and no terminal control characters.
 TEST_F(DamagedMesh, MessagesStayShort) {
   std::ofstream(folder / "long.ply", std::ios::binary)
       << ply("0 0 \x1b[31m" + std::string(100000, 'x') + "\n");

@@ -80,7 +80,7 @@ test::NodeRun load(const fs::path& path, std::map<std::string, std::string> more
   return test::run_node("LoadMesh", {}, more);
 }
 
-// The error of loading `path`, or one of code "accepted".
+// The error of loading `path`, or an error with code "accepted".
 Diagnostic refusal(const fs::path& path, const std::map<std::string, std::string>& more = {}) {
   try {
     load(path, more);
@@ -121,7 +121,7 @@ TEST(LoadMesh, GlobGivesEqualShares) {
 }
 
 TEST(LoadMesh, CornersOfTheirOwnAreJoined) {
-  // Each face of the cube with four vertices of its own, as files with texture seams have them.
+  // Each face of the cube has its own four vertices, as in files with texture seams.
   std::string text;
   const auto soup = read_mesh(file("cube.obj", cube()));
   for (const auto& p : soup.polygons)
@@ -163,11 +163,11 @@ TEST(LoadMesh, OrientationIsCheckedAndMended) {
   EXPECT_EQ(refusal(file("mixed.off", as_off(mixed))).code, "open-mesh");
   const auto run = load(file("mixed.off", as_off(mixed)), {{"repair", "true"}});
   EXPECT_NEAR(run.output<Shapes>("shapes").shapes[0].volume, 1, 1e-12);
-  EXPECT_NE(run.warnings.at(0).find("turned"), std::string::npos);
+  EXPECT_NE(run.warnings.at(0).find("flipped"), std::string::npos);
 }
 
 TEST(LoadMesh, FacesOnAnEdgeTooManyAreSeen) {
-  // A fin on the cube's edge 1–2: half-edge structures cannot hold it, so it must not vanish on reading.
+  // A fin at the cube's edge 1–2: half-edge structures cannot represent it, so reading must not drop it.
   const auto path = file("fin.obj", cube() + "v 0.5 -1 0\nf 1 2 9\n");
   const auto d = refusal(path);
   EXPECT_EQ(d.code, "open-mesh");
@@ -179,8 +179,8 @@ TEST(LoadMesh, DamageOfEveryKindIsMendedOverRandomSeeds) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE(seed);
     Random r(seed, 77);
-    // A subdivided cube, shaken apart: vertices of each triangle its own and off by a billionth, some
-    // triangles doubled, some turned, some lost.
+    // A subdivided cube, disturbed: each triangle has its own vertices, moved by a billionth, some triangles
+    // duplicated, some flipped, some removed.
     const Mesh whole = cube_mesh();
     Mesh fine;
     for (const auto& t : whole.triangles) {
@@ -200,7 +200,7 @@ TEST(LoadMesh, DamageOfEveryKindIsMendedOverRandomSeeds) {
     const auto done = repair(fine);
     EXPECT_GE(done.size(), 2u);
     EXPECT_TRUE(mesh_faults(fine).empty());
-    EXPECT_NEAR(mesh_volume(fine), 1, 0.35);  // lost corners are cut off by the flattest filling
+    EXPECT_NEAR(mesh_volume(fine), 1, 0.35);  // missing corners are cut off by the filling of least area
     EXPECT_GT(mesh_volume(fine), 0.6);
     EXPECT_TRUE(repair(fine).empty());
   }
@@ -213,7 +213,7 @@ TEST(LoadMesh, WeldingKeepsWhatIsApart) {
 }
 
 TEST(LoadMesh, PolygonsAreCoveredByLeastArea) {
-  // An L: any fan from one corner would leave it.
+  // An L shape: a fan from any corner would leave it.
   const std::vector<Vec3> l{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
   double area = 0;
   const auto cover = least_area_triangulation(l);
@@ -230,7 +230,7 @@ TEST(LoadMesh, BadFilesAreNamed) {
   EXPECT_EQ(refusal(file("mesh.xyz", cube())).code, "unknown-format");
   EXPECT_EQ(refusal(file("index.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n")).code, "bad-mesh");
   EXPECT_EQ(refusal(file("points.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n")).code, "unreadable-mesh");
-  // Counts and numbers that cannot be, or that slipped out of place.
+  // Impossible counts and numbers, or shifted fields.
   const std::string corners = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n", four = "3 0 2 1\n3 0 1 3\n3 0 3 2\n";
   for (const std::string& off :
        {"OFF\n4 4 0\n" + corners + four + "-1 1 2 3\n",
@@ -267,7 +267,7 @@ TEST(LoadMesh, ScannedGrainsHaveTheirPublishedVolume) {
     SCOPED_TRACE(cells[0]);
     const Mesh m = triangles_of(read_mesh(data / "meshes" / cells[0]));
     EXPECT_TRUE(mesh_faults(m).empty());
-    EXPECT_NEAR(mesh_volume(m) / std::stod(cells[12]), 1, 1e-5);  // of the series' own order
+    EXPECT_NEAR(mesh_volume(m) / std::stod(cells[12]), 1, 1e-5);  // in the order of the series
     EXPECT_NEAR(mesh_volume(m) / std::stod(cells[4]), 1, 0.02);   // published; the box has rounded corners
     ++grains;
   }

@@ -1,4 +1,4 @@
-// Scanned meshes reduced to fewer triangles.
+// Simplification of scanned meshes.
 #include "nodes/load_mesh/reduce.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 namespace terrazzo {
 namespace {
 
-// An octahedron whose triangles were cut into four, again and again, on the unit sphere.
+// An octahedron whose triangles are split into four repeatedly, on the unit sphere.
 Mesh sphere(int cuts) {
   Mesh m;
   m.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -53,7 +53,7 @@ TEST(ReduceTriangles, KeepsASphereASphere) {
     EXPECT_LE(m.triangles.size(), triangles);
     EXPECT_GT(m.triangles.size(), triangles / 2);
     EXPECT_TRUE(mesh_faults(m).empty());
-    // Corners stay on the sphere, whose inscribed polyhedra of n triangles lack some 13/n of its volume.
+    // Vertices stay on the sphere. Inscribed polyhedra of n triangles lack about 13/n of its volume.
     EXPECT_NEAR(mesh_volume(m) / volume, 1, 15.0 / static_cast<double>(triangles)) << triangles;
     for (const auto& v : m.vertices) EXPECT_NEAR(v.norm(), 1, 1e-12) << triangles;
     Mesh again = fine;
@@ -72,7 +72,7 @@ TEST(ReduceTriangles, LeavesASmallMeshAsItIs) {
 }
 
 TEST(ReduceTriangles, SurfacesThatTouchAreAnError) {
-  // Two tetrahedra that share an edge.
+  // Two tetrahedra with a common edge.
   Mesh m;
   m.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
   for (const auto& [a, b, c, d] : {std::array{0, 2, 3, 1}, {0, 4, 5, 1}})

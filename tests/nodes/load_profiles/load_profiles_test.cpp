@@ -33,7 +33,8 @@ TEST(LoadProfiles, TheWaysThatProgramsWrite) {
   const std::vector<double> expected = {1.5, 20};
   EXPECT_EQ(areas(read("Area\tCirc.\n1.5\t0.9\n20\t0.8\n")), expected);
   EXPECT_EQ(areas(read(" \tArea\tMean\r\n1\t1.5\t7\r\n2\t20\t8\r\n")), expected);  // ImageJ numbers the rows
-  EXPECT_EQ(areas(read("\"Area\",\"Mean\"\n\"1\",1.5,7\n\"2\",20,8\n")), expected);  // R, one name less
+  EXPECT_EQ(areas(read("\"Area\",\"Mean\"\n\"1\",1.5,7\n\"2\",20,8\n")),
+            expected);  // R writes one column name less
   EXPECT_EQ(areas(read("\xef\xbb\xbfLabel;AREA [mm²]\nthe first, a;1,5\nb;20\n")),
             expected);  // decimal commas
   EXPECT_EQ(areas(read("# made by hand\n1.5\n\n20\n")), expected);

@@ -1,4 +1,4 @@
-// Drawings and lists of a few kilobytes that stand for gigabytes of points.
+// Drawings and lists of a few kilobytes that expand to gigabytes of points.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -36,12 +36,12 @@ TEST(SvgPath, CommandsAsWritten) {
 TEST(SvgPath, CurvesStayWithinTheTolerance) {
   std::string broken;
   for (const double tolerance : {1.0, 0.1, 0.001}) {
-    // A half circle as an arc, and a quarter of one as a cubic.
+    // A half circle as an arc, and a cubic.
     const auto arc = read_path("M 10 0 A 10 10 0 0 1 -10 0", tolerance, broken)[0];
     for (std::size_t i = 0; i + 1 < arc.size(); ++i) {
       EXPECT_NEAR(arc[i].norm(), 10, 1e-9);
       EXPECT_GE(((arc[i] + arc[i + 1]) / 2).norm(), 10 - tolerance * 1.0001);
-      EXPECT_GE(arc[i].y(), -1e-9);  // sweep 1 turns by rising angle, y down
+      EXPECT_GE(arc[i].y(), -1e-9);  // sweep 1 turns with increasing angle, y down
     }
     const auto cubic = read_path("M 0 0 C 0 50, 100 50, 100 0", tolerance, broken)[0];
     for (std::size_t i = 0; i < cubic.size(); ++i) {  // x = 100 (3t² − 2t³), y = 150 t (1 − t)
@@ -53,7 +53,7 @@ TEST(SvgPath, CurvesStayWithinTheTolerance) {
                 tolerance);
     }
   }
-  // Smooth successors mirror the control point; a quadratic is the cubic it stands for.
+  // Smooth commands mirror the control point; a quadratic equals its cubic representation.
   const auto s = read_path("M0 0 C 0 10 10 10 10 0 S 20 -10 20 0", 0.01, broken)[0];
   EXPECT_EQ(s.back(), Vec2(20, 0));
   const auto q = read_path("M0 0 Q 10 20 20 0 T 40 0", 0.01, broken)[0];

@@ -1,4 +1,4 @@
-// OpenVDB and NIfTI files that were cut, damaged, or promise more than they hold.
+// OpenVDB and NIfTI files that are truncated, damaged, or whose headers claim more than they contain.
 #include <gtest/gtest.h>
 #include <openvdb/io/File.h>
 #include <zlib.h>
@@ -76,7 +76,7 @@ TEST_F(DamagedVolume, GridsOfEveryTypeComeBackAsTheyWere) {
     EXPECT_EQ(load_volume::read_vdb(folder / "good.vdb", name).grids.at(0)->getName(), name);
 }
 
-// Grids that share one tree, half floats, and each compression of OpenVDB's own writer.
+// Grids that share a tree, half floats, and each compression of OpenVDB's own writer.
 TEST_F(DamagedVolume, FilesOfOpenVdbsOwnWriter) {
   vdb();
   for (const bool half : {false, true})
@@ -119,7 +119,8 @@ TEST_F(DamagedVolume, ACutVdbIsAnError) {
   EXPECT_EQ(read(whole.substr(0, whole.size() - 1)).code, "unreadable-volume");
 }
 
-// Flipped bytes and lengths anywhere: a volume or an error of at most a few hundred bytes, within the budget.
+// Flipped bytes and lengths anywhere: a volume or an error message of at most a few hundred bytes, within the
+// memory budget.
 TEST_F(DamagedVolume, AMutatedVdbStaysWithinItsBudget) {
   const std::string whole = vdb();
   const std::uint32_t lengths[] = {0xffffffff, 0x7fffffff, 0x40000000, 0, 1, 0x10000};

@@ -25,7 +25,7 @@ struct SliceFile {
   double slope = 1, intercept = 0, dx = 0.7, dy = 0.8;
   bool rescaled = true;
   Uint16 bits = 16;
-  bool turned = false;  // rows run to the right of the patient
+  bool turned = false;  // rows run to the patient's right
 };
 
 void write(const fs::path& path, const SliceFile& s) {
@@ -66,7 +66,7 @@ float at(const test::NodeRun& run, int x, int y, int z) {
 
 TEST(LoadDicom, SlicesAreSortedByPlaceAndRescaled) {
   const auto folder = test::temporary_folder();
-  // Names against places; the patient's left is −x and its back −y of ours.
+  // The file names contradict the positions. The patient's left is −x and back is −y here.
   write(folder / "a.dcm", {.z = 7.5, .first = 300, .slope = 2, .intercept = -1000});
   write(folder / "b.dcm", {.z = 2.5, .first = 100, .slope = 2, .intercept = -1000});
   write(folder / "c.dcm", {.z = 5, .first = 200, .slope = 2, .intercept = -1000});
@@ -131,7 +131,7 @@ TEST(LoadDicom, DamagedFilesNeverCrash) {
   }
 }
 
-// Each level takes 20 bytes of the file, and more of the stack of DCMTK, which reads sequences by recursion.
+// Each level needs 20 bytes of the file, and more of DCMTK's stack, since DCMTK reads sequences recursively.
 TEST(LoadDicom, SequencesWithinSequencesAreBounded) {
   const auto folder = test::temporary_folder();
   write(folder / "good.dcm", {.z = 1});

@@ -7,7 +7,7 @@
 namespace terrazzo {
 namespace {
 
-// Reports and glTF hold UTF-8 alone, an OpenVDB file any bytes.
+// Reports and glTF require UTF-8; OpenVDB files allow any bytes.
 TEST(LoadVolume, GridNamesThatAreNotUtf8AreReplacedWithAWarning) {
   initialize_openvdb();
   const auto file = test::temporary_folder() / "names.vdb";

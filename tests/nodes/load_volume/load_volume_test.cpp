@@ -65,13 +65,13 @@ TEST(LoadVolume, RescaleIsTheFilesUnlessWritten) {
   EXPECT_EQ(at(grid_of(load(path)), 1, 0, 0), -1004);
   EXPECT_EQ(at(grid_of(load(path, {{"slope", "3"}})), 1, 0, 0), -994);
   EXPECT_EQ(at(grid_of(load(path, {{"slope", "3"}, {"intercept", "1"}})), 1, 0, 0), 31);
-  n.slope = 0;  // the standard's way to say that there is none
+  n.slope = 0;  // the standard's encoding of "no rescale"
   const auto run = load(n.write(folder / "b.nii"));
   EXPECT_EQ(at(grid_of(run), 1, 0, 0), 10);
   EXPECT_EQ(run.warnings.size(), 1u);
 }
 
-// x to the right, y to the front, z to the head, however the file's axes lie.
+// x to the right, y to the front, z to the head, for any axes in the file.
 TEST(LoadVolume, AxesAreTurnedToThoseOfSpace) {
   const auto folder = test::temporary_folder();
   Nifti n = counting();  // 3 × 2 × 2
@@ -82,7 +82,7 @@ TEST(LoadVolume, AxesAreTurnedToThoseOfSpace) {
   const auto g = grid_of(run);
   EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(2, 2, 3));
   EXPECT_EQ(g->voxelSize(), openvdb::Vec3d(2, 5, 0.5));
-  // File's (i, j, k) lies at (1 − j, k, 2 − i).
+  // Voxel (i, j, k) of the file becomes (1 − j, k, 2 − i).
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 2; ++k) EXPECT_EQ(at(g, 1 - j, k, 2 - i), 10 * (i + 3 * j + 6 * k));
@@ -125,7 +125,7 @@ TEST(LoadVolume, BadNifti) {
   EXPECT_EQ(grid_of(load(one.write(folder / "one.nii")))->activeVoxelCount(), 1u);
 }
 
-// Any bytes give a volume or an error that says something.
+// Any bytes result in a volume or an error with a message.
 TEST(LoadVolume, DamagedNiftiNeverCrashes) {
   const auto folder = test::temporary_folder();
   const auto good = counting().write(folder / "good.nii");
@@ -165,12 +165,11 @@ TEST(LoadVolume, PicturesAreSlicesFromBelow) {
   const auto run = load(folder / "s_*.png", {{"spacing", "0.5"}, {"slope", "2"}, {"intercept", "-1"}});
   const auto g = grid_of(run);
   EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(3, 2, 2));
-  EXPECT_EQ(at(g, 0, 1, 0), 1);  // the first row is the upper one
+  EXPECT_EQ(at(g, 0, 1, 0), 1);  // the first row is the top one
   EXPECT_EQ(at(g, 0, 0, 0), 7);
   EXPECT_EQ(at(g, 2, 0, 0), 131069);
   EXPECT_EQ(at(g, 2, 0, 1), 31);
-  EXPECT_EQ(load(folder / "s_*.png", {{"spacing", "1"}}).warnings.size(), 1u)
-      << "nothing says how to rescale";
+  EXPECT_EQ(load(folder / "s_*.png", {{"spacing", "1"}}).warnings.size(), 1u) << "no rescale in the file";
   slice(folder / "s_3.png", 1, OIIO::TypeDesc::UINT16, {1, 2}, 1, 2);
   EXPECT_EQ(code_of([&] { load(folder / "s_*.png", {{"spacing", "1"}}); }), "unequal-sections");
   slice(folder / "c.png", 3, OIIO::TypeDesc::UINT16, {1, 2, 3}, 1, 1);

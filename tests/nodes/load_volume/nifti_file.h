@@ -1,4 +1,4 @@
-// Writes NIfTI files of any content for tests, single or as a pair of header and voxels.
+// Writes NIfTI files with any content for tests, as single files or as pairs of header and voxels.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace terrazzo::test {
 
-// A NIfTI 1 header as the standard lays it out, for one volume of 16 bit numbers or floats.
+// A NIfTI 1 header in the standard's layout, for one volume of 16-bit integers or floats.
 struct NiftiFile {
   std::vector<std::int16_t> dim = {3, 3, 2, 2, 1, 1, 1, 1};
   std::int16_t datatype = 4, bits = 16, qform = 0, sform = 0;
@@ -44,7 +44,7 @@ struct NiftiFile {
     std::ofstream(path, std::ios::binary) << b << data;
     return path;
   }
-  // The .hdr at `header` and the voxels at `voxels`.
+  // Writes the .hdr to `header` and the voxels to `voxels`.
   void write_pair(const std::filesystem::path& header, const std::filesystem::path& voxels) const {
     NiftiFile pair = *this;
     pair.voxels_at = 0, pair.data.clear(), pair.magic = std::string("ni1\0", 4);

@@ -23,7 +23,7 @@ TEST(Pattern, NoiseIsBoundedContinuousAndOfMeanZero) {
   EXPECT_LT(std::abs(sum / 20000), 0.01);
 }
 
-// Sections across different axes show one body: where two planes meet, their colours agree.
+// Sections across different axes show one body: where two planes meet, their colors agree.
 TEST(Pattern, SectionsBelongToOneBody) {
   for (const char* kind : {"wood", "marble", "muscle", "fat", "bone"}) {
     const auto section = [&](const char* axis, const char* offset) {
@@ -36,7 +36,7 @@ TEST(Pattern, SectionsBelongToOneBody) {
                              {"pixel_size", "0.02"}})
           .output<Image>("image");
     };
-    const Image x = section("x", "0.65"), z = section("z", "0.65");  // both hold the line at pixel 32
+    const Image x = section("x", "0.65"), z = section("z", "0.65");  // both contain the line at pixel 32
     double error = 0, spread = 0;
     for (int i = 0; i < 64; ++i) {
       error += (x.at(i, 64 - 1 - 32) - z.at(32, 64 - 1 - i)).norm();

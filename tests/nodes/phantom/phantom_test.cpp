@@ -67,7 +67,7 @@ TEST(Phantom, NoiseHasTheDeviationAskedFor) {
   double sum = 0, squares = 0;
   std::size_t n = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] > -500) {  // in the air the scanner's range ends
+    if (a[i] > -500) {  // air is clipped at the lower end of the scanner's range
       sum += b[i] - a[i], squares += (b[i] - a[i]) * (b[i] - a[i]), ++n;
     }
   EXPECT_NEAR(sum / double(n), 0, 0.6);

@@ -1,4 +1,4 @@
-// Bodies carved from a packing itself: every point in the colour of the particle that holds it.
+// Bodies carved from a packing: every point has the color of the particle that contains it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ Shape cube(double edge) {
   return measure_shape("cube", m);
 }
 
-// A few turned cubes of 2 to 3 mm in a box of 10 × 8 × 12 mm; they may overlap.
+// A few rotated cubes of 2 to 3 mm in a box of 10 × 8 × 12 mm; they may overlap.
 Particles scattered(std::uint64_t seed, int n) {
   Particles p;
   p.box = Vec3(10, 8, 12);
@@ -126,7 +126,7 @@ TEST(Carving, FormsAreClosedAndStand) {
   }
 }
 
-// Where a body's edges are cut, one particle shows on both faces: the colour is one function of space.
+// A particle cut by a body's edge shows on both faces: color is a single function of space.
 TEST(Carving, ParticlesContinueAcrossEdges) {
   Shapes shapes;
   shapes.shapes = {cube(1)};
@@ -136,7 +136,7 @@ TEST(Carving, ParticlesContinueAcrossEdges) {
   int differs = 0, total = 0;
   for (int i = 1; i < 200; ++i) {
     const float t = float(i) / 200 * size.z();
-    // Just beside the edge between +x and +y, from either face.
+    // Just beside the edge between +x and +y, on either face.
     SurfacePoint a, b;
     const float e = 1e-4f;
     if (!solid->nearest(Vec3f(2, size.y() - e, t), Vec3f(-1, 0, 0), a, true)) continue;
@@ -154,7 +154,7 @@ TEST(Carving, AFractureKeepsWholeParticlesAndLeavesSockets) {
   Particles p;
   p.box = Vec3(10, 10, 10);
   p.resize(2);
-  p.position = {Vec3(3, 5, 4.8), Vec3(7, 5, 5.2)};  // either side of the plane at 5 mm
+  p.position = {Vec3(3, 5, 4.8), Vec3(7, 5, 5.2)};  // on either side of the plane at 5 mm
   p.scale = {2, 2};
   p.color = {Vec3f(0.8f, 0.1f, 0.1f), Vec3f(0.1f, 0.1f, 0.8f)};
   p.binder_color = Vec3f::Constant(0.5f);
@@ -165,7 +165,7 @@ TEST(Carving, AFractureKeepsWholeParticlesAndLeavesSockets) {
     EXPECT_TRUE(solid->nearest(Vec3f(x, y, 3), Vec3f(0, 0, -1), s, true));
     return s;
   };
-  from_above(0.3f, 0.5f);  // a cube from 3.8 to 5.8 mm stands out
+  from_above(0.3f, 0.5f);  // a cube from 3.8 to 5.8 mm sticks out
   EXPECT_NEAR(s.position.z(), 0.58f, 1e-5);
   EXPECT_EQ(s.albedo, p.color[0]);
   from_above(0.7f, 0.5f);  // a socket, down to 4.2 mm
@@ -174,14 +174,14 @@ TEST(Carving, AFractureKeepsWholeParticlesAndLeavesSockets) {
   EXPECT_EQ(s.albedo, p.binder_color);
   from_above(0.5f, 0.2f);
   EXPECT_NEAR(s.position.z(), 0.5f, 1e-5);
-  // From the side, through a cut particle of none: binder. Into the socket's wall from within.
+  // From the side, outside all cut particles: binder. Then from inside the socket to its wall.
   ASSERT_TRUE(solid->nearest(Vec3f(-1, 0.5f, 0.2f), Vec3f(1, 0, 0), s, true));
   EXPECT_NEAR(s.position.x(), 0, 1e-6);
   EXPECT_EQ(s.face, Vec3f(-1, 0, 0));
   ASSERT_TRUE(solid->nearest(Vec3f(0.7f, 0.5f, 0.46f), Vec3f(1, 0, 0), s, true));
   EXPECT_NEAR(s.position.x(), 0.8f, 1e-5);
   EXPECT_LT(s.face.x(), -0.9f);
-  // Above the face nothing is met but what stands out.
+  // Above the face a ray hits only particles that stick out.
   EXPECT_FALSE(solid->any(Vec3f(-1, 0.1f, 0.55f), Vec3f(1, 0, 0)));
   EXPECT_TRUE(solid->any(Vec3f(-1, 0.5f, 0.55f), Vec3f(1, 0, 0)));
 }
@@ -192,7 +192,7 @@ TEST(Carving, AcesToneIsNeutralAndRises) {
   Tone("aces").apply(ramp);
   for (int i = 0; i < 40; ++i) {
     const Vec3f v = ramp.at(i, 0);
-    EXPECT_LT(v.maxCoeff() - v.minCoeff(), 0.01f) << "grey stays grey";
+    EXPECT_LT(v.maxCoeff() - v.minCoeff(), 0.01f) << "gray stays gray";
     EXPECT_LE(v.maxCoeff(), 1);
     EXPECT_GE(v.x(), i ? ramp.at(i - 1, 0).x() - 1e-5f : 0);
   }

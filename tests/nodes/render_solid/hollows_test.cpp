@@ -1,4 +1,4 @@
-// Bodies with holes against the closed form of a block less balls.
+// Bodies with holes compared with the closed form of a block minus balls.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ struct Cheese {
   }
 };
 
-// By small steps: the first point of matter along the ray.
+// By small steps: the first point of material along the ray.
 std::optional<double> march(const Cheese& c, const Vec3& o, const Vec3& d) {
   for (double t = 0; t < 4; t += 2e-4) {
     const Vec3 p = o + t * d;
@@ -75,7 +75,7 @@ void expect_as_marched(const Cheese& c) {
     const bool found = solid->nearest(o.cast<float>(), d.cast<float>(), s);
     EXPECT_EQ(solid->any(o.cast<float>(), d.cast<float>()), found);
     if (truth.has_value() != found) {
-      ++grazed;  // what the steps miss
+      ++grazed;  // missed by the steps
       continue;
     }
     if (!found) continue;

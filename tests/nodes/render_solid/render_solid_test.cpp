@@ -18,7 +18,7 @@ ColorField uniform_field(const Vec3f& color) {
   return ColorField(Vec3i(4, 4, 4), std::vector<Vec3f>(64, color));
 }
 
-// Red, green and blue tell x, y and z.
+// Red, green and blue encode x, y and z.
 ColorField coordinate_field(int n) {
   std::vector<Vec3f> c;
   for (int z = 0; z < n; ++z)
@@ -66,7 +66,7 @@ Shape sphere(int rings) {
   return s;
 }
 
-// A solid and the paint that it refers to.
+// A solid and the paint it refers to.
 struct Painted {
   std::unique_ptr<Paint> paint;
   std::unique_ptr<Solid> solid;
@@ -121,13 +121,13 @@ TEST(RenderSolid, AConvexBodyInAFurnaceShowsItsAlbedo) {
 
 TEST(RenderSolid, AWhiteBodyVanishesInAFurnace) {
   const ColorField field = uniform_field(Vec3f::Ones());
-  const auto solid = block(field, 1, 0.5);  // concave: light bounces within
+  const auto solid = block(field, 1, 0.5);  // concave: light bounces inside
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 40, 40);
   const Image image = render(*solid, Studio::furnace(), camera, plain(40, 4));
   for (const Vec3f& p : image.pixels) ASSERT_LT((p - Vec3f::Ones()).cwiseAbs().maxCoeff(), 1e-4);
 }
 
-// A grey concavity loses light to itself: darker than its albedo, yet brighter than without any second
+// A gray concavity loses light to itself: it is darker than its albedo, yet brighter than without a second
 // bounce.
 TEST(RenderSolid, InnerFacesShadeEachOther) {
   const ColorField field = uniform_field(Vec3f::Constant(0.5f));
@@ -151,7 +151,7 @@ TEST(RenderSolid, FacesShowTheVoxelsBelowThem) {
   struct Expected {
     Vec3f point, color;
   };
-  // On outer faces the colour is the albedo itself.
+  // On outer faces the color is the albedo itself.
   const std::vector<Expected> outer = {
       {{0.25f, 0.8f, 1}, {0.25f, 0.8f, 1 - half}},  // top
       {{1, 0.75f, 0.4f}, {1 - half, 0.75f, 0.4f}},  // right
@@ -160,7 +160,7 @@ TEST(RenderSolid, FacesShowTheVoxelsBelowThem) {
   };
   for (const auto& [point, color] : outer)
     EXPECT_LT((pixel_of(image, camera, point) - color).norm(), 0.02f) << point.transpose();
-  // Inside, faces reflect each other; without bounces the colour is the albedo again.
+  // Inside, faces reflect each other; without bounces the color is the albedo again.
   RenderSettings direct = plain(size, 16);
   direct.bounces = 0;
   const Image inner = render(*solid, Studio::furnace(), camera, direct);
@@ -184,7 +184,7 @@ TEST(RenderSolid, RepeatTilesTheVolume) {
   EXPECT_NEAR(a.x(), 0.4f, 0.03f);
 }
 
-// In the studio: neutral light keeps a colour's ratios, and a white top is about 1.
+// In the studio: neutral light keeps a color's ratios, and a white top is about 1.
 TEST(RenderSolid, LightIsNeutralAndWhiteIsWhite) {
   const ColorField grey = uniform_field(Vec3f::Constant(0.5f)), white = uniform_field(Vec3f::Ones());
   const Studio studio({});
@@ -199,7 +199,7 @@ TEST(RenderSolid, LightIsNeutralAndWhiteIsWhite) {
   EXPECT_NEAR(pixel_of(light, camera, top).x(), 1.0f, 0.03f);
 }
 
-// The closed forms of the studio against plain sampling of its light.
+// The closed forms of the studio compared with sampling its light.
 TEST(RenderSolid, TheStudiosIrradianceIsTheIntegralOfItsLight) {
   const Studio studio({});
   for (const Vec3f& normal :
@@ -316,7 +316,7 @@ TEST(RenderSolid, EveryModeShowsItsSolid) {
   }
   EXPECT_NE(images[0].pixels, images[1].pixels);
   EXPECT_EQ(images[2].pixels, images[4].pixels);
-  // The ball as a particle of a box as large as itself is the ball as an object, in the same colour.
+  // The ball as a particle in a box of its own size matches the ball as an object, in the same color.
   double difference = 0;
   for (std::size_t i = 0; i < images[2].pixels.size(); ++i)
     difference = std::max<double>(difference, (images[2].pixels[i] - images[3].pixels[i]).norm());

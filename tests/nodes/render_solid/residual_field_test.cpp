@@ -66,7 +66,7 @@ TEST(ResidualField, PassesThroughTheVoxelsAndTiles) {
 
 TEST(ResidualField, FillsTheBoxWithWholePeriods) {
   const ResidualField field(noise_volume(8, 0.5), Vec3(9, 3, 22));
-  EXPECT_EQ(field.periods(), Vec3i(2, 1, 6));  // 22 mm are 5.5 periods: 5 scale by 1.1, 6 by .917
+  EXPECT_EQ(field.periods(), Vec3i(2, 1, 6));  // 22 mm are 5.5 periods: 5 scale by 1.1, 6 by 0.917
   EXPECT_NEAR(field.scale().x(), 9.0 / 8, 1e-12);
   for (std::uint64_t k = 0; k < 300; ++k) {
     Random r(2, 2, k);
@@ -77,8 +77,8 @@ TEST(ResidualField, FillsTheBoxWithWholePeriods) {
   }
 }
 
-// Where the tile fits into the box several times it must not show: neither in one particle and the next nor
-// along the binder, whose grain stays as strong all over.
+// If the tile fits into the box several times, the repetition must not show, neither from one particle to the
+// next nor along the binder, whose grain is equally strong everywhere.
 TEST(ResidualField, HidesThatTheTileRepeats) {
   const Volume v = noise_volume(16, 0.25);
   const ResidualField field(v, Vec3(40, 40, 40));
@@ -94,7 +94,7 @@ TEST(ResidualField, HidesThatTheTileRepeats) {
     plain += p.squaredNorm(), between += p.dot(field.at(at, 6));
     in_particle += p.dot(field.at(at + Vec3f(4, 0, 0), 5));
   }
-  EXPECT_NEAR(in_particle / plain, 1, 0.01);  // it does repeat there: the test would see it
+  EXPECT_NEAR(in_particle / plain, 1, 0.01);  // it does repeat there, so the test would detect it
   EXPECT_LT(same / square, 0.35);
   EXPECT_LT(std::abs(between / plain), 0.05);
   EXPECT_NEAR(square / plain, 1, 0.06);
@@ -127,7 +127,7 @@ TEST(ResidualField, EveryBodyTakesIt) {
             .norm(),
         1e-3f);
     EXPECT_EQ(paint->at(mm / 4, Vec3f::Zero(), false), in ? p.color[0] : p.binder_color);
-    // From above onto the cube, whose top lies at 3 mm; alone it stands on the floor.
+    // From above onto the cube, whose top is at 3 mm; as a single particle it stands on the floor.
     const Vec3f top(std::clamp(mm.x(), 1.01f, 2.99f), std::clamp(mm.y(), 1.01f, 2.99f), 3);
     for (const auto* solid : {&heap, &broken}) {
       ASSERT_TRUE((*solid)->nearest(Vec3f(top.x() / 4, top.y() / 4, 3), Vec3f(0, 0, -1), s, true));
@@ -164,7 +164,7 @@ TEST(ResidualField, BadInput) {
   grid->getAccessor().setValue({1, 1, 1}, openvdb::Vec3s(NAN, 0, 0));
   nan.grids = {grid};
   EXPECT_EQ(failure(nan), "bad-residual");
-  // A scale far from its own, and a residual that nothing asks for, are said.
+  // A scale far from the residual's own, and an unused residual, cause warnings.
   const auto warned = [&](const std::multimap<std::string, Value>& in) {
     return test::run_node("RenderSolid", in,
                           {{"width", "8"}, {"height", "8"}, {"samples", "1"}, {"mode", "cube"}})

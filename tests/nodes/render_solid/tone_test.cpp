@@ -1,4 +1,4 @@
-// Tone mapping: what OpenColorIO makes of light.
+// Tone mapping by OpenColorIO.
 #include "nodes/render_solid/tone.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::string failure(const std::string& kind, const std::string& view = "") {
   return "";
 }
 
-// $OCIO for as long as it lives.
+// Sets $OCIO for its lifetime.
 class WithConfig {
  public:
   explicit WithConfig(const std::string& text) {
@@ -78,7 +78,7 @@ TEST(Tone, AViewOfTheConfiguration) {
   EXPECT_EQ(failure("view"), "no-color-config");
   const WithConfig with(config);
   const Vec3f v(0.2f, 0.5f, 0.9f);
-  // What a PNG will hold is what the view says.
+  // The PNG's values are those of the view.
   EXPECT_LT((linear_to_srgb(shown(Tone("view"), v)) - linear_to_srgb(v)).norm(), 1e-4f);
   for (const std::string name : {"Half", "Monitor / office/Half", "Wall/Plain"})
     EXPECT_LT((linear_to_srgb(shown(Tone("view", name), v)) - 0.5f * v).norm(), 1e-4f) << name;

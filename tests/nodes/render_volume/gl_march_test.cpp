@@ -1,4 +1,4 @@
-// The shader's pictures against the processor's, on Mesa's software renderer.
+// The shader's pictures compared with the processor's, on Mesa's software renderer.
 #include <gtest/gtest.h>
 
 #include <cmath>

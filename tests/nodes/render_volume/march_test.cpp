@@ -1,4 +1,4 @@
-// Rays against what can be worked out by hand.
+// Ray marching compared with closed-form results.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -22,7 +22,7 @@ ScanField field(const Vec3i& n, const Vec3& spacing, Density&& density) {
   return scan_field(n, spacing, v);
 }
 
-// A ball of density 100 in air, with an edge of some voxels.
+// A ball of density 100 in air, with an edge a few voxels wide.
 ScanField ball(int n, double radius) {
   return field(Vec3i(n, n, n), Vec3::Ones(), [&](const Vec3& p) {
     return -1000 + 1100 * std::clamp(0.5 + (radius - (p - Vec3::Constant(0.5 * n)).norm()) / 3, 0.0, 1.0);
@@ -49,7 +49,8 @@ double mean_difference(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b)
   return sum / double(a.size());
 }
 
-// Along a ray through a slab of one tissue what gets through is (1 − α) to the power of steps of reference.
+// Along a ray through a slab of one tissue, the transmittance is (1 − α) to the power of the number of
+// reference steps.
 TEST(VolumeMarch, OpacityGoesByLength) {
   for (const double step : {0.3, 1.0, 2.0}) {
     const int n = 40;
@@ -67,7 +68,7 @@ TEST(VolumeMarch, OpacityGoesByLength) {
     const double left = std::pow(1 - alpha, length / (n / 1000.0));
     const double facing = 0.38 + 0.67 * std::max(0.0f, frame.light.z());
     const Vec3f seen = p[24 * 48 + 24];
-    // Near the cut face light is the face's, further in that of no surface; both are known.
+    // Near the cut face the light is that of the face, further in that of no surface; both are known.
     EXPECT_GT(seen.x(), (1 - left) * std::min(0.8, facing) - 2e-3) << step;
     EXPECT_LT(seen.x(), (1 - left) * std::max(0.8, facing) + 2e-3) << step;
     scene.look.background = Vec3f::Ones();
@@ -102,7 +103,7 @@ TEST(VolumeMarch, SkippingChangesNothing) {
   }
 }
 
-// Between samples the way through each class is exact, so that coarse steps show what fine ones do.
+// Between samples the path through each class is exact, so coarse steps show the same as fine ones.
 TEST(VolumeMarch, CoarseStepsShowWhatFineOnesDo) {
   Look l = small();
   const auto tissues = parse_tissues({"skin -600 -190 #d9a58c opacity=0.25", "meat -190 150 #8f3a36"});
@@ -131,7 +132,7 @@ TEST(VolumeMarch, ABallIsRoundFromEverySide) {
   }
 }
 
-// Light falls off with the angle to the lamp, and neither sees a dark side that is black.
+// Light falls off with the angle to the lamp, but a dark side is not black.
 TEST(VolumeMarch, LightFollowsTheSurface) {
   Look l = small();
   l.elevation = 0;
@@ -150,7 +151,7 @@ TEST(VolumeMarch, AnEndThatCutsTissueHasOneFlatFace) {
   const Scene scene(scan, parse_tissues({"meat 0 100 #808080"}), {}, l);
   const Frame f = frame_of(scene, -41);
   const auto p = picture(scene);
-  // The upper face, seen at a few places: one brightness.
+  // The upper face, sampled in a few places, has one brightness.
   std::vector<float> seen;
   for (const Vec3f& at : {Vec3f(0, 0, 12), Vec3f(-6, 3, 12), Vec3f(5, -6, 12)}) {
     const Eigen::Vector2f q = f.camera.project(at, 48, 48);
@@ -183,7 +184,7 @@ TEST(VolumeMarch, ATextureKeepsItsMeanAtEveryScale) {
     for (std::size_t i = 0; i < plain.size(); ++i) a += plain[i], b += textured[i];
     EXPECT_LT((a - b).norm(), (scale < 1 ? 0.06 : 0.15) * a.norm()) << scale;
     if (scale == 0.01) {
-      EXPECT_LT(mean_difference(plain, textured), 1e-3);  // below a pixel: its mean
+      EXPECT_LT(mean_difference(plain, textured), 1e-3);  // below a pixel the texture becomes its mean
     }
     if (scale == 1.0) {
       EXPECT_GT(mean_difference(plain, textured), 0.004);
@@ -207,8 +208,8 @@ TEST(VolumeMarch, MipLevelsKeepTheMean) {
   }
 }
 
-// A texel of the placed texture is as large as said, whatever the rotation, and levels go by the pixel's
-// size.
+// A texel of the placed texture has the given size whatever the rotation, and the mip level depends on the
+// pixel size.
 TEST(VolumeMarch, PlacementsHaveTheirScale) {
   const SolidTexture t(Vec3i(16, 16, 16), 0.5f, std::vector<Vec3f>(4096, Vec3f::Constant(0.5f)));
   for (std::uint64_t item = 0; item < 6; ++item) {

@@ -92,7 +92,7 @@ TEST(RenderVolume, ClipShowsTheInside) {
 }
 
 TEST(RenderVolume, UpTurnsThePicture) {
-  // A stick along x stands upright once x points up.
+  // A stick along x is upright when x points up.
   initialize_openvdb();
   Volume v;
   const Vec3i n(30, 30, 30);
@@ -121,7 +121,7 @@ TEST(RenderVolume, SaysWhichDeviceDrew) {
   const Inputs in = {{"volume", Value::of(scan(Vec3i(16, 12, 8)))}};
   const auto cpu = run(in);
   EXPECT_TRUE(cpu.warnings.empty());
-  const auto any = run(in, {{"device", "auto"}});  // on a GPU or not, it says so
+  const auto any = run(in, {{"device", "auto"}});  // a warning names the device
   ASSERT_EQ(any.warnings.size(), 1u);
   EXPECT_TRUE(any.warnings[0].starts_with("rendered ")) << any.warnings[0];
   const auto &a = cpu.output<Image>("image"), &b = any.output<Image>("image");

@@ -1,4 +1,4 @@
-// The classes' default ranges against masks that others made of a real scan.
+// The default ranges of the classes compared with independent masks of a real scan.
 #include <gtest/gtest.h>
 
 #include "nodes/data/volume.h"
@@ -14,10 +14,11 @@ openvdb::FloatGrid::ConstPtr load(const std::filesystem::path& path) {
       .find<openvdb::FloatGrid>("density");
 }
 
-// Where Hounsfield units can tell, which is where a voxel and its neighbours are all of the mask.
+// Only where a voxel and all its neighbors are in the mask, since Hounsfield units are ambiguous elsewhere.
 TEST(SharedScan, ClassesAgreeWithTheMasks) {
   const auto folder = test::shared_data() / "volumes";
-  if (!std::filesystem::exists(folder / "abdomen_ct.nii.gz")) GTEST_SKIP() << "no shared data";
+  if (!std::filesystem::exists(folder / "abdomen_ct.nii.gz"))
+    GTEST_SKIP() << "the shared data are not available";
   const auto tissues = render_volume::parse_tissues({"fat -190 -30", "muscle -30 150"});
   const auto scan = load(folder / "abdomen_ct.nii.gz");
   const struct {

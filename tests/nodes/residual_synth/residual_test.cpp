@@ -23,8 +23,8 @@ struct Picture {
   Labels labels;
 };
 
-// Discs of flat colours on a flat ground, outlines blurred over `blur` pixels, plus grain: white noise and
-// its average over 3 × 3 pixels, stronger in red.
+// Discs of flat colors on a flat ground, with outlines blurred over `blur` pixels, plus grain: white noise
+// and its average over 3 × 3 pixels, stronger in red.
 Picture discs(int w, int h, double grain, double blur = 1.5) {
   Picture p;
   p.image = Image(w, h, 1, 0.05);
@@ -161,7 +161,7 @@ TEST(ResidualSynth, SmallSolidsHaveThePhotographsBandsToo) {
 TEST(ResidualSynth, BandsOfTheVolumeGiveSlicesTheWrongOnes) {
   const Picture p = discs(256, 224, 0.05);
   const auto r = run(p, {{"size", "48"}, {"method", "radial"}});
-  EXPECT_LT(r.metrics.at("band_high"), 0.9);  // what a slice projects down is missing there
+  EXPECT_LT(r.metrics.at("band_high"), 0.9);  // a slice projects it down
   EXPECT_GT(r.metrics.at("band_low"), 1.1);
   EXPECT_EQ(voxels_of(r), voxels_of(run(p, {{"size", "48"}, {"method", "radial"}}, 3)));
 }
@@ -184,8 +184,8 @@ TEST(ResidualSynth, EachAxisGetsItsOwnPicture) {
                                                       {port, Value::of(leaning(96, true))}};
     return voxels_of(test::run_node("ResidualSynth", inputs, {{"size", "32"}}));
   };
-  // Slices across y have columns along x, across z along x, too; rows along z and y, upwards: in the picture
-  // a step right and one down stay on a stripe.
+  // Slices across y and across z both have columns along x; their rows run along z and y, upwards. In the
+  // picture, a step right and one down stay on a stripe.
   const auto correlation = [](const std::vector<Vec3f>& v, const Vec3i& step) {
     double sum = 0, square = 0;
     for (int k = 0; k < 32; ++k)
@@ -208,7 +208,7 @@ TEST(ResidualSynth, MeansAndResidualMakeThePhotographAgain) {
   const Picture p = discs(64, 48, 0.02);
   const auto r = run(p, {{"size", "16"}, {"edge", "0"}, {"specks", "0"}, {"preview", "true"}});
   const auto &means = r.output<Image>("means"), &about = r.output<Image>("residual");
-  // In encoded values, all pixels differ from means + residual by the binder's mean colour alone.
+  // In encoded values, all pixels differ from means + residual only by the binder's mean color.
   const auto offset = [&](std::size_t i) {
     return Vec3f(linear_to_srgb(p.image.pixels[i]) - linear_to_srgb(means.pixels[i]) -
                  linear_to_srgb(about.pixels[i]));
@@ -226,7 +226,7 @@ TEST(ResidualSynth, HasNoSeams) {
   const auto at = [&](Vec3i q) {
     return voxels[(static_cast<std::size_t>(q.z()) * n.y() + q.y()) * n.x() + q.x()];
   };
-  // Of many steps from plane to plane, the one across the wrap is one like any other.
+  // Among the steps from plane to plane, the one across the wrap is not special.
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> step(static_cast<std::size_t>(n[axis]), 0);
     for (int k = 0; k < n.z(); ++k)

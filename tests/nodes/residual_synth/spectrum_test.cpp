@@ -74,7 +74,7 @@ TEST(Pyramid, IsATightFrameThatKeepsRealSlicesApart) {
     std::vector<LaneComplex> scratch;
     fft.run(spectrum.data(), false, scratch);
     std::vector<LaneComplex> sum(fft.count(), LaneComplex{Lane{}, Lane{}});
-    // A slice alone must give the same band values as beside another one.
+    // A single slice must have the same band values as one beside another.
     auto alone = input;
     for (auto& c : alone) c.im = Lane{};
     fft.run(alone.data(), false, scratch);
@@ -116,7 +116,7 @@ TEST(Quantiles, MatchingGivesTheTargetsDistribution) {
   EXPECT_NEAR(now.deviation, q.deviation, 0.02);
   for (const double u : {0.0, 0.05, 0.3, 0.5, 0.9, 0.99, 1.0})
     EXPECT_NEAR(now.of(u), q.of(u), 0.03 + 0.05 * q.of(u)) << u;
-  for (std::size_t i = 1; i < values.size(); ++i)  // the order stays
+  for (std::size_t i = 1; i < values.size(); ++i)  // the order is kept
     ASSERT_FALSE(before[i] > before[i - 1] && values[i] < values[i - 1]);
 }
 
@@ -129,8 +129,8 @@ TEST(Quantiles, ConstantValuesStayFinite) {
 }
 
 TEST(StartField, SlicesHaveTheBandsAskedFor) {
-  // A picture that is far from white: noise averaged over boxes of growing size, finest weakest; and stripes'
-  // leaning.
+  // A picture far from white: noise averaged over boxes of growing size, finest weakest, plus slanted
+  // stripes.
   const int n = 128, scales = 3;
   Image picture(n, n, 1, 1);
   for (int level = 0; level < 4; ++level) {
@@ -174,7 +174,7 @@ std::vector<float> streaks(const Vec3i& size) {
 }
 
 TEST(SliceFamily, DeviationsAreThoseOfTheBandsThemselves) {
-  // Slices that do not fill up groups of eight, of odd and even sizes.
+  // Slices that do not fill groups of eight, with odd and even sizes.
   for (const Vec3i& size : {Vec3i(24, 20, 13), Vec3i(17, 9, 32)}) {
     const auto volume = streaks(size);
     const int scales = pyramid_scales(size.minCoeff());
@@ -208,7 +208,7 @@ TEST(SliceFamily, DeviationsAreThoseOfTheBandsThemselves) {
       }
       for (std::size_t b = 0; b < unit.size(); ++b) {
         const double mean = first[b] / count[b], deviation = std::sqrt(second[b] / count[b] - mean * mean);
-        // Bands that reach the highest frequency of an even size lose a little in being made real.
+        // Bands that reach the highest frequency of an even size lose a little when made real.
         EXPECT_NEAR(told[b], deviation, 0.03 * deviation) << axis << ' ' << b;
       }
     }

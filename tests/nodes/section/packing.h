@@ -22,7 +22,7 @@ inline Shape cube(double edge = 1) {
   return measure_shape("cube", box_mesh(edge, edge, edge, Vec3::Constant(-edge / 2)));
 }
 
-// A ring with a square outline: sections show one region, two, or one with a hole.
+// A ring with a square outline, whose sections have one region, two regions, or one region with a hole.
 inline Shape square_ring() {
   Mesh m;
   const double outer = 1, inner = 0.5, half = 0.25;
@@ -60,7 +60,7 @@ inline Particles random_particles(std::uint64_t seed, int n, double box, double 
   return p;
 }
 
-// The same, with bounding spheres apart, by random sequential addition.
+// The same without overlapping bounding spheres, by random sequential addition.
 inline Particles apart_particles(std::uint64_t seed, int n, double box, double lo, double hi,
                                  const Shape& shape) {
   Particles p = random_particles(seed, n, box, lo, hi);

@@ -1,5 +1,4 @@
-// The identities that tie sections to the bodies they cut (Underwood 1970; NUMBERS of stereology's
-// textbooks).
+// Stereological identities between bodies and their sections (Underwood 1970; docs/reference-values.md).
 #include <gtest/gtest.h>
 
 #include "nodes/section/section.h"
@@ -56,11 +55,12 @@ TEST_P(SectionIdentities, HoldForRandomPlanes) {
   const Sums sums = sums_of(s);
   const double volume = particles.box.prod();
   ASSERT_GT(s.profiles.profiles.size(), 3000u);
-  // About 13,000 profiles of 300 planes; over seeds the ratios spread by .012, .007, .004 and .011.
+  // About 13,000 profiles in 300 planes. Over seeds, the ratios have spreads of 0.012, 0.007, 0.004 and
+  // 0.011.
   EXPECT_NEAR(sums.N_A / (truth.H_sum / volume), 1, 0.05);
   EXPECT_NEAR(sums.area / sums.weight / (truth.V_sum / truth.H_sum), 1, 0.03);
   EXPECT_NEAR(sums.perimeter / sums.weight / (M_PI / 4 * truth.S_sum / truth.H_sum), 1, 0.02);
-  // Overlaps count once in the fraction; with them added back it is the volume fraction.
+  // The area fraction counts overlaps once; adding them again gives the volume fraction.
   EXPECT_NEAR((sums.A_A + s.overlap) / truth.V_V, 1, 0.05);
   EXPECT_GT(s.overlap, 0);
 }
@@ -68,7 +68,7 @@ TEST_P(SectionIdentities, HoldForRandomPlanes) {
 INSTANTIATE_TEST_SUITE_P(Seeds, SectionIdentities, ::testing::Values(1, 2, 3));
 
 TEST(SectionIdentitiesAxis, AllDepthsIntegrateToVolumeAndCaliper) {
-  // Planes so dense that the sum over depths is an integral: exact for these particles, whatever their
+  // The planes are so dense that the sum over depths is an integral, exact for these particles in any
   // orientation.
   Shapes shapes{{test::cube()}};
   const Particles particles = random_particles(11, 60, 6, 0.6, 1.4);
@@ -98,13 +98,14 @@ TEST(SectionIdentitiesAxis, AllDepthsIntegrateToVolumeAndCaliper) {
 }
 
 TEST(SectionIdentitiesHoles, RingsMeetTheEulerIdentity) {
-  // E over planes of Σχ = (1/4π) Σ L·θ over edges, concave ones negative: here regions less holes.
+  // The mean over planes of Σχ (regions minus holes) is (1/4π) Σ L·θ over edges, where concave edges are
+  // negative.
   Shapes shapes{{test::square_ring()}};
   const Particles particles = random_particles(3, 60, 12, 0.6, 1.2);
   SectionChoice choice;
   choice.axis = "random", choice.planes = 400, choice.seed = 5;
   const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 1));
-  // Regions with holes and shattered ones are the point of the shape.
+  // The shape must produce regions with holes and multiple regions.
   double chi = 0, holes = 0;
   for (std::size_t i = 0; i < s.table.rows.size(); ++i) {
     const double w = s.table.number(i, "weight"), h = s.table.number(i, "holes");

@@ -30,7 +30,7 @@ Particles one_cube(const Vec3& at, double box = 4) {
 TEST(Section, ACubeAcrossTheTilesCornerCountsOnceAndWhole) {
   const Shapes shapes{{test::cube()}};
   SectionChoice choice;
-  choice.offsets = {0.1};  // reached only by the cube's image below the box's floor
+  choice.offsets = {0.1};  // reached only by the cube's periodic image below the box
   const Particles p = one_cube({3.9, 0.2, 3.8});
   const Section s = cut(p, shapes, choice);
   ASSERT_EQ(s.profiles.profiles.size(), 1u);
@@ -42,7 +42,7 @@ TEST(Section, ACubeAcrossTheTilesCornerCountsOnceAndWhole) {
   EXPECT_FALSE(q.touches_border);
   EXPECT_NEAR(loop_area(q.contour), 1, 1e-12);
   EXPECT_NEAR(s.profiles.area_fraction, 1.0 / 16, 1e-9);
-  // Its four parts lie in the tile's four corners, rows counted from the top.
+  // Its four parts are in the tile's four corners; rows count from the top.
   const int w = s.labels.width, h = s.labels.height;
   ASSERT_EQ(w, 80);
   EXPECT_EQ(s.labels.ids[s.labels.index(0, 0)], 1);
@@ -81,13 +81,13 @@ TEST(Section, PictureLabelsAndProfilesAgree) {
     for (std::size_t k = 0; k < s.profiles.profiles.size(); ++k) {
       const Profile& q = s.profiles.profiles[k];
       exact += q.area;
-      // A pixel's centre tells of its area up to about half a pixel along the outline.
+      // Labels by pixel centers approximate the area up to about half a pixel along the outline.
       EXPECT_NEAR(pixels[k + 1] * pixel, q.area, 4 * pixel + 0.35 * s.image.pixel_size * std::sqrt(q.area))
           << k;
       EXPECT_EQ(s.labels.classes[k], q.cls);
     }
     EXPECT_NEAR(s.profiles.area_fraction * s.profiles.observed_area / exact, 1, 1e-7);
-    // Exact coverage: the picture's mean is the area-weighted mean of the colours, to rounding.
+    // Coverage is exact: the image's mean is the area-weighted mean of the colors, up to rounding.
     Eigen::Vector3d mean = Eigen::Vector3d::Zero(), expected = Eigen::Vector3d::Zero();
     for (const Vec3f& c : s.image.pixels) mean += c.cast<double>();
     mean /= static_cast<double>(s.image.pixels.size());
@@ -103,7 +103,7 @@ TEST(Section, OverlapsCountOnce) {
   Particles p = one_cube({1, 1, 1});
   p.resize(3);
   p.position[1] = {1.5, 1.25, 1};                     // shares 0.5 × 0.75 with the first
-  p.position[2] = p.position[0] + Vec3(1e-12, 0, 0);  // the first again
+  p.position[2] = p.position[0] + Vec3(1e-12, 0, 0);  // a copy of the first
   p.orientation[1] = p.orientation[2] = Quat::Identity();
   SectionChoice choice;
   choice.offsets = {1};

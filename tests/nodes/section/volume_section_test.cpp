@@ -11,7 +11,8 @@ namespace {
 constexpr int n = 16;
 constexpr double voxel = 0.25;
 
-// A periodic volume with a 4 × 6 × 8 block whose corner is at `corner`, wrapped; colour rises along x.
+// A periodic volume with a 4 × 6 × 8 block, wrapped, with its corner at `corner`. The color increases along
+// x.
 Volume block_volume(const openvdb::Coord& corner, bool with_id = true, bool periodic = true) {
   initialize_openvdb();
   auto color = openvdb::Vec3SGrid::create();
@@ -77,7 +78,7 @@ TEST(SectionOfVolume, InterpolatesBetweenVoxelsAndAcrossThePeriod) {
   const VolumeSection s = cut(v, "z", 4 * voxel, voxel / 2);
   EXPECT_NEAR(s.image.at(5, 0).z(), 3.5f, 1e-5);
   EXPECT_NEAR(s.image.at(5, 0).x(), 2.25f, 1e-5);
-  EXPECT_NEAR(s.image.at(0, 0).x(), 0.25f * (n - 1), 1e-4);  // a quarter of the far side's voxel
+  EXPECT_NEAR(s.image.at(0, 0).x(), 0.25f * (n - 1), 1e-4);  // a quarter of the voxel at the opposite side
 }
 
 TEST(SectionOfVolume, ABlockAcrossTheEdgeIsOneProfile) {
@@ -93,7 +94,7 @@ TEST(SectionOfVolume, ABlockAcrossTheEdgeIsOneProfile) {
   EXPECT_EQ(v.grids.size(), 3u);
 }
 
-// A ball of voxels, cut obliquely and on the boundary of two layers: neither frays it nor shrinks it.
+// A ball of voxels, cut obliquely and at the boundary of two layers. Neither cut may fray or shrink it.
 TEST(SectionOfVolume, ABallStaysWholeWhereverItIsCut) {
   Volume v = block_volume({0, 0, 0});
   auto id = openvdb::Int32Grid::create(-1);
@@ -113,9 +114,9 @@ TEST(SectionOfVolume, ABallStaysWholeWhereverItIsCut) {
   choice.axis = "random", choice.planes = 40;
   const VolumeBox box = volume_box(v);
   const VolumeSection s = cut_volume(v, choose_planes(choice, box.size, box.periodic, voxel / 4));
-  // Windows of 4 × 4 mm seldom show parts of more than four of the ball's images, each in one piece.
+  // A window of 4 × 4 mm rarely shows more than four periodic images of the ball, each as one region.
   EXPECT_LT(s.profiles.profiles.size(), 40 * 3u);
-  int specks = 0;  // but for planes that graze
+  int specks = 0;  // allowed only where a plane grazes the ball
   for (const Profile& p : s.profiles.profiles) specks += p.area < voxel * voxel;
   EXPECT_LE(specks, 6);
 }
@@ -141,13 +142,13 @@ TEST(SectionOfVolume, NodeTakesAVolumeAndOnlyThat) {
   other.grids = {other.grids[2]};
   try {
     test::run_node("Section", {{"volume", Value::of(other)}});
-    FAIL() << "a volume of ids alone shows nothing";
+    FAIL() << "a volume with only ids must be an error";
   } catch (const Error& e) {
     EXPECT_EQ(e.diagnostic().code, "no-color");
   }
 }
 
-// A solid texture has no particles to miss.
+// A solid texture has no particles, so there is no warning about missing ones.
 TEST(SectionOfVolume, OfColoursAloneThereIsNothingToWarnOf) {
   Volume v = block_volume({2, 2, 2});
   v.grids.resize(1);

@@ -1,5 +1,5 @@
-// Sections drawn with known labels: angular or round particles, thin or wide gaps, blur, mottling, noise,
-// uneven light.
+// Synthetic sections with known labels: angular or round particles, narrow or wide gaps, blur, mottling,
+// noise, uneven light.
 #pragma once
 
 #include <algorithm>
@@ -17,24 +17,24 @@ namespace terrazzo::test {
 struct DrawnOptions {
   int side = 320;       // pixels
   double spacing = 34;  // of particles, pixels
-  double gap = 6;       // of binder between neighbours, pixels
-  double keep = 1;      // share of the places that hold a particle
+  double gap = 6;       // of binder between neighbors, pixels
+  double keep = 1;      // share of the lattice sites with a particle
   std::vector<Vec3f> palette = {
       {0.12f, 0.06f, 0.04f}, {0.3f, 0.12f, 0.06f}, {0.05f, 0.1f, 0.22f}, {0.02f, 0.02f, 0.02f}};
   Vec3f binder{0.62f, 0.6f, 0.55f};
-  float vary = 0.08f;    // of a particle's brightness, relative
-  float mottle = 0;      // of both, relative, over about ten pixels
-  float light = 0;       // rise of the light from left to right, relative
+  float vary = 0.08f;    // variation of the particles' brightness, relative
+  float mottle = 0;      // of particles and binder, relative, over about ten pixels
+  float light = 0;       // increase of light from left to right, relative
   float blur = 0.6f;     // standard deviation, pixels, in linear light
-  float noise = 0.005f;  // standard deviation in the values as displayed
-  bool signal = false;   // a micrograph: blur averages the values as displayed, not light
+  float noise = 0.005f;  // standard deviation in encoded values
+  bool signal = false;   // a micrograph: blur averages encoded values, not linear light
   std::uint64_t seed = 1;
 };
 
 struct DrawnSection {
   Image image;
   std::vector<std::int32_t> labels;
-  double area_fraction = 0;  // exact, not by pixels
+  double area_fraction = 0;  // exact, not counted in pixels
   int count = 0;
 };
 
@@ -58,11 +58,11 @@ inline void blur_image(Image& image, float sigma) {
   }
 }
 
-// Particles are the Voronoi cells of a jittered hexagonal lattice, each drawn in by half the gap.
+// Particles are the Voronoi cells of a jittered hexagonal lattice, each shrunk by half the gap.
 inline DrawnSection draw_section(const DrawnOptions& o) {
   struct Site {
     double x, y;
-    int label;  // 0: none there
+    int label;  // 0: no particle
     Vec3f color;
   };
   std::vector<Site> sites;
@@ -150,7 +150,7 @@ inline DrawnSection draw_section(const DrawnOptions& o) {
   return out;
 }
 
-// Matches at an intersection over union above ½, divided by all of both: TP / (TP + FP + FN). True particles
+// Average precision TP / (TP + FP + FN), for matches with an intersection over union above ½. True particles
 // of fewer than 12 pixels do not count.
 inline double average_precision(const std::vector<std::int32_t>& truth,
                                 const std::vector<std::int32_t>& found) {

@@ -1,5 +1,5 @@
-// Whole sections of known labels: area fraction and particles must come back whatever the contrast, the blur,
-// the noise, the sizes and the gaps.
+// Complete synthetic sections: the area fraction and the particles must be recovered for any contrast, blur,
+// noise, sizes and gaps.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -16,8 +16,8 @@ using test::DrawnOptions;
 struct Case {
   const char* name;
   std::function<void(DrawnOptions&)> set;
-  double area = 0.03;       // relative error allowed of the area fraction
-  double precision = 0.93;  // least average precision at an overlap of one half
+  double area = 0.03;       // allowed relative error of the area fraction
+  double precision = 0.93;  // minimum average precision at an overlap of one half
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"uneven_light", [](DrawnOptions& o) { o.light = 0.5f, o.keep = 0.7; }}),
     [](const testing::TestParamInfo<Case>& info) { return std::string(info.param.name); });
 
-// Few particles in much noisy binder: nothing but them.
+// Few particles in very noisy binder: only they are found.
 TEST(Segment, SparseDiscsInGreyNoise) {
   for (const std::uint64_t seed : {1, 2}) {
     const auto discs = test::scatter(240, 240, 10, 6, 24, seed, 10);
@@ -88,7 +88,7 @@ TEST(Segment, SparseDiscsInGreyNoise) {
   }
 }
 
-// No binder at all between most particles: an answer or an error, never a crash.
+// No binder between most particles: a result or an error, never a crash.
 TEST(Segment, ParticlesWithoutBinder) {
   DrawnOptions options;
   options.side = 96, options.gap = 0;

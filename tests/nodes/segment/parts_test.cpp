@@ -1,4 +1,4 @@
-// The parts of the segmentation, each against what it must give exactly.
+// The parts of the segmentation, each checked against exact results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ TEST(SegmentParts, SplitStrengthMovesTheNeck) {
   const int w = 120, h = 60;
   std::vector<std::int32_t> r(w * h, 0);
   for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)  // two discs of radius 20, joined by a bar as wide as 60 % of them
+    for (int x = 0; x < w; ++x)  // two disks of radius 20, joined by a bar 60 % as wide
       r[y * w + x] = std::hypot(x - 30, y - 30) < 20 || std::hypot(x - 88, y - 30) < 20 ||
                      (x > 30 && x < 88 && std::abs(y - 30) < 12);
   const auto count = [&](double strength) {
@@ -139,7 +139,7 @@ TEST(SegmentParts, KMeansFindsSeparateClusters) {
 }
 
 TEST(SegmentParts, OutlineOfExactCoverage) {
-  // With exact shares the outline of a disc is right to a hundredth of its area, counter-clockwise.
+  // With exact coverage, the outline of a disk is accurate to a hundredth of its area and counterclockwise.
   for (const double radius : {5.3, 8.0, 15.7}) {
     Image image(48, 48, 1, 1, Vec3f::Zero());
     test::draw(image, {23.4, 24.7, radius}, Vec3f::Ones());
@@ -161,7 +161,7 @@ TEST(SegmentParts, OutlineOfExactCoverage) {
 }
 
 TEST(SegmentParts, OutlineOfAPolygonAndAtTheBorder) {
-  // A rectangle from the picture's lower left corner to half a pixel beyond a pixel's edge.
+  // A rectangle from the image's lower left corner to half a pixel beyond a pixel's edge.
   const int w = 20, h = 12;
   std::vector<std::int32_t> labels(w * h, 0);
   std::vector<float> share(w * h, 0);
@@ -176,11 +176,11 @@ TEST(SegmentParts, OutlineOfAPolygonAndAtTheBorder) {
   EXPECT_DOUBLE_EQ(low, 0);
   EXPECT_DOUBLE_EQ(right, 8);
   EXPECT_DOUBLE_EQ(top, 8);
-  EXPECT_NEAR(o[0].area, 64, 0.51);  // an eighth of a pixel is cut off each corner
+  EXPECT_NEAR(o[0].area, 64, 0.51);  // each corner loses an eighth of a pixel
 }
 
 TEST(SegmentParts, BorderWeightsGiveAnUnbiasedDensity) {
-  // Windows cut at random from a large periodic field of discs of two sizes: Σ weight / window estimates N_A.
+  // Random windows of a large periodic field of disks of two sizes: Σ weight / window estimates N_A.
   const int field = 600, window = 90;
   const auto discs = test::scatter(field, field, 120, 4, 22, 21, 2);
   std::vector<std::int32_t> ids(static_cast<std::size_t>(field) * field, 0);
@@ -216,7 +216,7 @@ TEST(SegmentParts, BorderWeightsGiveAnUnbiasedDensity) {
   density /= static_cast<double>(rounds) * window * window;
   naive /= static_cast<double>(rounds) * window * window;
   EXPECT_NEAR(density, truth, 0.05 * truth);
-  EXPECT_GT(naive, 1.2 * truth);  // what counting everything would give
+  EXPECT_GT(naive, 1.2 * truth);  // the result of counting all profiles
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ TEST(Segment, TouchingDiscsArePartedAtTheirNeck) {
   EXPECT_NE(at(s.profiles, other, 160), nullptr);
   double sum = 0;
   for (const auto& p : s.profiles.profiles) sum += p.area;
-  // The lens that the two share counts once.
+  // The lens-shaped overlap of both disks counts once.
   const double lens = [&] {
     const double d = 42, r = 24, q = 20;
     const double u = (d * d + r * r - q * q) / (2 * d), v = d - u;
@@ -98,7 +98,7 @@ TEST(Segment, TouchingDiscsArePartedAtTheirNeck) {
 TEST(Segment, TouchingDiscsOfTwoColoursAreParted) {
   Image image(160, 160, 1, 1, test::binder_light);
   test::draw(image, {60, 80, 30}, {0.25f, 0.1f, 0.05f});
-  test::draw(image, {95, 80, 14}, {0.01f, 0.01f, 0.012f});  // deep in the first: no neck tells them apart
+  test::draw(image, {95, 80, 14}, {0.01f, 0.01f, 0.012f});  // deep in the first one: no neck separates them
   test::draw(image, {130, 130, 14}, {0.01f, 0.01f, 0.012f});
   const Segmentation s = segment(image, {}, {});
   ASSERT_EQ(s.profiles.profiles.size(), 3u);
@@ -123,7 +123,7 @@ TEST(Segment, HolesAreFilledAndSpecksDroppedAndCounted) {
 }
 
 TEST(Segment, BinderHintChoosesTheSide) {
-  // As many light as dark discs' worth of pixels: stripes, where neither side is more convex.
+  // Stripes of equal light and dark area: neither side is more convex.
   Image image(128, 128, 1, 1, Vec3f::Constant(0.6f));
   for (int y = 0; y < 128; ++y)
     for (int x = 0; x < 128; ++x)
@@ -244,8 +244,7 @@ TEST(Segment, CancelsWhenAsked) {
   EXPECT_THROW(segment(test::picture(128, 128, {{60, 60, 20}}), {}, Work(&cancel, &report)), Cancelled);
 }
 
-// Real pictures, against what is known of them. The bounds are wide: they guard against collapse, not against
-// change.
+// Real photographs with known properties. The bounds are wide: they detect failures, not small changes.
 TEST(Segment, RealPictures) {
   const auto data = test::shared_data();
   if (data.empty()) GTEST_SKIP() << "no shared data";

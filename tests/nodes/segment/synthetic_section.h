@@ -1,4 +1,4 @@
-// Pictures of discs and polygons whose areas are known exactly.
+// Images of disks and polygons with exactly known areas.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ struct Disc {
 
 inline const Vec3f binder_light{0.62f, 0.6f, 0.55f};
 
-// Antialiased in linear light by 8 × 8 samples a pixel.
+// Draws antialiased in linear light with 8 × 8 samples per pixel.
 inline void draw(Image& image, const Disc& d, const Vec3f& color, int section = 0) {
   const int reach = static_cast<int>(d.radius) + 2;
   for (int y = std::max(0, static_cast<int>(d.y) - reach); y < std::min<int>(image.height, d.y + reach + 1);
@@ -32,7 +32,7 @@ inline void draw(Image& image, const Disc& d, const Vec3f& color, int section = 
     }
 }
 
-// Discs that keep `gap` pixels between each other, and off the border unless `cut` is set.
+// Random disks with `gap` pixels between them, and off the border unless `cut` is set.
 inline std::vector<Disc> scatter(int width, int height, int count, double least, double most,
                                  std::uint64_t seed, double gap = 3, bool cut = false) {
   Random random(seed, 77);

@@ -44,13 +44,13 @@ TEST(ShapeSolids, PlatonicSolidsHaveTheirMeasures) {
 }
 
 TEST(ShapeSolids, ClosedFormsOfEllipsoids) {
-  // Semi-axes 2, 1, 1 and 2, 2, 1 and 1, .8, .6
+  // Semi-axes (2, 1, 1), (1, 2, 2) and (1, 0.8, 0.6)
   EXPECT_NEAR(*ellipsoid_closed_form({4, 2, 2}).mean_caliper, 2.7603460, 1e-7);
   EXPECT_NEAR(*ellipsoid_closed_form({2, 4, 4}).mean_caliper, 3.4183992, 1e-7);
   EXPECT_NEAR(*ellipsoid_closed_form({2, 1.6, 1.2}).mean_caliper, 1.6200600, 1e-7);
   EXPECT_NEAR(*ellipsoid_closed_form({1, 1, 1}).mean_caliper, 1, 1e-14);
   EXPECT_NEAR(*ellipsoid_closed_form({1, 1, 1}).surface_area, pi, 1e-13);
-  // Needle and disc: R_G(0, 0, 1) = ½ and R_G(0, 1, 1) = π/4.
+  // Needle and disk: R_G(0, 0, 1) = ½ and R_G(0, 1, 1) = π/4.
   EXPECT_NEAR(carlson_rg(1e-16, 1e-16, 1), 0.5, 1e-7);
   EXPECT_NEAR(carlson_rg(0, 1, 1), pi / 4, 1e-14);
 }
@@ -87,7 +87,7 @@ TEST(ShapeSolids, SuperquadricsAreSoundOverAllExponents) {
       }
 }
 
-// Every triangle seen from the centre has the same side out: star-shaped, so no triangle can meet another.
+// Every triangle faces away from the center: star-shaped, so triangles cannot intersect.
 bool star_shaped(const Mesh& m) {
   for (const auto& t : m.triangles)
     if (m.vertices[t[0]].dot(m.vertices[t[1]].cross(m.vertices[t[2]])) <= 0) return false;
@@ -152,7 +152,7 @@ TEST(ShapeNode, ClosedFormsAreReported) {
   EXPECT_DOUBLE_EQ(s.mean_caliper, 3);
   EXPECT_NEAR(s.volume, pi / 6 * 27, 1e-12);
   EXPECT_TRUE(s.smooth);
-  // A cube of size √(4√2/π)·a has the edge a.
+  // A cube of size √(4√2/π)·a has edge a.
   const auto cube = test::run_node(
       "Shape", {}, {{"kind", "box"}, {"size", std::to_string(std::sqrt(4 * std::sqrt(2) / pi))}});
   EXPECT_NEAR(cube.output<Shapes>("shapes").shapes.at(0).mean_caliper, 1.5, 1e-5);

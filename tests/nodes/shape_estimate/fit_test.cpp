@@ -67,7 +67,7 @@ TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
   EXPECT_LT(best.x[1], -0.5);
 }
 
-// Sections by even planes have the means that the identities of stereology ask for.
+// The means over evenly spread sections satisfy the identities of stereology.
 TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
   const Shapes s = one(box_mesh({3, 1, 0.5}));
   const auto sample = sample_sections(s.shapes[0].mesh, 2000, {});
@@ -93,8 +93,8 @@ TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
   auto s = sample_sections(one(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500, {});
   const auto all = s.features.size();
   drop_small(s, 0.5);
-  // Of a ball, √area < half the largest means a depth beyond √¾ of the radius; a tenth exceeds nearly the
-  // largest.
+  // For a ball, √area < half the largest means a depth beyond √¾ of the radius; the value that a tenth exceed
+  // is almost the largest.
   EXPECT_NEAR(static_cast<double>(s.features.size()) / static_cast<double>(all), std::sqrt(0.75), 0.02);
 }
 
@@ -130,12 +130,12 @@ TEST(ShapeEstimateFit, ModelledBodiesDoNotPassThroughThemselves) {
   }
 }
 
-// What turns its outside towards the centroid is no body of rays from there.
+// A body with triangles that face its centroid is not star-shaped about it.
 TEST(ShapeEstimateFit, ModelledBodiesBendBeyondStars) {
   const auto family = modelled_bodies(1, 0);
   for (const double turn : {0.0, 8.0}) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(family->dimensions());
-    x[0] = 4, x[x.size() - 2] = turn;  // long, and its long axis bent
+    x[0] = 4, x[x.size() - 2] = turn;  // elongated, with its long axis bent
     const Mesh m = family->body(x);
     const Vec3 c = mesh_centroid(m);
     const bool hidden = std::any_of(m.triangles.begin(), m.triangles.end(), [&](const Triangle& t) {
@@ -147,8 +147,8 @@ TEST(ShapeEstimateFit, ModelledBodiesBendBeyondStars) {
   }
 }
 
-// Each of a family's random fields makes sections turn more, the shortest waves too: triangles are fine
-// enough.
+// Each random field of a family increases the turning of sections, even the shortest wavelengths: the
+// triangles are fine enough.
 TEST(ShapeEstimateFit, RoughnessOfAllWavesTurnsSections) {
   const auto family = deformed_bodies(ellipsoid_mesh({1, 1, 1}, 2), 1);
   const auto turning = [&](const Eigen::VectorXd& x) {
@@ -168,7 +168,7 @@ TEST(ShapeEstimateFit, RoughnessOfAllWavesTurnsSections) {
   }
 }
 
-// Outlines that differ by what `change` makes of a normal variate and of the √area.
+// Outlines that differ by what `change` does with a normal variate, to features and √area.
 template <class Change>
 FeatureSample sample_of(std::uint64_t seed, Change&& change) {
   FeatureSample a;
@@ -183,22 +183,23 @@ FeatureSample sample_of(std::uint64_t seed, Change&& change) {
   return a;
 }
 
-// Of particles of one size it shows which features go with large sections, be their distribution the same.
+// With particles of one size, it matters which features large sections have, even if
+// the distributions are equal.
 TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
   const FeatureSample a = sample_of(3, [](double t, OutlineFeatures& f, double& root_area) {
     f.values[1] += t, root_area += 0.2 * std::tanh(t);
   });
-  FeatureSample turned = a;  // the same areas, the other way round
+  FeatureSample turned = a;  // the same areas in reverse
   for (double& area : turned.root_area) area = 2 - area;
   const FeatureTarget one_size(a, true, 1), any(a, false, 1);
   EXPECT_LT(any.distance(turned), 1e-3 + any.distance(a));
   EXPECT_GT(one_size.distance(turned), 0.5 + one_size.distance(a));
 }
 
-// Means that lie within each feature's spread and yet break how features vary together count.
+// A difference of means within each feature's spread counts if it breaks the correlation between features.
 TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
   const FeatureSample a = sample_of(2, [](double t, OutlineFeatures& f, double&) {
-    f.values[2] += 0.2 * t, f.values[7] += 0.2 * t;  // one goes with the other
+    f.values[2] += 0.2 * t, f.values[7] += 0.2 * t;  // correlated
   });
   const FeatureTarget target(a, false, 1);
   FeatureSample along = a, across = a;
@@ -222,9 +223,9 @@ TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
   ASSERT_EQ(fit.bodies.size(), 1u);
   EXPECT_EQ(fit.bodies[0].probability, 1);
   EXPECT_TRUE(mesh_faults(fit.bodies[0].mesh).empty());
-  // In the profiles' own scale.
+  // At the scale of the profiles.
   EXPECT_NEAR(std::cbrt(mesh_volume(fit.bodies[0].mesh) / 2.56), 1, 0.2);
-  // The same on one thread.
+  // The result is the same on one thread.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(fit_bodies(request).bodies[0].mesh.vertices, fit.bodies[0].mesh.vertices);
 }

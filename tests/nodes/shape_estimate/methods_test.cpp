@@ -1,4 +1,4 @@
-// The methods of 2008 beside the morphed cylinder.
+// The methods of 2008 other than the morphed cylinder.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(ShapeEstimateCsg, RectanglesMakeTheBox) {
   EXPECT_LT(e.deviation, 0.001);
 }
 
-// Steinmetz: three equal cylinders have 8(2 − √2) r³ in common.
+// Steinmetz: the intersection of three equal cylinders has the volume 8(2 − √2) r³.
 TEST(ShapeEstimateCsg, ThreeCylindersMakeSteinmetzSolid) {
   Polygon circle = made::ellipse(1, 1, 120, {0, 0}, 0.013);
   const Mesh m = intersect_extrusions({circle, circle, circle});
@@ -61,7 +61,7 @@ TEST(ShapeEstimateCsg, ThreeCylindersMakeSteinmetzSolid) {
   EXPECT_NEAR(mesh_volume(m) / (8 * (2 - std::numbers::sqrt2)), 1, 0.003);
 }
 
-// Convex or not, the intersection is closed and its volume is that of the points in all three extrusions.
+// Convex or not, the intersection is closed, and its volume is that of the points in all three extrusions.
 TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     SCOPED_TRACE(seed);
@@ -71,8 +71,8 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
     const Mesh m = intersect_extrusions(p);
     if (m.triangles.empty()) continue;
     EXPECT_TRUE(mesh_faults(m).empty());
-    EXPECT_LE(self_intersections(m), 4);  // slivers of polygons moved apart by lots may touch
-    // No vertex lies outside any of the three, none lies off all of their outlines.
+    EXPECT_LE(self_intersections(m), 4);  // slivers of randomly perturbed polygons may touch
+    // No vertex is outside any of the three polygons or off all of their outlines.
     for (std::size_t v = 0; v < m.vertices.size(); v += 7) {
       double nearest = 1e9;
       for (int k = 0; k < 3; ++k) {
@@ -88,7 +88,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
       EXPECT_LT(nearest, 1e-5);
     }
     if (euler(m) != 2) continue;
-    // Sampled: pieces beside the largest would be missing, so only where one piece is all.
+    // Sampled volume. Only if there is one piece, because smaller pieces would be missing from the mesh.
     int inside = 0;
     constexpr int kSamples = 30000;
     for (int i = 0; i < kSamples; ++i) {
@@ -106,8 +106,8 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
   }
 }
 
-// Seen along an axis the body shows the polygon: every triangle lies within, every point of the outline near
-// one.
+// Viewed along an axis, the body shows the polygon: every triangle is inside it, and every point of the
+// outline is near a triangle.
 TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
@@ -119,7 +119,7 @@ TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
       double diameter = 0;
       for (const auto& a : polygons[k])
         for (const auto& b : polygons[k]) diameter = std::max(diameter, (a - b).norm());
-      // Points of the outline, a hundredth of the diameter inside, are covered.
+      // Points of the outline, moved inwards by a hundredth of the diameter, are covered.
       int covered = 0, all = 0;
       for (std::size_t i = 0; i < polygons[k].size(); i += 8, ++all) {
         const Vec2 q = polygons[k][i] * (1 - 0.01 * diameter / polygons[k][i].norm());
@@ -191,7 +191,7 @@ TEST(ShapeEstimateHarmonics, WeightsAreThoseOfThePaper) {
 }
 
 TEST(ShapeEstimateHarmonics, VariancesComeBack) {
-  // λ → κ → λ where no κ asks for a negative one.
+  // λ → κ → λ, if no κ requires a negative λ.
   std::vector<double> lambda(31, 0), kappa(31, 0);
   for (int n = 2; n <= 30; ++n) lambda[n] = 0.2 / std::pow(n, 3);
   for (int m = 2; m <= 30; ++m) {
@@ -202,7 +202,7 @@ TEST(ShapeEstimateHarmonics, VariancesComeBack) {
   for (int n = 2; n <= 30; ++n) EXPECT_NEAR(back[n] / lambda[n], 1, 1e-4) << n;
 }
 
-// Central sections of many particles have the profiles' spectrum.
+// Central sections of many particles have the spectrum of the profiles.
 TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
   const auto request = request_of(stars(2, 0.25, 12), 0);
   const auto want = profile_spectrum(request.chosen, kHarmonicTerms);

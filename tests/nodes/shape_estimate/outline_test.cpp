@@ -69,7 +69,7 @@ TEST(ShapeEstimateOutline, PixelStepsAreSmoothedAway) {
     EXPECT_NEAR(o.area / (pi * radius * radius), 1, 0.06);
     EXPECT_GT(o.circularity, 0.97);
   }
-  // Corners of a stepped square are not steps. It stands askew, so that its sides are steps too.
+  // Corners of a stepped square are not steps. It is rotated, so that its sides have steps too.
   const auto square = make_outline(1, made::pixelated(made::ellipse(40, 40, 4, {0, 0}, 0.3), 1), 30);
   EXPECT_EQ(square.corners, 4);
   const auto pentagon = make_outline(1, made::pixelated(made::ellipse(20, 20, 5, {0, 0}, 0.3), 1), 30);
@@ -77,7 +77,7 @@ TEST(ShapeEstimateOutline, PixelStepsAreSmoothedAway) {
 }
 
 TEST(ShapeEstimateOutline, SteppedPolygonsKeepTheirCorners) {
-  // Fourteen pixels in radius, as pixels step it: smoothing must neither lose the corners nor blunt them.
+  // A radius of fourteen pixels, with pixel steps: smoothing must neither remove nor blunt the corners.
   for (const int n : {3, 4, 5, 6})
     for (const double turn : {0.1, 0.35}) {
       const auto polygon = made::ellipse(14, 14, n, {0, 0}, turn);
@@ -106,7 +106,7 @@ TEST(ShapeEstimateOutline, SteppedPolygonsKeepTheirCorners) {
 }
 
 TEST(ShapeEstimateOutline, SampledCurvesAreNotSmoothed) {
-  // Thirty points of an ellipse: smoothing over their distance would round it visibly.
+  // Thirty points of an ellipse: smoothing over their distance would visibly round it.
   const auto o = make_outline(1, made::ellipse(2, 1, 30), 40);
   EXPECT_NEAR(o.width, 4, 0.03);
   EXPECT_NEAR(o.height, 2, 0.03);

@@ -59,7 +59,7 @@ TEST(ShapeEstimateMorph, PrincipalSectionsMakeTheEllipsoid) {
 }
 
 TEST(ShapeEstimateMorph, UprightProfilesMakeTheLongBody) {
-  // A circle and two 2:1 ellipses: the same sections of an oblate and of a prolate spheroid.
+  // A circle and two 2:1 ellipses are sections of both an oblate and a prolate spheroid.
   const std::vector<Contour> c{made::ellipse(1, 1), made::ellipse(2, 1), made::ellipse(2, 1)};
   EXPECT_NEAR(mesh_volume(morph(request_of(c, 2, 5, "short")).mesh) / (4 * pi / 3 * 0.5), 1, 0.02);
   EXPECT_NEAR(mesh_volume(morph(request_of(c, 2, 5, "long")).mesh) / (4 * pi / 3 * 2), 1, 0.02);
@@ -97,7 +97,7 @@ TEST(ShapeEstimateMorph, TheFrameMeetsItsConstraintsExactly) {
   }
 }
 
-// Random outlines, star-shaped and not: whatever comes in, a closed surface of genus 0 comes out.
+// Random outlines, star-shaped and not, always yield a closed surface of genus 0.
 TEST(ShapeEstimateMorph, AlwaysWatertightAndOfGenusZero) {
   for (std::uint64_t seed = 0; seed < 36; ++seed) {
     SCOPED_TRACE(seed);
@@ -137,7 +137,7 @@ TEST(ShapeEstimateMorph, SectionsGiveTheProfilesBack) {
 }
 
 TEST(ShapeEstimateMorph, TheFrameCurvesAreTheProfilesScaled) {
-  // Profiles that already fit: nothing is to be scaled but by one factor, so areas keep their ratios.
+  // These profiles fit already: they are scaled by one factor only, so areas keep their ratios.
   const auto request = request_of({made::ellipse(2, 1.2), made::ellipse(2, 1.6), made::ellipse(1.6, 1.2)}, 1);
   const auto frame = morph_frame(request.chosen, "short");
   EXPECT_NEAR(frame.distortion, 1, 1e-3);
@@ -168,7 +168,7 @@ TEST(ShapeEstimateSubdivide, PassesThroughItsPoints) {
       EXPECT_LT(nearest, 1e-6);
     }
   }
-  // Creased for ever it is the cube itself.
+  // With permanent creases it is the cube itself.
   for (const auto& f : cube.faces)
     for (int k = 0; k < 4; ++k)
       if (f[k] < f[(k + 1) % 4]) {
@@ -187,7 +187,7 @@ TEST(ShapeEstimateSelfIntersections, CountsWhatPassesThrough) {
   for (const auto& t : a.triangles) two.triangles.push_back({t[0] + n, t[1] + n, t[2] + n});
   EXPECT_EQ(self_intersections(two), 0);
   for (int i = n; i < 2 * n; ++i) two.vertices[i].x() -= 2;
-  // The seam of two unit spheres a unit apart is a circle of some fifty triangles on each.
+  // The seam of two unit spheres at unit distance is a circle of some fifty triangles on each.
   EXPECT_GT(self_intersections(two), 30);
   EXPECT_LT(self_intersections(two), 400);
 }
@@ -196,7 +196,7 @@ TEST(ShapeEstimateChoose, LeavesOutWhatHasNoShape) {
   std::vector<Contour> contours;
   for (int i = 0; i < 20; ++i) contours.push_back(made::ellipse(10, 8, 60));
   contours.push_back(made::pixelated(made::ellipse(2, 2), 1));  // 12 pixels
-  Contour limacon;                                              // with an inner loop
+  Contour limacon;                                              // has an inner loop
   for (int i = 0; i < 80; ++i) {
     const double t = 2 * pi * i / 80, radius = 4 + 7 * std::cos(t);
     limacon.push_back({radius * std::cos(t), radius * std::sin(t)});
@@ -241,7 +241,7 @@ TEST(ShapeEstimateChoose, RulesChooseWhatTheySay) {
   }
   EXPECT_NE(choose_profiles(outlines, "representative", 4, 3, 1),
             choose_profiles(outlines, "representative", 4, 3, 2));
-  // Fewer than places: none twice in one shape while there is another.
+  // Fewer profiles than needed: none is used twice in one shape if there is another.
   outlines.resize(4);
   for (const auto& h : choose_profiles(outlines, "largest", 5, 3, 1))
     EXPECT_EQ(std::set<int>(h.begin(), h.end()).size(), 3u);

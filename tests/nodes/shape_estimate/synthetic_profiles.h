@@ -1,4 +1,4 @@
-// Outlines of known form, as a perfect segmentation would give them.
+// Outlines of known shape, as from a perfect segmentation.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline Contour ellipse(double a, double b, int n = 200, const Vec2& at = Vec2::Z
 
 inline Contour rectangle(double a, double b) { return {{0, 0}, {a, 0}, {a, b}, {0, b}}; }
 
-// exp of a random Fourier series of the harmonics 2 to 5: star-shaped, rougher with `amplitude`.
+// exp of a random Fourier series of the harmonics 2 to 5: star-shaped, rougher with larger `amplitude`.
 inline Contour random_star(Random& r, double amplitude, int n = 200) {
   double a[6], b[6];
   for (int k = 2; k < 6; ++k) a[k] = amplitude * r.normal() / k, b[k] = amplitude * r.normal() / k;
@@ -37,7 +37,7 @@ inline Contour random_star(Random& r, double amplitude, int n = 200) {
   return c;
 }
 
-// A bent band: a star about no point once `bend` (radians) exceeds about 1.5.
+// A bent band, not star-shaped about any point if `bend` (radians) exceeds about 1.5.
 inline Contour banana(double length, double width, double bend, int n = 200) {
   Contour c;
   for (const Vec2& p : ellipse(length / 2, width / 2, n)) {
@@ -47,9 +47,9 @@ inline Contour banana(double length, double width, double bend, int n = 200) {
   return c;
 }
 
-// The outline of the pixels whose centres lie inside: steps of one pixel.
+// The outline of the pixels whose centers are inside, in steps of one pixel.
 inline Contour pixelated(const Contour& c, double pixel) {
-  // Marching along the boundary of a filled grid, corners as points.
+  // Walks along the boundary of a filled grid; its corners are the points.
   Vec2 low = c[0], high = c[0];
   for (const auto& p : c) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const int w = static_cast<int>((high.x() - low.x()) / pixel) + 3,
@@ -74,13 +74,13 @@ inline Contour pixelated(const Contour& c, double pixel) {
     for (x = 0; x <= w && !found; ++x) found = filled(x, y);
   --x, --y;
   if (!filled(x, y)) return {};
-  // Corner (x, y) is the lower left of pixel (x, y); walk with the inside on the left.
+  // Corner (x, y) is the lower left of pixel (x, y); the inside is on the left.
   Contour out;
   int dx = 1, dy = 0, cx = x, cy = y;
   do {
     out.push_back(low + Vec2(cx - 1, cy - 1) * pixel);
     cx += dx, cy += dy;
-    // Pixels ahead to the left and to the right of the corner reached.
+    // Whether the pixel ahead on a side of the current corner is filled.
     const auto ahead = [&](int side) {
       const int ax = dx + side * -dy, ay = dy + side * dx;  // diagonal ahead, side +1: left
       return filled(cx + (ax > 0 ? 0 : -1), cy + (ay > 0 ? 0 : -1));
@@ -90,7 +90,7 @@ inline Contour pixelated(const Contour& c, double pixel) {
       dx = dy, dy = -t;  // inside ahead on both sides: turn right
     } else if (!ahead(1)) {
       const int t = dx;
-      dx = -dy, dy = t;  // nothing ahead on the left: turn left
+      dx = -dy, dy = t;  // outside ahead on the left: turn left
     }
   } while (cx != x || cy != y);
   return out;

@@ -38,7 +38,7 @@ TEST(ShapeMetrics, OfABall) {
   EXPECT_LT(t.number(0, "area/perimeter² sd"), 1e-3);
 }
 
-// The total curvature of a convex body's sections is 2π, whichever they are.
+// The total curvature of any section of a convex body is 2π.
 TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     RockOptions o;
@@ -50,7 +50,7 @@ TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
 }
 
 TEST(ShapeMetrics, SectionsOfACubeThroughItsCentre) {
-  // Squares, rectangles up to 1 × √2 and hexagons between.
+  // Squares, rectangles up to 1 × √2, and hexagons in between.
   const auto s = shape_metrics::summarise(one(box_mesh({1, 1, 1})), SectionKind::Central, {4000, 1, {}});
   EXPECT_GT(s.mean[0], 1.0 / 17.5);
   EXPECT_LT(s.mean[0], std::sqrt(3.0) / 24);

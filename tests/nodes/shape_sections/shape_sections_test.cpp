@@ -30,7 +30,7 @@ TEST(ShapeSections, PrincipalOnesOfAnEllipsoid) {
       test::run_node("ShapeSections", {{"shapes", Value::of(one(mesh))}}, {{"planes", "principal"}});
   const auto& p = run.output<Profiles>("profiles").profiles;
   ASSERT_EQ(p.size(), 3u);
-  // Across the longest axis first.
+  // The section across the longest axis is first.
   EXPECT_NEAR(p[0].area, pi * 2 * 1, 0.02 * pi * 2);
   EXPECT_NEAR(p[1].area, pi * 3 * 1, 0.02 * pi * 3);
   EXPECT_NEAR(p[2].area, pi * 3 * 2, 0.02 * pi * 6);

@@ -1,4 +1,4 @@
-// The base as bytes: whole, cut short and damaged.
+// Decoding the base from bytes: complete, truncated and damaged.
 #include "nodes/solid_base/solid_base.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ const std::vector<char>& stored() {
   return bytes;
 }
 
-// Whether the bytes were read; what is refused says that it is damaged.
+// Whether the bytes could be read. If they are rejected, the error code must be "damaged".
 bool is_read(const std::vector<char>& bytes) {
   try {
     Reader r(bytes.data(), bytes.size());
@@ -64,7 +64,7 @@ TEST(SolidBase, DamagedItIsRefusedOrRead) {
   std::size_t refused = 0;
   for (std::size_t k = 0; k < 2000; ++k) {
     std::vector<char> bytes = stored();
-    // Mostly where the shapes are told: lists of numbers take whatever they are given.
+    // Mostly near the shapes, because lists of numbers accept any values.
     Random random(2, 0, k);
     const std::size_t at = random.below(k % 2 ? bytes.size() : 300);
     bytes[at] = static_cast<char>(random.bits());

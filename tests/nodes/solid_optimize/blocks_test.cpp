@@ -1,4 +1,4 @@
-// Blocks made one by one against the same solid made in one go.
+// Blocks made separately, compared with the same solid made as a whole.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -20,7 +20,7 @@ namespace terrazzo {
 namespace {
 namespace so = solid_optimize;
 
-// Of three levels, the coarsest of which alone is whole; statistics are measured on a corner of the others.
+// Three levels, of which only the coarsest is made whole. Statistics of the others are measured on a corner.
 so::SolidSettings settings_of(const Vec3i& size) {
   so::SolidSettings s;
   s.size = size, s.levels = 3, s.iterations = {2}, s.local = true, s.finish = 1;
@@ -33,7 +33,7 @@ const so::SolidExemplar& exemplar() {
   return e;
 }
 
-// Voxels of the block that are not the whole's.
+// Number of the block's voxels that differ from the whole solid's.
 std::size_t different(const so::SolidResult& whole, const so::SolidResult& block) {
   std::size_t count = 0;
   const auto at = [](const so::SolidField& f, std::size_t c, const Vec3i& v) {
@@ -79,8 +79,7 @@ TEST(SolidBlocks, AreTheWholeWhereTheyAreMuchSmallerThanWhatTheyNeed) {
   expect_blocks_are_the_whole(Vec3i(1, 1, 3), settings_of(Vec3i(32, 34, 32)));
 }
 
-// One that lies across the corner of the torus, where all three axes wrap.
-// Levels above one of random matches and colours: any whole level will do where parts are compared.
+// Levels above one with random matches and colors: any whole level will do for comparing parts.
 struct Levels {
   so::SolidSettings s;
   std::vector<so::SolidExemplar> working{exemplar()};
@@ -139,7 +138,7 @@ TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
   EXPECT_EQ(whole.field.channel[0].size(), 40u * 33 * 36);
   EXPECT_EQ(whole.sources.texel.size(), 40u * 33 * 36);
   expect_blocks_are_the_whole(Vec3i(2, 1, 3), s);
-  // Made again, by the statistics that were measured along the way.
+  // Made again with the statistics that were measured along the way.
   const Levels all(s);
   const auto made = all.made->measure(nullptr, Work());
   ASSERT_TRUE(made);
@@ -157,7 +156,7 @@ TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {
   for (std::size_t a = 0; a < 3; ++a) {
     EXPECT_LT(local.measures[a].patches, 1.5 * sweeps.measures[a].patches + 0.01) << a;
     EXPECT_LT(local.measures[a].histogram, 0.06) << a;
-    EXPECT_NEAR(local.measures[a].bands[0], 1, 0.3) << a;  // blobs have next to none
+    EXPECT_NEAR(local.measures[a].bands[0], 1, 0.3) << a;  // blobs have almost none
     EXPECT_LT(local.measures[a].copied_worst, 0.8) << a;
     EXPECT_LT(local.measures[a].stripes_worst, 3) << a;
   }
@@ -175,14 +174,14 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
     EXPECT_GT(used, 0.5 * forecast);
   };
   const double of_base = test::peak_of([&] { base = so::solid_base({exemplar()}, s, Work()); });
-  if (of_base < 0) GTEST_SKIP() << "peaks are not told here";
+  if (of_base < 0) GTEST_SKIP() << "peak memory is not available here";
   fits(of_base, so::base_forecast({exemplar()}, s));
   s.blocks = Vec3i(2, 2, 2), s.block = 5;
   so::SolidResult r;
   const double of_block = test::peak_of([&] { r = so::solid_block({exemplar()}, s, base, Work()); }),
                forecast = so::block_forecast({exemplar()}, s);
   if (of_block >= 0) fits(of_block, forecast);
-  // Of a solid of any size a block takes as much, but for the matches of its coarsest level.
+  // A block needs the same memory in a solid of any size, except for the matches of its coarsest level.
   so::SolidSettings large = s;
   large.size = Vec3i::Constant(384), large.blocks = Vec3i::Constant(4), large.block = 21;
   EXPECT_LT(so::block_forecast({exemplar()}, large), 1.5 * forecast);
@@ -224,7 +223,7 @@ TEST(SolidBlocks, LieAtTheirPlaceInTheWhole) {
   const auto block = test::run_node("SolidBlock", {{"base", base_of().outputs.at("base")}},
                                     {{"sources", "true"}, {"blocks", "[2, 1, 2]"}, {"block", "3"}});
   EXPECT_EQ(whole.metrics.count("seam_ratio"), 1u);
-  EXPECT_EQ(block.metrics.count("seam_ratio"), 0u);  // it has no wrap
+  EXPECT_EQ(block.metrics.count("seam_ratio"), 0u);  // a block has no wrap
   const auto& volume = block.output<Volume>("volume");
   EXPECT_EQ(volume.resolution, Vec3i::Zero());
   EXPECT_EQ(whole.output<Volume>("volume").resolution, Vec3i::Constant(40));
@@ -270,7 +269,7 @@ TEST(SolidBlocks, ExemplarsLeaveTheFinishSomethingToMeasure) {
   s.levels = 2;
   try {
     so::optimize_solid({test::exemplar_of(test::blobs(23, 40, 8, 1))}, s, Work());
-    ADD_FAILURE() << "23 pixels were enough";
+    ADD_FAILURE() << "23 pixels were accepted";
   } catch (const Error& e) {
     EXPECT_EQ(e.diagnostic().code, "exemplar-too-small");
   }
@@ -306,9 +305,11 @@ TEST(SolidBlocks, FinestBandsOfAPictureAreItsDetails) {
   const auto bands = so::finest_bands(e, 3);
   ASSERT_EQ(bands[0].size(), 4u);
   for (std::size_t b = 0; b < 4; ++b) {
-    EXPECT_NEAR(bands[0][b].deviation, b == 1, 1e-6) << b;  // every other row: all of it along columns
-    EXPECT_NEAR(bands[1][b].deviation, b == 0, 1e-6) << b;  // every other column: all of it along rows
-    EXPECT_NEAR(bands[2][b].deviation, 0, 1e-5) << b;       // a ramp has none
+    EXPECT_NEAR(bands[0][b].deviation, b == 1, 1e-6)
+        << b;  // every other row: the variance is all along columns
+    EXPECT_NEAR(bands[1][b].deviation, b == 0, 1e-6)
+        << b;                                          // every other column: the variance is all along rows
+    EXPECT_NEAR(bands[2][b].deviation, 0, 1e-5) << b;  // a ramp has none
   }
 }
 

@@ -1,4 +1,4 @@
-// Pictures to make solids of, and what making them takes.
+// Exemplars for tests of solids, and the memory used to make the solids.
 #pragma once
 
 #include <malloc.h>
@@ -13,7 +13,7 @@
 
 namespace terrazzo::test {
 
-// Blobs of two colours: value noise of cells of `cell` pixels, thresholded softly.
+// Blobs of two colors: value noise with cells of `cell` pixels and a soft threshold.
 inline Image blobs(int w, int h, double cell, std::uint64_t seed) {
   Image image(w, h, 1, 0.1);
   const auto lattice = [&](int i, int j) {
@@ -37,7 +37,7 @@ inline solid_optimize::SolidExemplar exemplar_of(const Image& image) {
   return e;
 }
 
-// Of this process, in bytes; 0 where the system does not tell.
+// Memory of this process in bytes; 0 if the system does not report it.
 inline double memory_of(const char* which) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
@@ -45,11 +45,11 @@ inline double memory_of(const char* which) {
   return 0;
 }
 
-// Bytes that `run` takes at its peak beyond what was taken before; negative where that is not told.
+// Peak bytes that `run` uses beyond the memory used before; negative if the system does not report it.
 template <class Run>
 double peak_of(Run&& run) {
   malloc_trim(0);
-  std::ofstream("/proc/self/clear_refs") << 5 << std::flush;  // the peak starts anew
+  std::ofstream("/proc/self/clear_refs") << 5 << std::flush;  // reset the peak
   const double before = memory_of("VmRSS");
   if (before == 0 || memory_of("VmHWM") > before + 4e6) return -1;
   run();

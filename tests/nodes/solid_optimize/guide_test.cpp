@@ -52,12 +52,12 @@ TEST(SolidGuide, IsShrunkWithItsPicture) {
   so::guide_by_phases(e, 1, 10);
   const auto levels = so::exemplar_levels(e[0], 1, 1, 2, 0.98, 32, 16, Work());
   ASSERT_EQ(levels[0].channels, 2);
-  EXPECT_EQ(levels[1].channels, 1);  // beyond the levels that were asked for
+  EXPECT_EQ(levels[1].channels, 1);  // beyond the requested levels
   const auto& g = e[0].guide;
   EXPECT_NEAR(levels[0].texels[4 * (3 * 16 + 7) + 1], (g[6 * 32 + 14] + g[6 * 32 + 15]) / 2, 1e-5);
 }
 
-// How far what is dark hangs together: the diagonals of its pieces, by their pixels.
+// Connectedness of the dark parts: the diagonals of their pieces, weighted by pixels.
 double reach(const Image& slices, float dark) {
   double sum = 0, count = 0;
   std::vector<std::uint8_t> seen(slices.pixels.size(), 0);

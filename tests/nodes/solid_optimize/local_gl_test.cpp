@@ -1,4 +1,4 @@
-// The shaders' passes against the processor's, on Mesa's software renderer.
+// The shaders' passes compared with the processor's, on Mesa's software renderer.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -17,7 +17,7 @@ namespace so = solid_optimize;
 
 class SolidGl : public ::testing::Test {
  protected:
-  // One for all tests: the software renderer takes a second to compile the shaders.
+  // One for all tests, because the software renderer takes a second to compile the shaders.
   static void SetUpTestSuite() {
     try {
       gl = std::make_unique<so::LocalGl>(GlDevice::Cpu);
@@ -29,7 +29,7 @@ class SolidGl : public ::testing::Test {
   void SetUp() override {
     if (!gl) GTEST_SKIP() << why;
   }
-  // How many voxels differ by more than 1/1000 of the exemplar's standard deviation, as a share.
+  // Fraction of voxels that differ by more than 1/1000 of the exemplar's standard deviation.
   double difference(const std::vector<so::SolidExemplar>& exemplars, const so::SolidSettings& s) {
     const auto a = so::optimize_solid(exemplars, s, Work()),
                b = so::optimize_solid(exemplars, s, Work(), gl.get());
@@ -120,7 +120,7 @@ TEST(SolidDevice, TheNodeSaysWhichItTook) {
   EXPECT_TRUE(run("coherence", "auto").warnings.empty());
   try {
     run("coherence", "gl");
-    ADD_FAILURE() << "sweeps have no shaders";
+    ADD_FAILURE() << "device gl was accepted without method local";
   } catch (const Error& e) {
     EXPECT_EQ(e.diagnostic().parameter, "device");
   }

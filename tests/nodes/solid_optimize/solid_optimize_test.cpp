@@ -17,7 +17,7 @@ namespace terrazzo {
 namespace {
 using namespace test;
 
-// Upright stripes, as of grain.
+// Upright stripes, like grain.
 Image stripes(int n, double period) {
   Image image(n, n, 1, 0.1);
   for (int y = 0; y < n; ++y)
@@ -128,7 +128,7 @@ TEST(SolidOptimize, LessIsCopiedWhereCopyingCountsAsFurther) {
 }
 
 TEST(SolidOptimize, IsPeriodic) {
-  // Of many planes across an axis, the one at the wrap is one like any other.
+  // Among the planes across an axis, the one at the wrap is not special.
   const auto r = solid(blobs(64, 64, 9, 7), {{"size", "48"}});
   const auto grid = colors(r).getConstAccessor();
   for (int axis = 0; axis < 3; ++axis) {
@@ -151,7 +151,7 @@ TEST(SolidOptimize, IsPeriodic) {
 
 TEST(SolidOptimize, UprightGrainStandsUprightOnTwoPlanes) {
   const auto r = solid(stripes(64, 9));
-  ASSERT_EQ(r.warnings.size(), 1u);  // a direction cannot be shared by three planes
+  ASSERT_EQ(r.warnings.size(), 1u);  // three planes cannot share a direction
   EXPECT_GT(r.metrics.at("directedness"), 0.8);
   const auto grid = colors(r).getConstAccessor();
   double along[3] = {0, 0, 0};
@@ -168,7 +168,7 @@ TEST(SolidOptimize, UprightGrainStandsUprightOnTwoPlanes) {
 }
 
 TEST(SolidOptimize, EachPlaneHasAnExemplarOfItsOwn) {
-  // Blobs across z, upright stripes across x and y: what no single exemplar shows.
+  // Blobs across z, upright stripes across x and y: no single exemplar shows both.
   const auto r = test::run_node(
       "SolidOptimize",
       {{"exemplar", Value::of<Image>(stripes(64, 9))}, {"exemplar_z", Value::of<Image>(blobs(64, 64, 9, 1))}},
@@ -245,7 +245,7 @@ TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
   so::SolidResult r;
   const double used = peak_of([&] { r = so::optimize_solid({exemplar}, s, Work()); }),
                forecast = so::memory_forecast({exemplar}, s);
-  if (used < 0) GTEST_SKIP() << "peaks are not told here";
+  if (used < 0) GTEST_SKIP() << "peak memory is not available here";
   EXPECT_LT(used, 1.1 * forecast + 4e6);  // threads and tables that do not grow with the solid
   EXPECT_GT(used, 0.5 * forecast);
 }

@@ -13,7 +13,7 @@ namespace {
 using namespace study_anova;
 
 TEST(StudyAnova, TailsOfTheFDistribution) {
-  // Tables: the 5 % and 1 % points.
+  // From tables: the 5 % points.
   EXPECT_NEAR(f_tail(4.0847, 1, 40), 0.05, 1e-4);
   EXPECT_NEAR(f_tail(3.3541, 2, 27), 0.05, 1e-4);
   EXPECT_NEAR(f_tail(1, 7, 7), 0.5, 1e-12);
@@ -21,7 +21,7 @@ TEST(StudyAnova, TailsOfTheFDistribution) {
 }
 
 TEST(StudyAnova, BalancedSquaresAddUp) {
-  // Two by two with two answers each, by hand: grand mean 5; methods 3 and 7; shapes 4.5 and 5.5.
+  // Two by two with two answers each, computed by hand: grand mean 5; methods 3 and 7; shapes 4.5 and 5.5.
   const std::vector<double> y{2, 3, 3, 4, 6, 7, 7, 8};
   const std::vector<std::string> m{"a", "a", "a", "a", "b", "b", "b", "b"},
       s{"x", "x", "y", "y", "x", "x", "y", "y"};

@@ -78,8 +78,8 @@ TEST(Footprint, IsWhatItsCentresSay) {
   }
 }
 
-// The matrix kept up to date equals the one measured afresh, whatever is painted, over whatever, in whichever
-// way.
+// The incrementally updated matrix equals a new measurement, whatever is painted, in any order and with any
+// finish.
 TEST(TextureNib, MatrixAndOccupancyKeepUp) {
   const Image picture = pattern("fat", 64, "0.7");
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches})
@@ -101,7 +101,7 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
         ASSERT_EQ(nib.counts(), nib.fresh_counts());
         EXPECT_EQ(nib.occupancy(), covered);
       }
-      // What was not painted is as it was; what was painted has a level, and of Levels its colour.
+      // Unpainted pixels are unchanged. Painted pixels have a level and, with Levels, that level's color.
       for (std::size_t i = 0; i < covered.size(); ++i)
         if (!covered[i]) {
           EXPECT_EQ(nib.picture().pixels[i], picture.pixels[i]);
@@ -114,7 +114,7 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
     }
 }
 
-// What is painted encodes to the levels that the matrix counted, its colours being the region's.
+// Painted pixels encode to the levels counted in the matrix; their colors are the region's.
 TEST(TextureNib, PaintedColoursHaveTheirLevel) {
   const Image picture = pattern("marble", 64);
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches}) {
@@ -153,7 +153,7 @@ TEST(TextureNib, ErrorFallsWithPasses) {
   EXPECT_LT(error[2], 3e-3);
 }
 
-// An object of alien colours and one of the texture's own both go, and nothing of them comes back.
+// An object of other colors and one of the texture's own both disappear completely.
 TEST(TextureNib, ErasesWhatLiesUnderIt) {
   const Image clean = pattern("fat", 96, "0.7");
   for (const bool alien : {true, false}) {
@@ -172,8 +172,8 @@ TEST(TextureNib, ErasesWhatLiesUnderIt) {
   }
 }
 
-// Patches inside the repaired disc are as near to those of untouched discs as these, what it hid among them,
-// are to each other.
+// Patches inside the repaired disc are as similar to those of untouched discs (including the content it hid)
+// as these are to each other.
 TEST(TextureNib, RepairedRegionLooksLikeTheRest) {
   for (const char* kind : {"fat", "wood", "marble"}) {
     const int n = 128;
@@ -216,7 +216,7 @@ TEST(TextureNib, RegionsAreRectanglesPolygonsAndMasks) {
           .output<Image>("image")
           .pixels,
       run("[4, 4, 30, 30]").pixels);
-  // A mask to fill is an area.
+  // Fill a mask as an area.
   Image fill(64, 64, 1, 1);
   for (int y = 40; y < 50; ++y)
     for (int x = 40; x < 60; ++x) fill.at(x, y) = Vec3f::Ones();

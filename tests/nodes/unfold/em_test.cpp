@@ -1,5 +1,6 @@
-// What the default method promises: less error than least squares, error that falls with more profiles, and
-// intervals that hold the truth as often as they say. Distributions as in figure 7 of Jagnow et al. 2004.
+// What the default method guarantees: a smaller error than least squares, an error that falls with more
+// profiles, and intervals that contain the truth as often as they claim. Distributions as in figure 7 of
+// Jagnow et al. 2004.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +25,7 @@ KMatrix kmatrix_of(const std::string& kind) {
                                             .orientations = kind == "sphere" ? std::size_t{0} : 2000});
 }
 
-// Sizes in [0, 1], `density` up to a factor; Σ N_V is 1 per mm³.
+// Sizes in [0, 1] with a density proportional to `density`; Σ N_V is 1 per mm³.
 class Population {
  public:
   Population(const KMatrix& k, const std::function<double(double)>& density) : k_(k), share_(kCells) {
@@ -43,7 +44,7 @@ class Population {
                           static_cast<double>(cdf.size()));
     }
   }
-  // Profiles of a window that shows `expected` in the mean.
+  // Profiles of a window that shows `expected` of them on average.
   Profiles sample(int expected, std::uint64_t seed) const {
     const auto& e = k_.shapes[0];
     const double size = std::sqrt(4 * e.max_section_area / std::numbers::pi);
@@ -64,7 +65,7 @@ class Population {
       covered += p.profiles.back().area;
     }
     p.area_fraction = covered / p.observed_area;
-    // The densities of such a sparse test would overfill space: only ratios matter here.
+    // The densities of this test would overfill space, so thin them: only ratios matter here.
     const double thin = 0.2 / p.area_fraction;
     p.observed_area /= thin, p.area_fraction *= thin;
     return p;
@@ -96,7 +97,7 @@ const std::vector<std::pair<std::string, std::function<double(double)>>>& figure
   return laws;
 }
 
-// Of N_V by class, relative to Σ N_V.
+// L1 error of N_V over the classes, relative to Σ N_V.
 double l1_error(const UnfoldResult& r, const Population& truth, double true_sum) {
   double error = 0;
   for (std::size_t j = 0; j < r.distribution.classes(); ++j)
@@ -105,7 +106,7 @@ double l1_error(const UnfoldResult& r, const Population& truth, double true_sum)
   return error;
 }
 
-// Σ N_V of a sample is Σ N_V = 1 times what `sample` thins.
+// True Σ N_V of a sample: 1 per mm³ times the thinning factor of `sample`.
 double sum_of(const Profiles& p, const KMatrix& k, const Population&, double mean_size, int expected) {
   const auto& e = k.shapes[0];
   const double size = std::sqrt(4 * e.max_section_area / std::numbers::pi);
@@ -120,7 +121,7 @@ double mean_size(const Population& t) {
 
 TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
   const KMatrix k = kmatrix_of("sphere");
-  const double at_most[] = {0.14, 0.21, 0.15, 0.14};  // of 200 repetitions: .08, .14, .08, .08
+  const double at_most[] = {0.14, 0.21, 0.15, 0.14};  // means over 200 repetitions: 0.08, 0.14, 0.08, 0.08
   for (std::size_t law = 0; law < figure7().size(); ++law) {
     const auto& [name, density] = figure7()[law];
     const Population truth(k, density);
@@ -141,8 +142,8 @@ TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
   }
 }
 
-// Pooled over classes: 5 repetitions of 10 classes, which are correlated, so that the bounds are wide. Their
-// long-run values lie between 85 and 95 %.
+// Pooled over 5 repetitions of 10 classes. The classes are correlated, so the bounds are wide. The long-run
+// coverage is between 85 and 95 %.
 TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   for (const auto* body : {"sphere", "octahedron"}) {
     const KMatrix k = kmatrix_of(body);
@@ -167,7 +168,7 @@ TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   }
 }
 
-// Sizes cut off by sieves, as aggregates are: the mean over 4 repetitions; `nnls` errs about .2.
+// Sizes cut off by sieves, as for aggregates: mean over 4 repetitions. The error of `nnls` is about 0.2.
 TEST(UnfoldEm, DensitiesMayJump) {
   const KMatrix k = kmatrix_of("sphere");
   const std::pair<double, double> cuts[] = {{0.5, 1.0}, {0.35, 0.75}};
@@ -193,7 +194,7 @@ TEST(UnfoldEm, DensitiesMayJump) {
     EXPECT_LT(em, 0.14);
     EXPECT_LT(em, nnls);
     EXPECT_GT(jumps, 0.4);
-    EXPECT_GT(static_cast<double>(held) / of, 0.8);  // .94 in the long run
+    EXPECT_GT(static_cast<double>(held) / of, 0.8);  // 0.94 in the long run
   }
 }
 
@@ -216,14 +217,14 @@ TEST(SmoothPoisson, FindsAJumpAndNothingElse) {
 }
 
 TEST(Presence, OnlyWhatCountsShowIsThere) {
-  // Three classes of two bins, each seen by itself; the second has nothing, the third next to nothing.
+  // Three classes of two bins, each seen independently; the second has no counts, the third almost none.
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(6, 6);
   Eigen::VectorXd counts(6);
   counts << 10, 12, 0, 0, 1, 0;
   const std::vector<int> cls{0, 0, 1, 1, 2, 2};
   const Eigen::VectorXd start = Eigen::VectorXd::Constant(6, 4);
   EXPECT_EQ(may_be_empty(A, counts, cls, start, 1.353, {}), (std::vector<char>{0, 1, 0}));
-  // A profile that two classes can show speaks for neither.
+  // A profile that two classes can show is evidence for neither.
   Eigen::MatrixXd both(2, 2);
   both << 1, 1, 0, 1;
   Eigen::VectorXd seen(2);
@@ -243,7 +244,7 @@ TEST(SmoothPoisson, FindsAnEvenDensityFromEvenCounts) {
   for (const auto& f : fits) weight += f.weight;
   EXPECT_NEAR(weight, 1, 1e-12);
   for (const double v : x) EXPECT_NEAR(v, 6, 1e-3);
-  // The smoothest of the orders wins: nothing speaks for more.
+  // The smoothest of the orders wins, because there is no evidence for more.
   for (const auto& f : fits)
     if (f.weight > 0.5) {
       EXPECT_EQ(f.order, 1);

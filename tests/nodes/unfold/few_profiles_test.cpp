@@ -1,4 +1,4 @@
-// Pictures with few profiles: a finite distribution, or an error that says how many are needed.
+// Photographs with few profiles: either a finite distribution, or an error that states how many are needed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ const KMatrix& spheres() {
   return k;
 }
 
-// Sections of spheres with diameters between 2 and 10 mm, each on 80 mm².
+// Sections of spheres with diameters between 2 and 10 mm, 80 mm² per profile.
 Profiles section(std::size_t n, std::uint64_t seed) {
   Random random(seed);
   Profiles p;
@@ -47,7 +47,7 @@ bool finite(const UnfoldResult& r) {
   return all;
 }
 
-// What becomes of `n` profiles: "" for a finite distribution, else the error.
+// The result for `p`: "" for a finite distribution, otherwise the error message.
 std::string outcome(const Profiles& p, const UnfoldOptions& o) {
   try {
     return finite(unfold(p, spheres(), o, {})) ? "" : "not finite";
@@ -68,12 +68,13 @@ TEST(UnfoldFewProfiles, GiveADistributionOrSayHowManyAreNeeded) {
         if (n >= 3)
           EXPECT_EQ(found, "") << n << " profiles, seed " << seed << (known ? "" : ", relative");
         else
-          EXPECT_NE(found.find(n == 0 ? "there are no profiles" : "3 at least are needed"), std::string::npos)
+          EXPECT_NE(found.find(n == 0 ? "there are no profiles" : "needs at least 3 profiles"),
+                    std::string::npos)
               << found;
       }
 }
 
-// Two colours, of which one shows two profiles; profiles of one size; the other methods.
+// Two colors, one of them with only two profiles; profiles of equal size; the other methods.
 TEST(UnfoldFewProfiles, MayBeOfOneSizeOrOfSeveralColours) {
   for (const std::size_t n : {3u, 5u, 17u})
     for (std::uint64_t seed = 1; seed <= 2; ++seed)

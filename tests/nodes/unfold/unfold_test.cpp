@@ -21,8 +21,8 @@ const KMatrix& spheres() {
   return k;
 }
 
-// What a window of `area` mm² shows of spheres whose diameters are uniform in [lo, hi] and `density` per mm³
-// in number.
+// The profiles of a window of `area` mm² through spheres with diameters uniform in [lo, hi] and number
+// density `density` per mm³.
 Profiles section(double lo, double hi, double density, double area, std::uint64_t seed) {
   Random random(seed);
   Profiles p;
@@ -30,7 +30,7 @@ Profiles section(double lo, double hi, double density, double area, std::uint64_
   double covered = 0;
   const int n = static_cast<int>(std::lround(density * area * (lo + hi) / 2));
   for (int i = 0; i < n; ++i) {
-    // A plane meets a sphere with a chance that grows with its diameter.
+    // The probability that a plane meets a sphere is proportional to its diameter.
     double d;
     do d = random.uniform(lo, hi);
     while (random.uniform() * hi > d);
@@ -140,13 +140,14 @@ TEST(Unfold, BadInputIsNamed) {
   KMatrix empty = spheres();
   empty.shapes.clear();
   EXPECT_EQ(code(good, {}, &empty), "bad-kmatrix");
-  // A body of which planes show next to nothing: its K says nothing, or cannot be inverted.
+  // A body whose sections are almost invisible: its K matrix has empty columns or is singular.
   KMatrix blind = spheres();
   std::fill(blind.shapes[0].cdf.begin(), blind.shapes[0].cdf.end(), 1.0);
   for (const auto* method : {"em", "nnls", "inverse"})
     EXPECT_EQ(code(good, {.method = method, .smallest_visible = 2}, &blind), "bad-kmatrix") << method;
   EXPECT_EQ(code(good, {.method = "inverse", .smallest_visible = 0, .d_max = 12}, &blind), "singular");
-  // Of other classes than asked for: the same as the one of those.
+  // The number of classes of the K matrix does not matter: the result equals that of a matrix
+  // with the requested classes.
   const auto solved = [&](int classes) {
     const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
     const KMatrix k = make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
@@ -159,7 +160,7 @@ TEST(Unfold, BadInputIsNamed) {
 }
 
 TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
-  // The inverse for angular bodies blows counting errors up by orders of magnitude.
+  // The inverse for angular bodies amplifies counting errors by orders of magnitude.
   const auto solid =
       test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
   const KMatrix k = make_kmatrix(solid.as<Shapes>(), {.classes = 14, .orientations = 500});
@@ -180,7 +181,7 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
 }
 
 TEST(Unfold, MissingFinesAreNotTakenForNone) {
-  // A picture that shows nothing below 3 mm of particles between 1 and 10 mm.
+  // A photograph that shows nothing below 3 mm, of particles between 1 and 10 mm.
   Profiles p = section(1, 10, 0.001, 1e6, 8);
   std::erase_if(p.profiles, [](const Profile& q) { return q.area < std::numbers::pi / 4 * 9; });
   UnfoldOptions o;
@@ -241,7 +242,7 @@ TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
   KMatrix two = spheres();
   two.shapes[0].probability = 3;
   two.shapes.push_back(two.shapes[0]);
-  two.shapes[1].probability = 1;  // the same body twice: nothing but the shares may change
+  two.shapes[1].probability = 1;  // the same body twice: only the shares may change
   const Profiles p = section(5, 10, 0.001, 4e5, 3);
   const UnfoldResult one = unfold(p, spheres(), {}, {}), both = unfold(p, two, {}, {});
   ASSERT_EQ(both.distribution.shapes.size(), 2u);
@@ -252,7 +253,7 @@ TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
 }
 
 TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
-  // Equation 9: class 0 of spheres, class 1 of octahedra; unfolding each alone must give the same.
+  // Equation 9: class 0 has spheres, class 1 octahedra. Unfolding each separately must yield the same result.
   KMatrix k = spheres();
   const auto solid =
       test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
@@ -327,7 +328,7 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
   EXPECT_NEAR(std::pow(s.d50, 4), 16 + 240 * (0.5 * 41.25 - 11.25) / 30, 1e-9);
   EXPECT_LT(s.d10, s.d50);
   EXPECT_LT(s.d50, s.d90);
-  // A fine histogram of a lognormal gives its parameters back.
+  // A fine histogram of a lognormal reproduces its parameters.
   d.class_edges.clear(), d.shapes.resize(1), d.shapes[0].N_V.clear();
   for (int i = 0; i <= 2000; ++i) d.class_edges.push_back(i * 0.01);
   for (int i = 0; i < 2000; ++i) {

@@ -72,7 +72,7 @@ TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
     EXPECT_NEAR(many[m].total, 1, 0.1);
   }
   EXPECT_LT(many[0].error, 0.03);
-  EXPECT_GT(many[3].error, 0.05);  // of eq. 3: all of a class at its upper edge
+  EXPECT_GT(many[3].error, 0.05);  // the bias of eq. 3: all sizes of a class at its upper edge
   EXPECT_GT(many[3].error, 2 * many[0].error);
 }
 

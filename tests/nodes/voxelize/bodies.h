@@ -1,4 +1,4 @@
-// Meshes and particles with closed forms, for tests of voxels.
+// Meshes and particles with closed-form measures, for voxelization tests.
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,14 @@
 
 namespace terrazzo::test {
 
-// A sphere of diameter 1, scaled so that the mesh has the sphere's volume.
+// A sphere of diameter 1, scaled so that the mesh has the exact volume of the sphere.
 inline Mesh sphere_mesh(int level) {
   Mesh m;
   const double t = (1 + std::sqrt(5.0)) / 2;
   for (const double a : {-1.0, 1.0})
     for (const double b : {-t, t})
       m.vertices.push_back({a, b, 0}), m.vertices.push_back({0, a, b}), m.vertices.push_back({b, 0, a});
-  // Faces: all triples of vertices at mutual distance 2, turned outwards.
+  // Faces are all triples of vertices at mutual distance 2, oriented outward.
   const int n = static_cast<int>(m.vertices.size());
   const auto near = [&](int a, int b) { return std::abs((m.vertices[a] - m.vertices[b]).norm() - 2) < 1e-9; };
   for (int a = 0; a < n; ++a)

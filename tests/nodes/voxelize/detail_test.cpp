@@ -11,7 +11,7 @@
 namespace terrazzo {
 namespace {
 
-// White noise of mean 0 and variance 1, n³, in voxels of `voxel` mm.
+// White noise with mean 0 and variance 1 on n³ voxels of `voxel` mm.
 Volume noise(int n, double voxel) {
   initialize_openvdb();
   auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
@@ -71,18 +71,18 @@ TEST(Detail, GrainKeepsItsVarianceAtOtherScales) {
   for (const int n : {25, 26, 31}) {
     const Lattice l{Vec3i::Constant(n), 2.4 / n};
     const auto out = sampled(Detail(v, l, {}), l);
-    EXPECT_NEAR(variance(out), 1, 0.2) << n;  // trilinear: 0.3 and less
+    EXPECT_NEAR(variance(out), 1, 0.2) << n;  // trilinear: at most 0.3
     double mean = 0;
     for (const auto& x : out) mean += x.y() / static_cast<double>(out.size());
     EXPECT_NEAR(mean, 0, 0.03);
   }
-  // Coarser voxels average: what is left of white noise is as the voxels' volumes.
+  // Coarser voxels average white noise: its variance scales with the ratio of voxel volumes.
   const Lattice coarse{Vec3i::Constant(8), 0.3};
   EXPECT_NEAR(variance(sampled(Detail(v, coarse, {}), coarse)), 1.0 / 27, 0.02);
 }
 
 TEST(Detail, TilesInTheBox) {
-  // A slow wave: its step across the face of the box is no larger than those inside.
+  // A slow wave: the step across the face of the box is no larger than the steps inside.
   initialize_openvdb();
   auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
   grid->setName("residual"), grid->setTransform(voxel_transform(0.1));
@@ -121,7 +121,7 @@ TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
 }
 
 TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
-  // Two equal cubes half a box apart, on a residual that repeats after half a box.
+  // Two equal cubes half a box apart, with a residual that repeats after half a box.
   Particles p = test::one_particle(Vec3::Constant(3.2), Vec3::Constant(0.8), 1.0);
   const Particles one = p;
   p.resize(2);
@@ -147,7 +147,7 @@ TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
   }
   EXPECT_GT(inside, 500);
   EXPECT_LT(inside_alike, inside / 4);  // black stays black
-  EXPECT_EQ(outside_alike, outside);    // the binder is one body, whose detail tiles
+  EXPECT_EQ(outside_alike, outside);    // the binder is one body with tiled detail
 }
 
 TEST(Detail, DarkParticlesStayDark) {
@@ -164,7 +164,7 @@ TEST(Detail, DarkParticlesStayDark) {
   double dark = 0, n = 0;
   for (auto it = made.find<openvdb::Vec3SGrid>("Cd")->cbeginValueOn(); it; ++it)
     if (density->tree().getValue(it.getCoord()) == 1) dark += (*it)[0], ++n;
-  EXPECT_NEAR(dark / n, 0.02, 0.003);  // added and clipped in linear light: 0.03
+  EXPECT_NEAR(dark / n, 0.02, 0.003);  // adding and clipping in linear light would give 0.03
 }
 
 TEST(Detail, BadResidualsAreSaid) {

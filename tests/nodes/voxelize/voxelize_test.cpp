@@ -26,7 +26,7 @@ struct Made {
   Volume volume;
   VoxelReport report;
   template <class Grid>
-  auto values(const std::string& name) const {  // (i, j, k) → value, quick for neighbours
+  auto values(const std::string& name) const {  // (i, j, k) → value, fast for neighboring voxels
     return [accessor = volume.find<Grid>(name)->getConstAccessor()](int i, int j, int k) {
       return accessor.getValue({i, j, k});
     };
@@ -96,13 +96,13 @@ TEST(Voxelize, IdsAreExact) {
 }
 
 TEST(Voxelize, LatticePlanesOnFacesLeakNothing) {
-  // Faces, edges and vertices of the cube lie on voxel centres and voxel faces: the worst case for rows of
+  // The cube's faces, edges and vertices are at voxel centers and voxel faces, the worst case for rows of
   // samples.
   for (const double at : {2.0, 2.05}) {
     const Made m = make(one_particle(Vec3::Constant(4), Vec3::Constant(at), 1), shapes_of(cube_mesh()), {40});
     EXPECT_NEAR(m.report.volume_fraction, 1.0 / 64, 2e-3 / 64);
     std::size_t inside = m.volume.find<Int32Grid>("id")->activeVoxelCount();
-    EXPECT_EQ(inside, 1000u);  // half-open: neither lost nor doubled
+    EXPECT_EQ(inside, 1000u);  // half-open intervals: no voxel is lost or counted twice
   }
 }
 
@@ -143,7 +143,7 @@ TEST(Voxelize, SurfaceIsTheDistance) {
       worst = std::max(worst, std::abs(v - exact));
       ASSERT_EQ(v < 0, id(i, j, k) == 0);
     });
-    EXPECT_LT(worst, 0.01 + 0.003 * d) << d;  // a tenth of a voxel, and the mesh's facets
+    EXPECT_LT(worst, 0.01 + 0.003 * d) << d;  // a tenth of a voxel, plus the mesh's facets
   }
 }
 
@@ -158,10 +158,10 @@ TEST(Voxelize, ColoursMixByCoverage) {
     const Vec3f expected = c * p.color[0] + (1 - c) * p.binder_color;
     ASSERT_LT((Vec3f(v[0], v[1], v[2]) - expected).norm(), 1e-5);
   });
-  // Faces reach 0.25 voxels into their outer neighbours; a line's share of a voxel is exact along x alone.
+  // Faces reach 0.25 voxels into the outer neighbors. A line's share of a voxel is exact only along x.
   EXPECT_NEAR(m.value<FloatGrid>("density", 4, 10, 10), 0.25, 1e-6);
   EXPECT_EQ(m.value<FloatGrid>("density", 10, 10, 10), 1);
-  // Particles that overlap share, and never go beyond their colours.
+  // Overlapping particles mix their colors and never exceed them.
   Particles two = p;
   two.resize(2);
   two.position[1] = p.position[0], two.scale[1] = 1.05, two.color[1] = Vec3f(0, 1, 0);

@@ -1,4 +1,4 @@
-// What others on the same machine, or a broken page, may try on `terrazzo paint`.
+// Attacks on `terrazzo paint` by other users of the machine or by a broken page.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -32,8 +32,8 @@ bool is(const std::string& answer, int status) {
   return answer.starts_with("HTTP/1.1 " + std::to_string(status) + " ");
 }
 
-// Connections that never complete their request, from 32 that one browser could open to more than there are
-// threads; every one of them sends a byte now and then.
+// Connections that never complete their request, but send a byte now and then: 32, as one browser could open,
+// and 150, more than there are threads.
 TEST_F(PaintAttack, SlowConnectionsDoNotStopThePage) {
   const PaintProcess p({test::paint_picture().string()}, folder);
   for (const std::size_t count : {32u, 150u}) {
@@ -57,7 +57,7 @@ TEST_F(PaintAttack, SlowConnectionsDoNotStopThePage) {
   }
 }
 
-// A request has its time as a whole: to send a byte now and then does not prolong it.
+// The deadline applies to the whole request: sending a byte now and then does not extend it.
 TEST_F(PaintAttack, ASlowRequestIsEnded) {
   const PaintProcess p({test::paint_picture().string()}, folder);
   const int s = p.connect();
@@ -101,8 +101,8 @@ TEST_F(PaintAttack, EncodedBodiesAreRefusedUnread) {
                  415));
   EXPECT_TRUE(
       is(endless(p.head("POST", "/api/stroke", json + "Content-Length: 67108864\r\n"), megabyte), 413));
-  endless("GET /", std::string(1 << 20, 'x'));                      // a line without an end
-  endless("GET / HTTP/1.1\r\n", "X-Header: 0123456789abcdef\r\n");  // headers without an end
+  endless("GET /", std::string(1 << 20, 'x'));                      // an endless line
+  endless("GET / HTTP/1.1\r\n", "X-Header: 0123456789abcdef\r\n");  // endless headers
   EXPECT_LT(p.peak_memory(), before + 24 * 1024);
   EXPECT_TRUE(is(p.ask(p.head("GET", "/api/state")), 200));
 }
@@ -132,7 +132,7 @@ TEST_F(PaintAttack, ASignalEndsALongStroke) {
   }
 }
 
-// What an earlier session saved stays.
+// A session does not replace what an earlier session saved.
 TEST_F(PaintAttack, SessionsSaveSideBySide) {
   const fs::path image = test::paint_picture();
   const std::string stem = image.stem().string() + "_painted";
@@ -159,7 +159,7 @@ TEST_F(PaintAttack, SessionsSaveSideBySide) {
   EXPECT_EQ(read_file(folder / (stem + ".yaml")), first);
 }
 
-// What could be painted but not saved is refused before anything is painted.
+// An image whose painting could not be saved is refused from the start.
 TEST_F(PaintAttack, APictureThatNoGraphCanNameIsRefused) {
   const fs::path image = folder / "caf\xe9.png";
   fs::copy(test::paint_picture(), image);

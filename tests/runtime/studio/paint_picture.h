@@ -1,4 +1,4 @@
-// A picture file to paint on.
+// An image file to paint on.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// `terrazzo paint` as a process of its own, and raw sockets to it.
+// Runs `terrazzo paint` in a separate process, with raw sockets to it.
 #pragma once
 
 #include <sys/types.h>
@@ -11,25 +11,25 @@ namespace terrazzo::test {
 
 class PaintProcess {
  public:
-  // `folder`: where it runs.
+  // `folder`: its working folder.
   PaintProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
-  ~PaintProcess();  // kill -9, where it still runs
+  ~PaintProcess();  // kills it if it is still running
   PaintProcess(const PaintProcess&) = delete;
 
-  // From the address that it printed.
+  // Port and token from the printed address.
   int port() const { return port_; }
   const std::string& token() const { return token_; }
 
-  // A socket to it that waits at most 20 s for an answer.
+  // Opens a socket with a timeout of 20 s.
   int connect() const;
-  // A request's head, with the token, up to the empty line.
+  // The head of a request, with the token, including the empty line.
   std::string head(const std::string& method, const std::string& path, const std::string& more = "") const;
-  // What it answers to this: everything until it closes the connection.
+  // Sends the request and returns the response, read until the connection closes.
   std::string ask(const std::string& request) const;
   std::string post(const std::string& path, const std::string& json) const;
 
   long peak_memory() const;  // kB
-  // Sends the signal. The exit code, or −1 where it still runs ten seconds later.
+  // Sends the signal. Returns the exit code, or −1 if it is still running ten seconds later.
   int end(int signal);
 
  private:
@@ -38,9 +38,9 @@ class PaintProcess {
   std::string token_;
 };
 
-// All of it, unless the other side closes the connection.
+// Sends all of the text, unless the other side closes the connection.
 void send_all(int socket, const std::string&);
-// Until the other side closes the connection or 20 s pass without a byte.
+// Receives until the other side closes the connection or 20 s pass without a byte.
 std::string receive_all(int socket);
 
 }  // namespace terrazzo::test

@@ -102,7 +102,7 @@ TEST_F(Paint, AnswersItsOwnPageAlone) {
   EXPECT_EQ(status_with({{"Host", "evil.example"}}, "/"), 403);
   EXPECT_EQ(status_with({{"Sec-Fetch-Site", "cross-site"}}), 403);
   EXPECT_EQ(status_with({{"Sec-Fetch-Site", "same-site"}}), 403);
-  // What a form of another page can send without asking first.
+  // A form on another page can send this without a CORS preflight request.
   EXPECT_EQ(client.Post("/api/undo", "{}", "text/plain")->status, 400);
 }
 
@@ -155,7 +155,7 @@ TEST_F(Paint, RefusesMalformedRequests) {
   EXPECT_EQ(test::code_of([&] { second.bind(port); }), "port-in-use");
 }
 
-// A stop that comes before the server listens is not forgotten.
+// stop() also works before the server listens.
 TEST(PaintServer, StopsBeforeItServes) {
   studio::Painting painting{test::paint_picture()};
   auto save_file = studio::SaveFile::numbered(test::temporary_folder() / "saved.yaml");

@@ -27,7 +27,7 @@ void stroke(Painting& p, double radius, const std::vector<Vec2>& points) {
   p.end_stroke();
 }
 
-// The content of the picture that a graph gives, as a run tells it.
+// Runs a graph and returns the content hash of its last image.
 std::string replayed(const fs::path& graph) {
   const fs::path folder = test::temporary_folder(), report = folder / "report.json";
   const auto run = test::run_program({"run", graph.string(), "--no-cache", "--out", folder.string(),
@@ -40,7 +40,7 @@ std::string replayed(const fs::path& graph) {
   return content;
 }
 
-// Several nibs, strokes that leave the picture or miss it, and undos: the graph gives the same picture.
+// The graph reproduces the image after several nibs, strokes that leave or miss the image, and undo.
 TEST(Painting, TheGraphGivesTheSamePicture) {
   Painting p(test::paint_picture());
   const fs::path graph = test::temporary_folder() / "painted.yaml";

@@ -61,7 +61,7 @@ TEST(SaveFile, KeepsWhatSomebodyElseWroteMeanwhile) {
   fs::remove(file.path());
   EXPECT_FALSE(save(file, "not lost"));
   EXPECT_EQ(text_of(folder / "c_2.yaml"), "not lost");
-  // Changed between the start and the first time it is saved.
+  // The file changed between the start and the first save.
   SaveFile old = SaveFile::exactly(name, true);
   put(name, "theirs, later");
   EXPECT_TRUE(save(old, "mine"));
