@@ -30,6 +30,8 @@ Wire Graph::wire_to(const std::string& text) const {
                                     " outputs: choose one with " + path + ".PORT");
   }
   const std::string port = text.substr(dot + 1);
+  if (const Port* former = type.find_output(port) ? nullptr : type.find_former_output(port))
+    return {node, former->name, {}};
   if (!type.find_output(port)) {
     std::vector<std::string> names;
     for (const auto& p : type.outputs) names.push_back(p.name);

@@ -5,6 +5,7 @@
 
 #include "graph/linker.h"
 #include "graph/nearest.h"
+#include "graph/node_parameters.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -93,6 +94,43 @@ const Parameter* Linker::find_former(const GraphNode& node, const std::string& n
   return nullptr;
 }
 
+WrittenValue Linker::rename_former_words(const GraphNode& node, const Parameter& p, const Given& given) {
+  WrittenValue out = given.written;
+  for (std::string& item : out.items)
+    for (const auto& [former, word] : p.former_words)
+      if (item == former) {
+        note("former-name", fmt::format("{}: '{}' is now called '{}'", p.name, former, word), given.place,
+             node.path);
+        item = word;
+        break;
+      }
+  return out;
+}
+
+void Linker::check_parameters() {
+  for (const GraphNode& node : graph_.nodes) {
+    if (!node.type->check) continue;
+    std::map<std::string, ParameterValue> set;
+    bool complete = true;
+    for (const Parameter& p : node.type->parameters) {
+      const auto given = node.parameters.find(p.name);
+      if (given != node.parameters.end())
+        set.emplace(p.name, given->second.value);
+      else if (!p.value || attempted_.count({node.path, p.name}))
+        complete = false;  // missing or wrong, which is reported elsewhere
+    }
+    if (!complete) continue;
+    try {
+      node.type->check(NodeParameters(*node.type, std::move(set)));
+    } catch (const Error& e) {
+      Diagnostic d = e.diagnostic();
+      const auto at = node.parameters.find(d.parameter);
+      fail(d.code, d.message, at == node.parameters.end() ? node.place : at->second.place, d.hint, node.path,
+           d.parameter);
+    }
+  }
+}
+
 void Linker::set_parameter(GraphNode& node, const std::string& name, const Given& given) {
   const Parameter* p = node.type->find_parameter(name);
   if (!p) p = find_former(node, name, given.place);
@@ -106,7 +144,7 @@ void Linker::set_parameter(GraphNode& node, const std::string& name, const Given
   }
   if (given.written.items.empty() && !given.written.is_list) return;  // substitute() reported the error
   std::string why;
-  auto value = read_parameter(*p, given.written, why);
+  auto value = read_parameter(*p, rename_former_words(node, *p, given), why);
   if (!value) return fail("bad-value", why, given.place, {}, node.path, p->name);
   if (p->kind == ParameterKind::InputPath) {
     fs::path path = std::get<std::string>(*value);

@@ -9,6 +9,42 @@
 namespace terrazzo {
 namespace fs = std::filesystem;
 
+const NodeType* Linker::type_of(const RawNode& node) const {
+  const NodeType* type = registry_.find(node.type);
+  return type ? type : registry_.find_former(node.type);
+}
+
+void Linker::rename_former_port(const Scope& scope, RawReference& ref, bool also_inputs) {
+  const auto dot = ref.text.rfind('.');
+  if (dot == std::string::npos) return;
+  const auto node = scope.nodes.find(ref.text.substr(0, dot));
+  const NodeType* type = node == scope.nodes.end() ? nullptr : type_of(*node->second);
+  const std::string name = ref.text.substr(dot + 1);
+  if (!type || type->find_output(name) || (also_inputs && type->find_input(name))) return;
+  const Port* port = type->find_former_output(name);
+  if (!port && also_inputs) port = type->find_former_input(name);
+  if (!port) return;
+  note("former-name", fmt::format("'{}' of {} is now called '{}'", name, type->name, port->name), ref.place,
+       scope.prefix + node->first);
+  ref.text = node->first + "." + port->name;
+}
+
+void Linker::rename_former_ports(Scope& scope) {
+  for (RawNode& node : scope.doc.nodes) {
+    const NodeType* type = type_of(node);
+    for (auto& [name, refs] : node.inputs) {
+      if (const Port* port = type && !type->find_input(name) ? type->find_former_input(name) : nullptr) {
+        note("former-name", fmt::format("'{}' of {} is now called '{}'", name, type->name, port->name),
+             refs.empty() ? node.place : refs.front().place, scope.prefix + node.name);
+        name = port->name;
+      }
+      for (RawReference& ref : refs) rename_former_port(scope, ref, false);
+    }
+  }
+  for (auto& [name, ref] : scope.doc.inputs) rename_former_port(scope, ref, true);
+  for (auto& [name, ref] : scope.doc.outputs) rename_former_port(scope, ref, false);
+}
+
 std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int depth) {
   const auto dot = ref.text.rfind('.');
   std::string name = ref.text.substr(0, dot);

@@ -27,6 +27,7 @@ Graph Linker::link(RawDocument doc) {
     }
   }
   apply_set();
+  check_parameters();
   for (auto& [prefix, scope] : scopes_)
     for (const auto& node : scope->doc.nodes) connect(*scope, node);
   check_wiring_of_ports();
@@ -115,6 +116,7 @@ Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const Ra
   scope.prefix = prefix, scope.doc = std::move(doc), scope.parent = parent, scope.node = node;
   for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
   scopes_[prefix] = std::move(owned);
+  rename_former_ports(scope);
   fill_parameters(scope, std::move(given));
   override_wires(scope);
   for (const auto& raw : scope.doc.nodes) raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);

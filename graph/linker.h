@@ -52,6 +52,7 @@ class Linker {
   Given from_command_line(const std::string& text, const std::string& what);
 
   int find(const std::string& path) const;
+  const NodeType* type_of(const RawNode&) const;  // by its present or former name; null if unknown
 
   // --- parameters
 
@@ -64,6 +65,10 @@ class Linker {
   void set_parameter(GraphNode& node, const std::string& name, const Given& given);
   // The parameter that had this name in an earlier version, or null. Reports the new name in a note.
   const Parameter* find_former(const GraphNode&, const std::string& name, const Place&);
+  // Replaces former words of choices and keywords, with a note.
+  WrittenValue rename_former_words(const GraphNode&, const Parameter&, const Given&);
+  // Runs the checks of node types across parameters, on nodes whose parameters are all valid.
+  void check_parameters();
 
   // --- scopes
 
@@ -72,6 +77,10 @@ class Linker {
 
   Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
               std::map<std::string, Given> given);
+
+  // Replaces former names of ports by present ones, in this file's wires, inputs and outputs.
+  void rename_former_ports(Scope&);
+  void rename_former_port(const Scope&, RawReference&, bool also_inputs);
 
   void add_node(Scope& scope, const RawNode& raw);
 

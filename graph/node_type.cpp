@@ -18,29 +18,36 @@ std::string Port::type_text() const {
 NodeType& NodeType::doc_(std::string text) { return doc = std::move(text), *this; }
 NodeType& NodeType::source_(std::string text) { return source = std::move(text), *this; }
 NodeType& NodeType::input(std::string name, std::string type, std::string doc) {
-  inputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false});
+  inputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false, {}});
   return *this;
 }
 NodeType& NodeType::optional_input(std::string name, std::vector<std::string> types, std::string doc) {
-  inputs.push_back({std::move(name), std::move(types), std::move(doc), true, false});
+  inputs.push_back({std::move(name), std::move(types), std::move(doc), true, false, {}});
   return *this;
 }
 NodeType& NodeType::input_list(std::string name, std::vector<std::string> types, std::string doc) {
-  inputs.push_back({std::move(name), std::move(types), std::move(doc), false, true});
+  inputs.push_back({std::move(name), std::move(types), std::move(doc), false, true, {}});
   return *this;
 }
 NodeType& NodeType::output(std::string name, std::string type, std::string doc) {
-  outputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false});
+  outputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false, {}});
   return *this;
 }
 NodeType& NodeType::parameter(Parameter p) { return parameters.push_back(std::move(p)), *this; }
 NodeType& NodeType::was(std::string former) { return former_names.push_back(std::move(former)), *this; }
+NodeType& NodeType::input_was(std::string former) {
+  return inputs.back().former_names.push_back(std::move(former)), *this;
+}
+NodeType& NodeType::output_was(std::string former) {
+  return outputs.back().former_names.push_back(std::move(former)), *this;
+}
 NodeType& NodeType::writes_files_() { return writes_files = true, *this; }
 NodeType& NodeType::companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&)) {
   companion_files = fn;
   return *this;
 }
 
+NodeType& NodeType::check_(void (*fn)(const NodeParameters&)) { return check = fn, *this; }
 NodeType& NodeType::compute_(void (*fn)(Context&)) { return compute = fn, *this; }
 
 namespace {
@@ -50,10 +57,20 @@ auto find_by_name(const List& list, const std::string& name) -> decltype(list.da
     if (x.name == name) return &x;
   return nullptr;
 }
+
+const Port* find_by_former_name(const std::vector<Port>& ports, const std::string& name) {
+  for (const auto& p : ports)
+    if (std::find(p.former_names.begin(), p.former_names.end(), name) != p.former_names.end()) return &p;
+  return nullptr;
+}
 }  // namespace
 
 const Port* NodeType::find_input(const std::string& n) const { return find_by_name(inputs, n); }
 const Port* NodeType::find_output(const std::string& n) const { return find_by_name(outputs, n); }
+const Port* NodeType::find_former_input(const std::string& n) const { return find_by_former_name(inputs, n); }
+const Port* NodeType::find_former_output(const std::string& n) const {
+  return find_by_former_name(outputs, n);
+}
 const Parameter* NodeType::find_parameter(const std::string& n) const { return find_by_name(parameters, n); }
 
 }  // namespace terrazzo

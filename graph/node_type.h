@@ -9,14 +9,16 @@
 
 namespace terrazzo {
 
-class Context;  // runtime/context.h
+class Context;         // runtime/context.h
+class NodeParameters;  // graph/node_parameters.h
 
 struct Port {
   std::string name;
   std::vector<std::string> types;  // names of value types; an input without types accepts any
   std::string doc;
   bool optional = false;
-  bool many = false;  // the input accepts a list of wires
+  bool many = false;                           // the input accepts a list of wires
+  std::vector<std::string> former_names = {};  // still accepted in graph files, with a note
   bool accepts(const std::string& type) const;
   std::string type_text() const;  // "Image", "Particles or Volume", "any"
 };
@@ -35,6 +37,9 @@ struct NodeType {
   // part of the action key, like that of the file itself. Null if the node opens only the files named by its
   // parameters.
   std::vector<std::filesystem::path> (*companion_files)(const std::filesystem::path&) = nullptr;
+  // Checks rules across several parameters, such as low ≤ high. Runs with every graph that is loaded, before
+  // any work. Throws Error, which names a parameter. Null if there are none.
+  void (*check)(const NodeParameters&) = nullptr;
   void (*compute)(Context&) = nullptr;
 
   NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
@@ -46,12 +51,18 @@ struct NodeType {
   NodeType& output(std::string name, std::string type, std::string doc);
   NodeType& parameter(Parameter);
   NodeType& was(std::string former_name);
+  NodeType& input_was(std::string former_name);   // of the input declared last
+  NodeType& output_was(std::string former_name);  // of the output declared last
   NodeType& writes_files_();
   NodeType& companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&));
+  NodeType& check_(void (*fn)(const NodeParameters&));
   NodeType& compute_(void (*fn)(Context&));
 
   const Port* find_input(const std::string&) const;
   const Port* find_output(const std::string&) const;
+  // The port that had this name in an earlier version, or null.
+  const Port* find_former_input(const std::string&) const;
+  const Port* find_former_output(const std::string&) const;
   const Parameter* find_parameter(const std::string&) const;  // by its current name
 };
 

@@ -85,6 +85,16 @@ Parameter Parameter::with_keyword(ParameterKind kind, std::string n, std::string
   return p;
 }
 
+Parameter Parameter::optional_integer(std::string n, std::string keyword) {
+  return with_keyword(ParameterKind::Int, std::move(n), std::move(keyword));
+}
+Parameter Parameter::optional_number(std::string n, std::string keyword) {
+  return with_keyword(ParameterKind::Number, std::move(n), std::move(keyword));
+}
+Parameter Parameter::seed(std::string n) {
+  return integer(std::move(n), 1).range(0, 9007199254740991).doc_("Random seed");
+}
+
 Parameter& Parameter::doc_(std::string t) { return doc = std::move(t), *this; }
 Parameter& Parameter::unit_(std::string t) { return unit = std::move(t), *this; }
 Parameter& Parameter::range(double lo, double hi) { return min = lo, max = hi, *this; }
@@ -93,6 +103,9 @@ Parameter& Parameter::count(std::size_t lo, std::size_t hi) { return min_count =
 Parameter& Parameter::keyword(std::string w) { return keywords.push_back(std::move(w)), *this; }
 Parameter& Parameter::required() { return value.reset(), *this; }
 Parameter& Parameter::was(std::string former) { return former_names.push_back(std::move(former)), *this; }
+Parameter& Parameter::word_was(std::string former, std::string word) {
+  return former_words.emplace_back(std::move(former), std::move(word)), *this;
+}
 
 namespace {
 

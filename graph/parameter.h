@@ -50,6 +50,8 @@ struct Parameter {
   std::vector<std::string> keywords;                // words accepted in place of a value, such as "auto"
   std::size_t min_count = 1, max_count = 1u << 20;  // allowed lengths of lists
   std::vector<std::string> former_names;            // still accepted in graph files, with a note
+  // Former words of choices and keywords with their present ones; accepted like former names.
+  std::vector<std::pair<std::string, std::string>> former_words;
 
   // Declares in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
   static Parameter boolean(std::string name, bool value);
@@ -65,6 +67,11 @@ struct Parameter {
   static Parameter output_path(std::string name);  // required
   // Any kind, with a keyword as the default: with_keyword(ParameterKind::Int, "clusters", "auto")
   static Parameter with_keyword(ParameterKind kind, std::string name, std::string keyword);
+  // A whole number or a keyword such as "auto", which is the default.
+  static Parameter optional_integer(std::string name, std::string keyword);
+  static Parameter optional_number(std::string name, std::string keyword);
+  // A random seed: 0 to 2^53 − 1, which every reader of JSON keeps exactly. The default is 1.
+  static Parameter seed(std::string name = "seed");
 
   Parameter& doc_(std::string text);
   Parameter& unit_(std::string text);
@@ -74,6 +81,7 @@ struct Parameter {
   Parameter& keyword(std::string word);              // adds a keyword
   Parameter& required();                             // no default
   Parameter& was(std::string former_name);
+  Parameter& word_was(std::string former, std::string word);  // of a choice or keyword
 };
 
 // Parses and checks a written value. On failure, returns nothing and explains the error in `why`, with the

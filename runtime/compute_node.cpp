@@ -42,6 +42,7 @@ class NodeContext : public Context {
     memory_ = available_memory();
     if (request_.memory > 0) memory_ = std::min(memory_, request_.memory);
     inputs_ = std::move(request_.inputs);
+    type_ = request_.type;
     parameters_ = std::move(request_.parameters);
     files_ = std::move(request_.files);
   }

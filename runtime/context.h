@@ -10,13 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "runtime/value.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
 
-class Context {
+class Context : public NodeParameters {
  public:
   virtual ~Context() = default;
 
@@ -35,16 +36,8 @@ class Context {
   // The values of an input that accepts a list of wires, in the order written.
   const std::vector<Value>& list(const std::string& name) const;
 
-  // --- Parameters, checked against their declarations before compute runs.
-  bool boolean(const std::string& name) const;
-  std::int64_t integer(const std::string& name) const;
-  double number(const std::string& name) const;
-  std::string text(const std::string& name) const;  // Text, Choice, OutputPath
-  std::vector<std::int64_t> ints(const std::string& name) const;
-  std::vector<double> numbers(const std::string& name) const;  // Numbers, Color
-  std::vector<std::string> texts(const std::string& name) const;
-  // The keyword used in place of a value, such as "auto", or "" if there is a value.
-  std::string keyword(const std::string& name) const;
+  // --- Parameters: see NodeParameters. They were checked against their declarations before compute runs.
+
   // The files that an InputPath names: existing, absolute, sorted, at least one.
   const std::vector<std::filesystem::path>& files(const std::string& name) const;
 
@@ -75,12 +68,10 @@ class Context {
  protected:
   const Value* find(const std::string& name) const;
   virtual void set_output(const std::string& name, Value v) = 0;
-  const ParameterValue& raw(const std::string& name) const;
 
   Work work_;
   std::uint64_t memory_ = 0;
   std::map<std::string, std::vector<Value>> inputs_;
-  std::map<std::string, ParameterValue> parameters_;
   std::map<std::string, std::vector<std::filesystem::path>> files_;
 };
 

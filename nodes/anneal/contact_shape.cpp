@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "nodes/anneal/aabb_tree.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 
 namespace terrazzo::anneal {
 namespace {

@@ -1,6 +1,6 @@
 #include "nodes/anneal/figure.h"
 
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 
 namespace terrazzo::anneal {
 namespace {

@@ -1,8 +1,8 @@
 // Figure of a packing's statistics.
 #pragma once
 
-#include "nodes/common/linear.h"
 #include "nodes/data/image.h"
+#include "nodes/data/linear.h"
 #include "nodes/data/table.h"
 
 namespace terrazzo::anneal {

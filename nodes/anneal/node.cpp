@@ -16,7 +16,7 @@ void compute(Context& c) {
   o.population.count = c.integer("count");
   o.population.keep_volume_fraction = c.text("conserve") == "volume_fraction";
   o.population.binder_gap = c.number("binder_gap");
-  o.population.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  o.population.seed = c.seed();
   o.population.all_void = c.keyword("voids") == "all";
   if (c.keyword("voids").empty()) o.population.void_classes = c.ints("voids");
   o.iterations = static_cast<int>(c.integer("iterations"));
@@ -79,9 +79,7 @@ NodeType anneal_node() {
       .parameter(Parameter::integer("count", 2000)
                      .range(1, 1000000)
                      .doc_("Number of particles for which an automatic box is sized"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Random seed of positions, orientations and sizes"))
+      .parameter(Parameter::seed().doc_("Random seed of positions, orientations and sizes"))
       .parameter(
           Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
               .doc_("What to do if the particles cannot be packed. fail: report an error. shrink: shrink all "

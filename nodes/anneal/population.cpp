@@ -1,6 +1,6 @@
 #include "nodes/anneal/population.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/stereology/size_kernel.h"
 
 #include <fmt/format.h>
 

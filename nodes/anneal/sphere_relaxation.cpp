@@ -8,12 +8,13 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr double kRidge = 0.1;
+constexpr double kSphereRidge = 0.1;
 constexpr std::size_t kGrain = 512;
 
-// Solves (m + kRidge) x = r for symmetric m: xx xy xz yy yz zz.
+// Solves (m + kSphereRidge) x = r for symmetric m: xx xy xz yy yz zz.
 Vec3 solve(const double* m, const Vec3& r) {
-  const double a = m[0] + kRidge, b = m[1], c = m[2], d = m[3] + kRidge, e = m[4], f = m[5] + kRidge;
+  const double a = m[0] + kSphereRidge, b = m[1], c = m[2], d = m[3] + kSphereRidge, e = m[4],
+               f = m[5] + kSphereRidge;
   const double ca = d * f - e * e, cb = c * e - b * f, cc = b * e - c * d;
   const double det = a * ca + b * cb + c * cc;
   return Vec3(ca * r[0] + cb * r[1] + cc * r[2], cb * r[0] + (a * f - c * c) * r[1] + (b * c - a * e) * r[2],

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
 namespace terrazzo::anneal {
 

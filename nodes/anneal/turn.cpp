@@ -11,19 +11,19 @@ namespace {
 constexpr std::uint64_t kTurns = 0x7475726e73;
 constexpr int kTries = 4000;
 
-using Corners = Eigen::Array<float, Eigen::Dynamic, 3>;
+using CornerArray = Eigen::Array<float, Eigen::Dynamic, 3>;
 
 // A plane that a sphere's mesh must not cross: n·x ≤ reach, relative to its center, mm at scale 1.
-struct Plane {
+struct Wall {
   Vec3f n;
   float reach;
 };
 
 // Largest distance by which the mesh extends beyond a plane. Stops above `enough`.
-float beyond(const Corners& corners, const std::vector<Plane>& planes, const Quat& turn, float enough) {
+float beyond(const CornerArray& corners, const std::vector<Wall>& planes, const Quat& turn, float enough) {
   const Eigen::Matrix3f back = turn.toRotationMatrix().transpose().cast<float>();
   float worst = -1e30f;
-  for (const Plane& plane : planes) {
+  for (const Wall& plane : planes) {
     const Vec3f n = back * plane.n;
     const float top = (corners.col(0) * n[0] + corners.col(1) * n[1] + corners.col(2) * n[2]).maxCoeff();
     worst = std::max(worst, top - plane.reach);
@@ -37,7 +37,7 @@ float beyond(const Corners& corners, const std::vector<Plane>& planes, const Qua
 void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes, Packing& packing, double gap,
                   std::uint64_t seed, const Work& work) {
   const std::size_t n = packing.count();
-  std::vector<Corners> corners(shapes.size());
+  std::vector<CornerArray> corners(shapes.size());
   for (std::int32_t s : packing.shape) {
     if (!(shapes[s].ball > 0) || corners[s].rows() > 0) continue;
     const auto& vertices = meshes.shapes[s].mesh.vertices;
@@ -54,7 +54,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
   // `shared`: each of two neighbors stays on its side of the plane between them. Otherwise it may use the
   // distance that the other one, as it is rotated now, leaves.
   const auto planes_of = [&](std::size_t i, bool shared) {
-    std::vector<Plane> planes;
+    std::vector<Wall> planes;
     if (!(radius[i] > 0)) return planes;
     const double scale = packing.scale[i] * packing.shrink;
     for (std::int32_t e = incidence.begin[i]; e < incidence.begin[i + 1]; ++e) {
@@ -67,7 +67,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
       if (!(distance > 0)) continue;
       double reach = (distance - gap) * radius[i] / (radius[i] + radius[other]);
       if (!shared) {
-        const Plane across{(-offset / distance).cast<float>(), 0};
+        const Wall across{(-offset / distance).cast<float>(), 0};
         const float theirs =
             beyond(corners[packing.shape[other]], {across}, packing.orientation[other], 1e30f);
         reach = std::max(reach, distance - gap - theirs * packing.scale[other] * packing.shrink);
@@ -78,8 +78,8 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
     return planes;
   };
   // Returns whether the sphere is behind its planes in the end.
-  const auto turn = [&](std::size_t i, const std::vector<Plane>& planes, int tries, std::uint64_t stream) {
-    const Corners& mesh = corners[packing.shape[i]];
+  const auto turn = [&](std::size_t i, const std::vector<Wall>& planes, int tries, std::uint64_t stream) {
+    const CornerArray& mesh = corners[packing.shape[i]];
     Quat best = packing.orientation[i];
     float least = beyond(mesh, planes, best, 1e30f);
     Random random(seed, stream, i);

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/color.h"
-#include "nodes/common/kmeans.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/kmeans.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::colorize {
 namespace {
 
 enum Stream : std::uint64_t { kProfile = 0xc0, kClass = 0xc1 };
@@ -159,4 +159,4 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
   return report;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::colorize

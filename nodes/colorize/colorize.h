@@ -8,7 +8,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::colorize {
 
 enum class ColorMode {
   Random,  // any profile by its weight: unbiased if color does not depend on size
@@ -40,4 +40,4 @@ ColorReport colorize(Particles&, const Profiles&, const ColorChoice&, const Work
 // `size` around `profile`; 0 if no section is that large.
 double profile_likelihood(double profile, double size);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::colorize

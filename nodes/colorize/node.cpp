@@ -1,10 +1,11 @@
 #include "graph/node_type.h"
 #include "nodes/colorize/colorize.h"
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+using namespace colorize;
 
 // Distance in Oklab between the particles' mean color and the weighted mean of the profiles.
 double mean_difference(const Particles& particles, const Profiles& profiles) {
@@ -27,9 +28,9 @@ void compute(Context& c) {
   choice.mode = mode == "random"    ? ColorMode::Random
                 : mode == "by_size" ? ColorMode::BySize
                                     : ColorMode::Classes;
-  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
-  choice.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
-  const ColorReport report = colorize(particles, profiles, choice, c.work());
+  choice.seed = c.seed();
+  choice.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
+  const ColorReport report = colorize::colorize(particles, profiles, choice, c.work());
   if (report.weightless) c.warn("every profile touches the border, so all have equal weight");
   if (report.colorless) c.warn("all profiles are black: they have no color data");
   c.metric("profiles_used", static_cast<double>(report.profiles_used));
@@ -56,11 +57,11 @@ NodeType colorize_node() {
                   "random: any profile, unbiased if color does not depend on size. by_size: profiles that a "
                   "section of a particle of this size may show. classes: profiles of the particle's class; "
                   "particles without classes get the profiles' classes by size, or classes from k-means."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+      .parameter(Parameter::optional_integer("clusters", "auto")
                      .range(1, 64)
                      .doc_("Number of color classes that k-means finds if neither particles nor profiles "
                            "have classes. auto: 1 to 8, by silhouette."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

@@ -6,7 +6,7 @@
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 namespace {
 
@@ -87,4 +87,4 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

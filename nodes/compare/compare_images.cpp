@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 namespace {
 
@@ -93,4 +93,4 @@ Comparison compare(const Image& a, const Image& b, const CompareChoice& choice, 
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

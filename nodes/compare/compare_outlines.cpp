@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/outline_features.h"
+#include "nodes/common/stereology/outline_features.h"
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 namespace {
 
 constexpr double kSmirnov_95 = 1.3581;  // two-sample Kolmogorov–Smirnov test, 5 % level
@@ -93,4 +93,4 @@ void compare_outlines(const Profiles& a, const Profiles& b, const std::string& m
   out.plots.push_back(plot);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

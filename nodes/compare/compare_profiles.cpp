@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 namespace {
 
@@ -186,4 +186,4 @@ Comparison compare(const Profiles& a, const Profiles& b, const CompareChoice& ch
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <functional>
 
-#include "nodes/common/band_statistics.h"
-#include "nodes/common/color.h"
-#include "nodes/common/phase_statistics.h"
-#include "nodes/common/steerable_pyramid.h"
-#include "nodes/common/texture_measures.h"
+#include "nodes/common/texture/band_statistics.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/phase_statistics.h"
+#include "nodes/common/texture/steerable_pyramid.h"
+#include "nodes/common/texture/texture_measures.h"
 #include "nodes/compare/comparison.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 namespace {
 
 constexpr int kLeastSide = 48;  // pixels; halves still need patches and bands
@@ -249,4 +249,4 @@ void compare_textures(const Image& a, const Image& b, const CompareChoice& choic
     }
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

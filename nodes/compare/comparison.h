@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/data/image.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/table.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 // One compared number. `tolerance` is the half-width of the 95 % interval of b − a, assuming that both are
 // samples of the same material; NaN if the noise is unknown, and then nothing exceeds it.
@@ -81,4 +81,4 @@ Table table_of(const Comparison&);
 // Bars of the binned numbers and of the area fractions, color swatches, and the plots.
 Image figure_of(const Comparison&, const std::string& name_a, const std::string& name_b);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

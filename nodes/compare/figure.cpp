@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/drawing.h"
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/drawing.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/compare/comparison.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 namespace {
 
@@ -120,4 +120,4 @@ Image figure_of(const Comparison& c, const std::string& name_a, const std::strin
   return figure;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

@@ -12,6 +12,7 @@
 namespace terrazzo {
 
 namespace {
+using namespace compare;
 
 const std::vector<std::string> of_profiles = {"size_classes", "area_fraction", "color", "circularity",
                                               "total_curvature"};
@@ -43,7 +44,7 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
   choice.bands = has("bands"), choice.patches = has("patches"), choice.two_point = has("two_point");
   choice.lineal_path = has("lineal_path"), choice.seam = has("seam");
   choice.classes = static_cast<int>(c.integer("classes"));
-  if (c.keyword("smallest").empty()) choice.smallest = c.number("smallest");
+  if (const auto v = c.optional_number("smallest")) choice.smallest = *v;
   return choice;
 }
 
@@ -68,11 +69,11 @@ void compute(Context& c) {
     choice.smallest = both_show(c.input<Profiles>("a"), c.input<Profiles>("b"));
   Comparison comparison;
   if (type == "Profiles")
-    comparison = compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
+    comparison = compare::compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
   else if (type == "SizeDistribution")
-    comparison = compare(c.input<SizeDistribution>("a"), c.input<SizeDistribution>("b"), choice);
+    comparison = compare::compare(c.input<SizeDistribution>("a"), c.input<SizeDistribution>("b"), choice);
   else
-    comparison = compare(c.input<Image>("a"), c.input<Image>("b"), choice, c.work());
+    comparison = compare::compare(c.input<Image>("a"), c.input<Image>("b"), choice, c.work());
   for (const auto& w : comparison.warnings) c.warn(w);
   if (c.keyword("measures").empty() && comparison.warnings.empty())
     for (const auto& m : c.texts("measures"))
@@ -118,7 +119,7 @@ NodeType compare_node() {
               .range(1, 1000)
               .doc_("Number of equal classes of √A up to the largest profile. For distributions, used only "
                     "if their class edges differ."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest", "auto")
+      .parameter(Parameter::optional_number("smallest", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
                      .doc_("Smallest profile diameter √(4A/π) in the size classes of both sets, since a "

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 bool ComparedNumber::exceeds() const { return std::abs(b - a) > tolerance; }  // false if the tolerance is NaN
 
@@ -39,4 +39,4 @@ double earth_mover(std::vector<float> a, std::vector<float> b) {
   return sum;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

@@ -3,7 +3,7 @@
 
 #include "nodes/compare/comparison.h"
 
-namespace terrazzo {
+namespace terrazzo::compare {
 
 constexpr double sigmas_95 = 1.959963984540054;
 constexpr double sigmas_90 = 1.6448536269514722;
@@ -17,4 +17,4 @@ void add_color(Comparison&, const std::string& name, const Vec3f& linear_a, cons
 // Mean difference of the quantiles of two samples. They need not be sorted or equal in size.
 double earth_mover(std::vector<float> a, std::vector<float> b);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::compare

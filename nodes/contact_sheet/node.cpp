@@ -7,6 +7,7 @@
 namespace terrazzo {
 
 namespace {
+using namespace contact_sheet;
 
 void compute(Context& c) {
   std::vector<Image> images;
@@ -27,10 +28,10 @@ void compute(Context& c) {
     throw Error("too-many-captions", fmt::format("there are {} captions for {} images; remove some",
                                                  choice.captions.size(), images.size()))
         .parameter("captions");
-  if (c.keyword("columns").empty()) choice.columns = static_cast<int>(c.integer("columns"));
+  if (const auto v = c.optional_integer("columns")) choice.columns = static_cast<int>(*v);
   choice.cell = static_cast<int>(c.integer("cell"));
   choice.dark = c.text("background") == "dark";
-  const Image sheet = contact_sheet(images, choice, c.work());
+  const Image sheet = contact_sheet::contact_sheet(images, choice, c.work());
   c.metric("pictures", static_cast<double>(images.size()));
   c.output("image", sheet);
 }
@@ -47,7 +48,7 @@ NodeType contact_sheet_node() {
       .output("image", "Image", "The contact sheet")
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "captions", "none")
                      .doc_("Captions in the order of the images. There may be fewer captions than images."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "columns", "auto")
+      .parameter(Parameter::optional_integer("columns", "auto")
                      .range(1, 1000)
                      .doc_("Images per row. auto: up to three images share one row; more form a roughly "
                            "square sheet."))

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 
-namespace terrazzo {
+namespace terrazzo::contact_sheet {
 
 namespace {
 
@@ -84,4 +84,4 @@ Image resized(const Image& image, int section, int width, int height, const Work
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::contact_sheet

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "nodes/common/color.h"
-#include "nodes/common/plot.h"
-#include "nodes/common/stroke_font.h"
+#include "nodes/common/plot/plot.h"
+#include "nodes/common/plot/stroke_font.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/contact_sheet/resize.h"
 
-namespace terrazzo {
+namespace terrazzo::contact_sheet {
 
 Vec3f label_color(std::int32_t id) {
   if (id == 0) return Vec3f::Constant(0.012f);
@@ -92,4 +92,4 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
   return sheet;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::contact_sheet

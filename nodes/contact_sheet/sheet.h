@@ -8,7 +8,7 @@
 #include "nodes/data/labels.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::contact_sheet {
 
 // Color of a profile id in images of labels: always the same for one id, clearly different for neighboring
 // ids. Id 0 is binder.
@@ -27,4 +27,4 @@ struct SheetChoice {
 // list must not be empty.
 Image contact_sheet(const std::vector<Image>&, const SheetChoice&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::contact_sheet

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/coarse_descent.h"
-#include "nodes/common/color_levels.h"
+#include "nodes/common/texture/coarse_descent.h"
+#include "nodes/common/texture/color_levels.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/dense_grid.h"
-#include "nodes/common/one_or_three.h"
+#include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/one_or_three.h"
 #include "nodes/cooccurrence_solid/cooccurrence_solid.h"
 #include "nodes/data/table.h"
 #include "runtime/context.h"
@@ -20,8 +20,7 @@ void compute(Context& c) {
   SolidFieldSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.space = c.text("space"), s.from_noise = c.text("start") == "noise",
-  s.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  s.space = c.text("space"), s.from_noise = c.text("start") == "noise", s.seed = c.seed();
   s.size = one_or_three(c, "size");
   const double voxels = s.size.cast<double>().prod();
   if (voxels > 1 << 30)
@@ -89,7 +88,7 @@ NodeType cooccurrence_solid_node() {
                      .range(4, 1024)
                      .unit_("voxels")
                      .doc_("Edge length, or one length per axis"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/coarse_descent.h"
-#include "nodes/common/color_levels.h"
-#include "nodes/common/cooccurrence.h"
+#include "nodes/common/texture/coarse_descent.h"
+#include "nodes/common/texture/color_levels.h"
+#include "nodes/common/texture/cooccurrence.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 

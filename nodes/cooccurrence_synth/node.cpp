@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
-#include "nodes/common/texture_measures.h"
+#include "nodes/common/plot/plot.h"
+#include "nodes/common/texture/texture_measures.h"
 #include "nodes/cooccurrence_synth/cooccurrence_synth.h"
 #include "nodes/data/table.h"
 #include "runtime/context.h"
@@ -42,7 +42,7 @@ void compute(Context& c) {
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
   s.patches = c.text("finish") == "patches", s.from_noise = c.text("start") == "noise";
   s.tileable = c.boolean("tileable"), s.space = c.text("space");
-  s.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  s.seed = c.seed();
   if (c.keyword("size").empty()) {
     const auto size = c.ints("size");
     s.width = static_cast<int>(size.front()), s.height = static_cast<int>(size.back());
@@ -121,7 +121,7 @@ NodeType cooccurrence_synth_node() {
               .doc_("levels: the clustered colors, as in the paper. patches: colors of source pixels "
                     "with similar neighborhoods, so that shapes survive; the levels are updated to match."))
       .parameter(Parameter::boolean("tileable", true).doc_("Makes opposite edges match"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

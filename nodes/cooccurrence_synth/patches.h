@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/color_levels.h"
-#include "nodes/common/cooccurrence.h"
+#include "nodes/common/texture/color_levels.h"
+#include "nodes/common/texture/cooccurrence.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 

@@ -10,7 +10,7 @@ void encode(const Image& v, Writer& w) {
   w.raw_array(v.pixels);
 }
 
-Image decode(Reader& r) {
+Image decode_image(Reader& r) {
   Image v;
   v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
   v.pixels = r.raw_array<Vec3f>();
@@ -35,8 +35,8 @@ nlohmann::json describe(const Image& v) {
 template <>
 const ValueType& value_type<Image>() {
   static const ValueType type = make_value_type<Image>(
-      "Image", "One section or a stack of sections of equal scale, scene-linear Rec. 709", encode, decode,
-      describe);
+      "Image", "One section or a stack of sections of equal scale, scene-linear Rec. 709", encode,
+      decode_image, describe);
   return type;
 }
 

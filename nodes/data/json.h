@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
 namespace terrazzo {
 

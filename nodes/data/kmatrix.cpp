@@ -17,7 +17,7 @@ void encode(const KMatrix& v, Writer& w) {
   }
 }
 
-KMatrix decode(Reader& r) {
+KMatrix decode_kmatrix(Reader& r) {
   KMatrix v;
   v.classes = r.pod<int>(), v.averaging = r.text(), v.residual = r.pod<double>();
   if (v.classes < 1 || v.classes > 4096) throw Error("damaged", "the stored K matrix has an invalid size");
@@ -59,8 +59,8 @@ nlohmann::json describe(const KMatrix& v) {
 template <>
 const ValueType& value_type<KMatrix>() {
   static const ValueType type = make_value_type<KMatrix>(
-      "KMatrix", "Frequency of profiles of each size class from particles of each size class", encode, decode,
-      describe);
+      "KMatrix", "Frequency of profiles of each size class from particles of each size class", encode,
+      decode_kmatrix, describe);
   return type;
 }
 

@@ -10,7 +10,7 @@ void encode(const Labels& v, Writer& w) {
   w.array(v.ids), w.array(v.classes);
 }
 
-Labels decode(Reader& r) {
+Labels decode_labels(Reader& r) {
   Labels v;
   v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
   v.ids = r.array<std::int32_t>(), v.classes = r.array<std::int32_t>();
@@ -36,7 +36,7 @@ nlohmann::json describe(const Labels& v) {
 template <>
 const ValueType& value_type<Labels>() {
   static const ValueType type = make_value_type<Labels>(
-      "Labels", "Profile number of each pixel, 0 for the binder", encode, decode, describe);
+      "Labels", "Profile number of each pixel, 0 for the binder", encode, decode_labels, describe);
   return type;
 }
 

@@ -15,7 +15,7 @@ void encode(const Particles& v, Writer& w) {
   w.array(v.voids);
 }
 
-Particles decode(Reader& r) {
+Particles decode_particles(Reader& r) {
   Particles v;
   r.bytes(v.box.data(), sizeof(double) * 3);
   v.shape = r.array<std::int32_t>(), v.cls = r.array<std::int32_t>();
@@ -60,7 +60,7 @@ nlohmann::json describe(const Particles& v) {
 template <>
 const ValueType& value_type<Particles>() {
   static const ValueType type = make_value_type<Particles>(
-      "Particles", "Instances of shapes in a periodic box", encode, decode, describe);
+      "Particles", "Instances of shapes in a periodic box", encode, decode_particles, describe);
   return type;
 }
 

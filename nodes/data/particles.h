@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/value.h"
 
 namespace terrazzo {

@@ -20,7 +20,7 @@ void encode(const Profiles& v, Writer& w) {
   }
 }
 
-Profiles decode(Reader& r) {
+Profiles decode_profiles(Reader& r) {
   Profiles v;
   v.observed_area = r.pod<double>(), v.sections = r.pod<int>(), v.classes = r.pod<int>();
   r.bytes(v.window.data(), sizeof(double) * 2);
@@ -67,7 +67,7 @@ nlohmann::json describe(const Profiles& v) {
 template <>
 const ValueType& value_type<Profiles>() {
   static const ValueType type = make_value_type<Profiles>(
-      "Profiles", "Profiles of particles in plane sections", encode, decode, describe);
+      "Profiles", "Profiles of particles in plane sections", encode, decode_profiles, describe);
   return type;
 }
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/value.h"
 
 namespace terrazzo {

@@ -21,7 +21,7 @@ void encode(const Shapes& v, Writer& w) {
   }
 }
 
-Shapes decode(Reader& r) {
+Shapes decode_shapes(Reader& r) {
   Shapes v;
   v.shapes.resize(r.count(65));
   for (auto& s : v.shapes) {
@@ -59,7 +59,7 @@ nlohmann::json describe(const Shapes& v) {
 template <>
 const ValueType& value_type<Shapes>() {
   static const ValueType type = make_value_type<Shapes>(
-      "Shapes", "Particle shapes: watertight meshes with probabilities", encode, decode, describe);
+      "Shapes", "Particle shapes: watertight meshes with probabilities", encode, decode_shapes, describe);
   return type;
 }
 

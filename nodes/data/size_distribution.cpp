@@ -15,7 +15,7 @@ void encode(const SizeDistribution& v, Writer& w) {
   w.pod(v.volume_fraction), w.pod(v.d_max), w.pod(v.goodness_of_fit);
 }
 
-SizeDistribution decode(Reader& r) {
+SizeDistribution decode_size_distribution(Reader& r) {
   SizeDistribution v;
   v.class_edges = r.array<double>();
   v.shapes.resize(r.count(32));
@@ -45,7 +45,8 @@ nlohmann::json describe(const SizeDistribution& v) {
 template <>
 const ValueType& value_type<SizeDistribution>() {
   static const ValueType type = make_value_type<SizeDistribution>(
-      "SizeDistribution", "Number of particles per volume in each size class", encode, decode, describe);
+      "SizeDistribution", "Number of particles per volume in each size class", encode,
+      decode_size_distribution, describe);
   return type;
 }
 

@@ -41,7 +41,7 @@ void encode(const Strokes& v, Writer& w) {
   }
 }
 
-Strokes decode(Reader& r) {
+Strokes decode_strokes(Reader& r) {
   Strokes v;
   v.strokes.resize(r.count(8 + 1 + 8));
   for (auto& s : v.strokes) {
@@ -76,8 +76,8 @@ nlohmann::json describe(const Strokes& v) {
 
 template <>
 const ValueType& value_type<Strokes>() {
-  static const ValueType type =
-      make_value_type<Strokes>("Strokes", "Strokes of a nib or brush on an image", encode, decode, describe);
+  static const ValueType type = make_value_type<Strokes>("Strokes", "Strokes of a nib or brush on an image",
+                                                         encode, decode_strokes, describe);
   return type;
 }
 

@@ -37,7 +37,7 @@ void encode(const Table& v, Writer& w) {
   }
 }
 
-Table decode(Reader& r) {
+Table decode_table(Reader& r) {
   Table v;
   v.columns.resize(r.count(8));
   for (auto& c : v.columns) c = r.text();
@@ -69,7 +69,7 @@ nlohmann::json describe(const Table& v) {
 template <>
 const ValueType& value_type<Table>() {
   static const ValueType type =
-      make_value_type<Table>("Table", "Named columns of numbers or text", encode, decode, describe);
+      make_value_type<Table>("Table", "Named columns of numbers or text", encode, decode_table, describe);
   return type;
 }
 

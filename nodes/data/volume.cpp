@@ -148,7 +148,7 @@ void encode(const Volume& v, Writer& w) {
   }
 }
 
-Volume decode(Reader& r) {
+Volume decode_volume(Reader& r) {
   initialize_openvdb();
   Volume v;
   for (int i = 0; i < 3; ++i) {
@@ -237,7 +237,7 @@ nlohmann::json describe(const Volume& v) {
 template <>
 const ValueType& value_type<Volume>() {
   static const ValueType type =
-      make_value_type<Volume>("Volume", "Named OpenVDB grids in one box", encode, decode, describe);
+      make_value_type<Volume>("Volume", "Named OpenVDB grids in one box", encode, decode_volume, describe);
   return type;
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/value.h"
 
 namespace terrazzo {

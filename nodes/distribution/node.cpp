@@ -4,19 +4,20 @@
 
 namespace terrazzo {
 namespace {
+using namespace distribution;
 
 void compute(Context& c) {
   SizeLaw law;
   law.kind = c.text("kind");
   law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
   law.min = c.number("min");
-  if (c.keyword("max").empty()) law.max = c.number("max");
+  if (const auto v = c.optional_number("max")) law.max = *v;
   law.of_volume = c.text("density_by") == "volume";
   law.classes = static_cast<int>(c.integer("classes"));
   if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
-  if (c.keyword("volume_fraction").empty()) law.volume_fraction = c.number("volume_fraction");
-  if (c.keyword("number_density").empty()) law.number_density = c.number("number_density");
+  if (const auto v = c.optional_number("volume_fraction")) law.volume_fraction = *v;
+  if (const auto v = c.optional_number("number_density")) law.number_density = *v;
   law.by_class = c.text("types") == "by_class";
   SizeDistribution d = make_distribution(law, c.optional<Shapes>("shapes"));
   double number = 0;
@@ -50,7 +51,7 @@ NodeType distribution_node() {
                      .doc_("Exponent of rosin_rammler. Larger values make the distribution narrower."))
       .parameter(Parameter::number("min", 0).unit_("mm").range(0, 1e9).doc_(
           "Smallest size; the law is cut off below it"))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "max", "auto")
+      .parameter(Parameter::optional_number("max", "auto")
                      .unit_("mm")
                      .above(0)
                      .doc_("Largest size; the law is cut off above it. auto: the size that 0.1 % exceed."))
@@ -70,11 +71,11 @@ NodeType distribution_node() {
                      .range(0, 1e18)
                      .count(1, 1000)
                      .doc_("Number density of each class, for kind: classes"))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "volume_fraction", "auto")
+      .parameter(Parameter::optional_number("volume_fraction", "auto")
                      .range(0, 1)
                      .doc_("Volume fraction of the particles. auto: 0.3, or the one that follows from N_V or "
                            "number_density."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "number_density", "auto")
+      .parameter(Parameter::optional_number("number_density", "auto")
                      .unit_("mm⁻³")
                      .range(0, 1e18)
                      .doc_("Number density over all sizes. auto: the one that follows from volume_fraction."))

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 
-namespace terrazzo {
+namespace terrazzo::distribution {
 namespace {
 
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
@@ -139,4 +139,4 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::distribution

@@ -7,7 +7,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
 
-namespace terrazzo {
+namespace terrazzo::distribution {
 
 struct SizeLaw {
   std::string kind = "lognormal";   // classes, lognormal, normal, uniform, rosin_rammler
@@ -33,4 +33,4 @@ double law_cdf(const SizeLaw&, double size);
 // "both-given", "too-full", "no-shapes", "unmeasured-shape".
 SizeDistribution make_distribution(const SizeLaw&, const Shapes* shapes);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::distribution

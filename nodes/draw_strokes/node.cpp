@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/footprint.h"
+#include "nodes/common/texture/footprint.h"
 #include "nodes/data/image.h"
 #include "nodes/data/strokes.h"
 #include "runtime/context.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
 
 class Lines {
@@ -120,4 +120,4 @@ std::string csv_of(const Shapes& shapes) {
   return out.take();
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -11,7 +11,7 @@
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/table.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 
 std::string csv_of(const Table&);
 // section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g,
@@ -27,4 +27,4 @@ std::string csv_of(const KMatrix&);
 // max_section_area (mm²)
 std::string csv_of(const Shapes&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "nodes/common/checked_file.h"
-#include "nodes/common/render_mesh.h"
+#include "nodes/common/geometry/render_mesh.h"
+#include "nodes/common/io/checked_file.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
 
 constexpr double metres_per_mm = 0.001;
@@ -248,4 +248,4 @@ void write_glb(const std::filesystem::path& path, const Shapes& shapes, const st
   pack.write(path, provenance);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -12,7 +12,7 @@
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 
 // Writes one mesh and one node per shape in use. The node's instances have TRANSLATION, ROTATION, SCALE,
 // `_COLOR_0` (three floats, scene-linear; three.js uses it as the instance color) and `_ID` (the particle's
@@ -27,4 +27,4 @@ void write_glb(const std::filesystem::path&, const Particles&, const Shapes&,
 void write_glb(const std::filesystem::path&, const Shapes&, const std::string& provenance = {},
                const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -4,10 +4,10 @@
 
 #include <cstring>
 
-#include "nodes/common/checked_file.h"
+#include "nodes/common/io/checked_file.h"
 #include "runtime/codec.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
 
 std::string obj(const Shapes& shapes) {
@@ -67,4 +67,4 @@ void write_mesh(const std::filesystem::path& path, const Shapes& shapes) {
                                                : binary_stl(shapes.shapes[0].mesh));
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -5,11 +5,11 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 
 // The extension selects the format: .obj (one object per shape), .ply (binary, one shape), .stl (binary, one
 // shape).
 // Throws Error "no-shapes", "one-shape-only" (.ply and .stl hold one mesh), "write-failed".
 void write_mesh(const std::filesystem::path&, const Shapes&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"
-#include "nodes/common/checked_file.h"
+#include "nodes/common/io/checked_file.h"
 #include "nodes/export/csv.h"
 #include "nodes/export/gltf.h"
 #include "nodes/export/mesh_file.h"
@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
 
 // The inputs, named after their types.
 struct Input {

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
-#include "nodes/common/checked_file.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/checked_file.h"
+#include "nodes/common/io/image_file.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
 
 Error incomplete(std::string why) {
@@ -82,4 +82,4 @@ std::string section_name(const std::string& path, int section, int sections) {
       .string();
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -7,9 +7,9 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 
-// Calls write_image (nodes/common/image_file.h) and reads the file back, since the writers of some formats
+// Calls write_image (nodes/common/io/image_file.h) and reads the file back, since the writers of some formats
 // report success on a full disk. Throws Error "write-failed" if the file is incomplete, and the errors of
 // write_image.
 void write_picture(const std::filesystem::path&, const Image&, int section,
@@ -24,4 +24,4 @@ void write_labels(const std::filesystem::path&, const Labels&, int section = 0,
 // "masks.png" → "masks_007.png" for section 7 of a stack. More than 1000 sections use more digits.
 std::string section_name(const std::string& path, int section, int sections);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -2,9 +2,9 @@
 
 #include <openvdb/io/Archive.h>
 
-#include "nodes/common/checked_file.h"
+#include "nodes/common/io/checked_file.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
 
 // Writes the same bytes as openvdb::io::File to a checked stream, because File ignores write errors.
@@ -35,4 +35,4 @@ void write_vdb(const std::filesystem::path& path, const Volume& volume, const st
   file.guard([&](std::ostream& out) { StreamArchive().write_to(out, grids, metadata); });
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

@@ -6,11 +6,11 @@
 
 #include "nodes/data/volume.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 
 // The file has the metadata "creator", "provenance" (the given JSON, if not empty) and "period" (voxels, if
 // the volume is periodic). Grids keep their name, class, transform (mm) and metadata. Throws Error
 // "no-grids", "write-failed".
 void write_vdb(const std::filesystem::path&, const Volume&, const std::string& provenance = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::exporting

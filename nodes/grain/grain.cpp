@@ -5,7 +5,7 @@
 
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::grain {
 namespace {
 
 double lattice(std::uint64_t seed, std::int64_t x, std::int64_t y) {
@@ -110,4 +110,4 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::grain

@@ -7,7 +7,7 @@
 #include "nodes/data/labels.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::grain {
 
 struct GrainSettings {
   double mottle = 0.15;  // standard deviation of the brightness within a particle, relative
@@ -22,4 +22,4 @@ struct GrainSettings {
 // body. `labels`, if given, must have the image's size. Throws Error "empty-image", "size-mismatch".
 Image add_grain(const Image&, const Labels* labels, const GrainSettings&, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::grain

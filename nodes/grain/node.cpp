@@ -4,10 +4,11 @@
 
 namespace terrazzo {
 namespace {
+using namespace grain;
 
 void compute(Context& c) {
   const GrainSettings g{c.number("mottle"), c.number("vary"),  c.number("scale"),
-                        c.number("blur"),   c.number("noise"), static_cast<std::uint64_t>(c.integer("seed"))};
+                        c.number("blur"),   c.number("noise"), c.seed()};
   c.output("image", add_grain(c.input<Image>("image"), c.optional<Labels>("labels"), g, c.work()));
 }
 
@@ -34,7 +35,7 @@ NodeType grain_node() {
                      .range(0, 1)
                      .doc_("Standard deviation of a pixel's noise at mid gray, in linear values. It grows as "
                            "√brightness."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

@@ -8,7 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/kmatrix/section_statistics.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 SectionStatistics ellipsoid_statistics(const Vec3& semi_axes) {
   std::array<double, 3> axis{semi_axes.x(), semi_axes.y(), semi_axes.z()};
@@ -102,4 +102,4 @@ Vec3 fit_ellipsoid(const Shape& shape) {
   return axes * std::cbrt(filled);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

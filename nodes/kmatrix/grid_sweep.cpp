@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 namespace {
 
 constexpr int kRanges = 48, kNodes = 2 * kRanges + 1;
@@ -68,4 +68,4 @@ const std::vector<AreaRange>& GridSweep::sweep(const Vec3& direction) {
   return ranges_;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "nodes/common/depth_areas.h"
+#include "nodes/common/stereology/depth_areas.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 // Cheaper than DepthSweep if there are far more vertices than depths: it sorts nothing, and areas need only
 // heights instead of coordinates. By the divergence theorem in the plane, the area of a section is half the
@@ -37,4 +37,4 @@ class GridSweep {
   std::vector<AreaRange> ranges_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/section_statistics.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const Work& work,
                      std::size_t* orientations_used) {
@@ -58,4 +58,4 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   return k;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "nodes/common/egl_context.h"
+#include "nodes/common/gl/egl_context.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 struct KMatrixOptions {
   std::string method = "slice";  // "analytic", "slice" or "stencil"
@@ -26,4 +26,4 @@ struct KMatrixOptions {
 KMatrix make_kmatrix(const Shapes&, const KMatrixOptions&, const Work& = {},
                      std::size_t* orientations_used = nullptr);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/plot/plot.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/data/table.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+using namespace kmatrix;
 
 std::string name_of(const Shapes& shapes, std::size_t i) {
   return shapes.shapes[i].name.empty() ? fmt::format("shape {}", i + 1) : shapes.shapes[i].name;
@@ -109,7 +110,7 @@ NodeType kmatrix_node() {
                      .doc_("Sizes within the class of a column. uniform: evenly distributed over the class. "
                            "upper_edge: all at the upper edge, as in the paper's equation 3, which biases "
                            "the unfolding."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "orientations", "auto")
+      .parameter(Parameter::optional_integer("orientations", "auto")
                      .range(2, 10000000)
                      .doc_("Number of directions of slice. auto: doubles them until no class changes by more "
                            "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), up to "

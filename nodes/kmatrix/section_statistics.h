@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "nodes/common/egl_context.h"
+#include "nodes/common/gl/egl_context.h"
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 constexpr int kSectionBins = 1000;  // bins of the cdf of √(A/A_max)
 
@@ -46,4 +46,4 @@ SectionStatistics ellipsoid_statistics(const Vec3& semi_axes);
 // icosahedron do not, although their corners lie on a sphere). Otherwise throws Error "not-an-ellipsoid".
 Vec3 fit_ellipsoid(const Shape&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

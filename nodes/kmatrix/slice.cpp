@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/profile_sweep.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/stereology/profile_sweep.h"
 #include "nodes/kmatrix/grid_sweep.h"
 #include "nodes/kmatrix/section_statistics.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 namespace {
 
 constexpr std::size_t kMostOrientations = 65536;
@@ -159,4 +159,4 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
   return s;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

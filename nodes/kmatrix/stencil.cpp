@@ -4,13 +4,13 @@
 #include <numbers>
 #include <numeric>
 
-#include "nodes/common/components.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/components.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/kmatrix/stencil_slicer.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 namespace {
 
 constexpr std::size_t kDefaultSlices = 16384;
@@ -78,7 +78,7 @@ std::vector<std::int64_t> profiles_of(const StencilSlicer& slicer, int slice, co
   return sizes;
 }
 
-using Histogram = std::vector<double>;  // width in mm per bin of √(A/A_max)
+using WidthHistogram = std::vector<double>;  // width in mm per bin of √(A/A_max)
 
 }  // namespace
 
@@ -87,7 +87,7 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
   const Body body{mesh_is_convex(shape.mesh), in_one_piece(shape.mesh)};
   const std::size_t count = slices > 0 ? slices : kDefaultSlices;
   StencilSlicer slicer(shape.mesh, device);
-  Histogram sum(kSectionBins, 0.0), half;
+  WidthHistogram sum(kSectionBins, 0.0), half;
   double width = 0;
   for (std::size_t begin = 0; begin < count; begin += StencilSlicer::kSlices) {
     work.check();
@@ -129,4 +129,4 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
   return s;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

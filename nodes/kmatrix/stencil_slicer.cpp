@@ -3,10 +3,10 @@
 #include <GL/glcorearb.h>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/gl_program.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/gl/gl_program.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 namespace {
 
 struct Instance {
@@ -142,4 +142,4 @@ const std::uint8_t* StencilSlicer::row(int slice, int y) const {
   return stencil_.data() + (line * kColumns + static_cast<std::size_t>(slice % kColumns)) * kTile;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

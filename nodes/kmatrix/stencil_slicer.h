@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/egl_context.h"
-#include "nodes/common/linear.h"
+#include "nodes/common/gl/egl_context.h"
+#include "nodes/data/linear.h"
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 
 struct SlicePlane {
   Quat rotation;  // the plane z = depth cuts the rotated body
@@ -44,4 +44,4 @@ class StencilSlicer {
   double pixel_area_ = 0;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::kmatrix

@@ -1,6 +1,6 @@
 #include "graph/node_type.h"
-#include "nodes/common/color_config.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/color_config.h"
+#include "nodes/common/io/image_file.h"
 #include "runtime/context.h"
 
 namespace terrazzo {

@@ -8,10 +8,10 @@
 #include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/components.h"
-#include "nodes/common/picture_input.h"
+#include "nodes/common/geometry/components.h"
+#include "nodes/common/io/picture_input.h"
 
-namespace terrazzo {
+namespace terrazzo::load_labels {
 namespace {
 
 // Reads samples in the file's own type, so that no value is scaled, and checks that each is a whole number.
@@ -141,4 +141,4 @@ Labels labels_from_classes(const std::vector<RawMask>& masks, double pixel_size)
   return with_any(std::move(labels));
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_labels

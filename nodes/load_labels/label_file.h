@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 #include "nodes/data/labels.h"
 
-namespace terrazzo {
+namespace terrazzo::load_labels {
 
 // The pixels of one mask: 0 for background (0, black or transparent), otherwise the pixel's value, or for a
 // color 0xRRGGBB + 1. Values are those of the file, never scaled.
@@ -29,4 +29,4 @@ Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 // classes: such a mask contains instances, or was blurred.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_labels

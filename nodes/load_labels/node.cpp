@@ -6,6 +6,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace load_labels;
 
 void compute(Context& c) {
   std::vector<RawMask> masks;

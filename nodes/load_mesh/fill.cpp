@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 
 std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
                                                const std::function<bool(int, int)>& forbidden) {
@@ -41,4 +41,4 @@ std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

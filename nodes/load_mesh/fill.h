@@ -6,7 +6,7 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 
 inline constexpr std::size_t kLargestPolygon = 250;  // corners; the search is cubic in their number
 
@@ -16,4 +16,4 @@ inline constexpr std::size_t kLargestPolygon = 250;  // corners; the search is c
 std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
                                                const std::function<bool(int, int)>& forbidden = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

@@ -6,11 +6,11 @@
 
 #include "nodes/load_mesh/read_mesh.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 
 PolygonSoup read_obj(std::string_view);
 PolygonSoup read_off(std::string_view);
 PolygonSoup read_ply(std::string_view);
 PolygonSoup read_stl(std::string_view);
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 
 void damaged(const std::string& what) {
   throw Error("unreadable-mesh", what, "the file is damaged: export it again");
@@ -68,4 +68,4 @@ std::uint64_t count(std::string_view word, std::uint64_t most, int line, const c
   return n;
 }
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

@@ -7,7 +7,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 
 // Throws Error "unreadable-mesh" with the message `what`; the caller adds the file name.
 [[noreturn]] void damaged(const std::string& what);
@@ -44,4 +44,4 @@ double coordinate(std::string_view word, int line);
 // message.
 std::uint64_t count(std::string_view word, std::uint64_t most, int line, const char* what);
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

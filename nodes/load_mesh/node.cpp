@@ -2,8 +2,8 @@
 
 #include "graph/node_type.h"
 #include "graph/utf8.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/load_mesh/read_mesh.h"
 #include "nodes/load_mesh/reduce.h"
 #include "nodes/load_mesh/repair.h"
@@ -12,6 +12,7 @@
 namespace terrazzo {
 
 namespace {
+using namespace load_mesh;
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -88,7 +89,7 @@ NodeType load_mesh_node() {
       .parameter(Parameter::boolean("repair", false)
                      .doc_("Joins close vertices, drops degenerate and duplicate triangles, makes all "
                            "triangles face outward and fills holes. A warning lists the changes."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "max_triangles", "all")
+      .parameter(Parameter::optional_integer("max_triangles", "all")
                      .range(4, 1e8)
                      .doc_("Simplifies a mesh with more triangles to this number by collapsing edges, those "
                            "first that change the surface least. all: keeps the mesh as it is."))

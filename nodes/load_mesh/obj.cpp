@@ -6,7 +6,7 @@
 #include "nodes/load_mesh/formats.h"
 #include "nodes/load_mesh/mesh_text.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 namespace {
 
 // A corner is "v", "v/vt", "v//vn" or "v/vt/vn"; negative numbers count back from the last vertex.
@@ -63,4 +63,4 @@ PolygonSoup read_obj(std::string_view text) {
   return soup;
 }
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

@@ -3,7 +3,7 @@
 #include "nodes/load_mesh/formats.h"
 #include "nodes/load_mesh/mesh_text.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 
 // Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex or face per line.
 // Everything after the three coordinates or the corners (normals, colors) is ignored.
@@ -55,4 +55,4 @@ PolygonSoup read_off(std::string_view text) {
   return soup;
 }
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

@@ -10,7 +10,7 @@
 #include "nodes/load_mesh/formats.h"
 #include "nodes/load_mesh/mesh_text.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 namespace {
 
 enum class Type { I8, U8, I16, U16, I32, U32, F32, F64 };
@@ -221,4 +221,4 @@ PolygonSoup read_ply(std::string_view bytes) {
   return soup;
 }
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

@@ -7,29 +7,29 @@
 #include "graph/diagnostic.h"
 #include "nodes/load_mesh/formats.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 namespace {
 
 // Upper bound of memory per byte of file: a triangle has at least 4 bytes in a binary PLY file, and up to 104
 // bytes in memory while the list of faces grows.
 constexpr double kBytesPerByte = 30;
 
-using Format = PolygonSoup (*)(std::string_view);
+using MeshReader = PolygonSoup (*)(std::string_view);
 
-Format format_of(const std::filesystem::path& path) {
+MeshReader format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
-  if (extension == ".obj") return mesh_files::read_obj;
-  if (extension == ".ply") return mesh_files::read_ply;
-  if (extension == ".stl") return mesh_files::read_stl;
-  if (extension == ".off") return mesh_files::read_off;
+  if (extension == ".obj") return load_mesh::read_obj;
+  if (extension == ".ply") return load_mesh::read_ply;
+  if (extension == ".stl") return load_mesh::read_stl;
+  if (extension == ".off") return load_mesh::read_off;
   throw Error("unknown-format",
               fmt::format("{}: unknown mesh file extension \"{}\"", path.filename().string(), extension),
               "use an .obj, .ply, .stl or .off file");
 }
 
-PolygonSoup read_named(const std::filesystem::path& path, Format format, const std::string& content) {
+PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, const std::string& content) {
   try {
     return format(content);
   } catch (const Error& e) {
@@ -42,7 +42,7 @@ PolygonSoup read_named(const std::filesystem::path& path, Format format, const s
 
 PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading) {
   const std::string name = path.filename().string();
-  const Format format = format_of(path);
+  const MeshReader format = format_of(path);
   std::string content;
   try {
     content = read_whole(path, reading);
@@ -68,4 +68,4 @@ PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading)
   return soup;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <vector>
 
-#include "nodes/common/linear.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 
 struct PolygonSoup {
   std::vector<Vec3> vertices;              // in the file's unit, rounded to single precision
@@ -20,4 +20,4 @@ struct PolygonSoup {
 // bounded by the file size: counts in a header allocate nothing until their bytes are read.
 PolygonSoup read_mesh(const std::filesystem::path&, const Reading& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

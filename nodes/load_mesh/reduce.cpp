@@ -8,7 +8,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 namespace {
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -53,4 +53,4 @@ void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& work) {
   }
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

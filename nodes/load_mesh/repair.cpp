@@ -9,10 +9,10 @@
 #include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/load_mesh/fill.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 
 namespace {
 
@@ -265,4 +265,4 @@ std::vector<std::string> repair(Mesh& mesh, const Work& work) {
   return done;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

@@ -8,7 +8,7 @@
 #include "nodes/load_mesh/read_mesh.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::load_mesh {
 
 // Triangulates each polygon with the least total area (Barequet, Sharir 1995), which also covers bent and
 // non-convex polygons. Throws Error "bad-mesh" for polygons with more than 250 corners that are not convex
@@ -26,4 +26,4 @@ std::size_t weld(Mesh&, double distance);
 // them.
 std::vector<std::string> repair(Mesh&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_mesh

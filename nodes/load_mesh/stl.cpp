@@ -8,7 +8,7 @@
 #include "nodes/load_mesh/formats.h"
 #include "nodes/load_mesh/mesh_text.h"
 
-namespace terrazzo::mesh_files {
+namespace terrazzo::load_mesh {
 namespace {
 
 // Assigns one vertex to equal positions, numbered by first use.
@@ -103,4 +103,4 @@ PolygonSoup read_stl(std::string_view bytes) {
   return solid && !fits ? read_ascii(bytes) : read_binary(bytes);
 }
 
-}  // namespace terrazzo::mesh_files
+}  // namespace terrazzo::load_mesh

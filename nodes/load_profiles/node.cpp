@@ -4,12 +4,13 @@
 
 #include "graph/node_type.h"
 #include "graph/utf8.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 #include "nodes/load_profiles/profile_table.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+using namespace load_profiles;
 
 // A row has at least two characters. In memory it needs its text and its profile, each up to twice while the
 // lists grow.

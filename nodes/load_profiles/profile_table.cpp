@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 
-namespace terrazzo {
+namespace terrazzo::load_profiles {
 namespace {
 
 using Cells = std::vector<std::string>;
@@ -235,4 +235,4 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_profiles

@@ -5,7 +5,7 @@
 
 #include "nodes/data/profiles.h"
 
-namespace terrazzo {
+namespace terrazzo::load_profiles {
 
 // Factors from a file's numbers to mm and mm².
 struct ProfileUnit {
@@ -24,4 +24,4 @@ ProfileUnit profile_unit(const std::string& name);
 // messages only. Throws Error "malformed-row" with file:line, "no-column", "no-particles".
 Profiles read_profiles(const std::string& text, const std::string& file, const ProfileUnit& unit);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::load_profiles

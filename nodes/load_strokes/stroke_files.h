@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 #include "nodes/data/strokes.h"
 
 namespace terrazzo::load_strokes {

@@ -1,15 +1,15 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "nodes/common/io/stroke_text.h"
 #include "nodes/load_strokes/stroke_files.h"
-#include "nodes/strokes/stroke_text.h"
 
 namespace terrazzo::load_strokes {
 namespace {
 
 std::string where(const YAML::Node& n) { return fmt::format("line {}", n.Mark().line + 1); }
 
-Error bad(const std::string& what) {
+Error bad_yaml(const std::string& what) {
   return Error("bad-strokes-file", what,
                "write each entry as {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
@@ -17,12 +17,12 @@ Error bad(const std::string& what) {
 // `left` is the number of points that may still be created. YAML aliases can repeat a list, so a small file
 // can contain any number.
 std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
-  if (!n.IsSequence()) throw bad(where(n) + ": points must be a list of [x, y]");
+  if (!n.IsSequence()) throw bad_yaml(where(n) + ": points must be a list of [x, y]");
   std::vector<Vec2> out;
   for (const auto& p : n) {
     if (left-- == 0)
       throw Error("too-large", "the strokes have more points than fit in memory", "remove some strokes");
-    if (!p.IsSequence() || p.size() != 2) throw bad(where(p) + ": a point must be [x, y]");
+    if (!p.IsSequence() || p.size() != 2) throw bad_yaml(where(p) + ": a point must be [x, y]");
     out.emplace_back(p[0].as<double>(), p[1].as<double>());
   }
   return out;
@@ -30,7 +30,7 @@ std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
 
 Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
   if (n.IsScalar()) return strokes::read_stroke(n.Scalar());
-  if (!n.IsMap()) throw bad(where(n) + ": a stroke must be a map or a line of text");
+  if (!n.IsMap()) throw bad_yaml(where(n) + ": a stroke must be a map or a line of text");
   Stroke s;
   for (const auto& entry : n) {
     const auto key = entry.first.as<std::string>();
@@ -42,16 +42,16 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
       s.parts.push_back(points_of(entry.second, left));
     else if (key == "parts") {
       if (!entry.second.IsSequence())
-        throw bad(where(entry.second) + ": parts must be a list of lists of points");
+        throw bad_yaml(where(entry.second) + ": parts must be a list of lists of points");
       for (const auto& part : entry.second) s.parts.push_back(points_of(part, left));
     } else {
-      throw bad(fmt::format("{}: unknown stroke field '{}'", where(entry.first), printable(key)));
+      throw bad_yaml(fmt::format("{}: unknown stroke field '{}'", where(entry.first), printable(key)));
     }
   }
   try {
     check_stroke(s);
   } catch (const Error& e) {
-    throw bad(where(n) + ": " + e.diagnostic().message);
+    throw bad_yaml(where(n) + ": " + e.diagnostic().message);
   }
   return s;
 }
@@ -67,12 +67,12 @@ Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   try {
     const YAML::Node root = YAML::Load(text);
     const YAML::Node list = root.IsMap() ? root["strokes"] : root;
-    if (!list || !list.IsSequence()) throw bad("the list 'strokes' is missing");
+    if (!list || !list.IsSequence()) throw bad_yaml("the list 'strokes' is missing");
     Strokes out;
     for (const auto& n : list) out.strokes.push_back(stroke_of(n, left));
     return out;
   } catch (const YAML::Exception& e) {
-    throw bad(fmt::format("line {}: {}", e.mark.line + 1, printable(e.msg)));
+    throw bad_yaml(fmt::format("line {}: {}", e.mark.line + 1, printable(e.msg)));
   }
 }
 

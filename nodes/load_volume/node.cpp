@@ -5,8 +5,8 @@
 
 #include "graph/node_type.h"
 #include "graph/utf8.h"
-#include "nodes/common/dense_grid.h"
-#include "nodes/common/spaced_transform.h"
+#include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/spaced_transform.h"
 #include "nodes/load_volume/scan.h"
 #include "nodes/load_volume/vdb.h"
 #include "runtime/context.h"
@@ -136,10 +136,10 @@ NodeType load_volume_node() {
                      .unit_("mm")
                      .doc_("Edge lengths of a voxel, one number or three. auto: from the file; image stacks "
                            "contain no spacing."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "slope", "auto")
+      .parameter(Parameter::optional_number("slope", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Factor in value = slope · stored + intercept. auto: from the file, else 1."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "intercept", "auto")
+      .parameter(Parameter::optional_number("intercept", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
       .companion_files_([](const std::filesystem::path& path) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/linear.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
 namespace terrazzo::load_volume {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/picture_input.h"
+#include "nodes/common/io/picture_input.h"
 #include "nodes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {

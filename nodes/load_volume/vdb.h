@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 #include "nodes/data/volume.h"
 
 namespace terrazzo::load_volume {

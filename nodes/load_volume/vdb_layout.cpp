@@ -8,7 +8,7 @@
 #include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
 
 namespace terrazzo::load_volume {
 namespace {

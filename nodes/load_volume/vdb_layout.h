@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/vdb_header.h"
+#include "nodes/common/io/vdb_header.h"
 
 namespace terrazzo::load_volume {
 

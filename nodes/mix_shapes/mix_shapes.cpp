@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/shape_measures.h"
 
 namespace terrazzo::mix_shapes {
 

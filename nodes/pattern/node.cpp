@@ -10,7 +10,7 @@ void compute(Context& c) {
   p.kind = c.text("kind"), p.axis = c.text("axis"), p.offset = c.number("offset");
   p.width = static_cast<int>(c.integer("width")), p.height = static_cast<int>(c.integer("height"));
   p.pixel_size = c.number("pixel_size"), p.scale = c.number("scale");
-  p.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  p.seed = c.seed();
   c.output("image", pattern::pattern_image(p, c.work()));
 }
 
@@ -39,7 +39,7 @@ NodeType pattern_node() {
                      .above(0)
                      .unit_("mm")
                      .doc_("Width of a ring, distance of veins or struts, or diameter of a bundle or lobule"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/color.h"
-#include "nodes/common/noise.h"
-#include "nodes/common/slice_axes.h"
+#include "nodes/common/geometry/slice_axes.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/noise.h"
 
 namespace terrazzo::pattern {
 namespace {

@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "nodes/common/dense_grid.h"
-#include "nodes/common/spaced_transform.h"
+#include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/spaced_transform.h"
 #include "nodes/phantom/phantom.h"
 #include "runtime/context.h"
 
@@ -12,7 +12,7 @@ namespace {
 void compute(Context& c) {
   phantom::LimbChoice limb;
   limb.length = c.number("length"), limb.noise = c.number("noise");
-  limb.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  limb.seed = c.seed();
   const auto r = c.ints("resolution");
   if (r.size() == 2)
     throw Error("bad-resolution", "resolution must be one number, or three numbers for x, y and z",
@@ -53,7 +53,7 @@ NodeType phantom_node() {
       .parameter(Parameter::number("noise", 8)
                      .range(0, 1000)
                      .doc_("Standard deviation of each voxel in Hounsfield units"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

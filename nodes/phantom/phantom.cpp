@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/noise.h"
+#include "nodes/common/texture/noise.h"
 #include "runtime/random.h"
 
 namespace terrazzo::phantom {

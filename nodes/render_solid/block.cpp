@@ -5,7 +5,7 @@
 #include "nodes/render_solid/body.h"
 #include "nodes/render_solid/ray_scene.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class Block : public CarvedBody {
@@ -126,4 +126,4 @@ std::unique_ptr<CarvedBody> block_body(const Vec3f& size, double cut, double bev
   return std::make_unique<Block>(size, cut, bevel);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

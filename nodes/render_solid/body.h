@@ -6,7 +6,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/render_solid/solid.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class CarvedBody {
  public:
@@ -22,4 +22,4 @@ class CarvedBody {
 std::unique_ptr<CarvedBody> block_body(const Vec3f& size, double cut, double bevel);
 std::unique_ptr<CarvedBody> object_body(const Shape& object);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

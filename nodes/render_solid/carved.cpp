@@ -2,7 +2,7 @@
 #include "nodes/render_solid/hollows.h"
 #include "nodes/render_solid/paint.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class Carved : public Solid {
@@ -101,4 +101,4 @@ std::unique_ptr<Solid> object_solid(const Paint& paint, const Shape& object, con
   return carved(paint, object_body(object), voids);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -5,7 +5,7 @@
 
 #include "nodes/data/volume.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 Error bad_color(std::size_t index, const Vec3i& n) {
@@ -157,4 +157,4 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
   return (sum * (unit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

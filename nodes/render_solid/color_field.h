@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
-
 struct Volume;
+}
+
+namespace terrazzo::render_solid {
 
 class ColorField {
  public:
@@ -50,4 +52,4 @@ class ColorField {
   std::vector<std::array<std::uint16_t, 3>> voxels_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

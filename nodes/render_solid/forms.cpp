@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 void quad(Mesh& m, int a, int b, int c, int d) {
@@ -102,4 +102,4 @@ Shape knot_form() {
   return finished("knot", std::move(m));
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -3,11 +3,11 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 // A vase with a wall and a cavity, rotationally symmetric around z.
 Shape vase_form();
 // A trefoil knot of a round rope: the torus knot that winds three times around.
 Shape knot_form();
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

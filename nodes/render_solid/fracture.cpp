@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/noise.h"
+#include "nodes/common/texture/noise.h"
 #include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/ray_mesh.h"
 #include "nodes/render_solid/solid.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class Fracture : public Solid {
@@ -207,4 +207,4 @@ std::unique_ptr<Solid> fracture_solid(const Paint& paint, const Particles& parti
   return std::make_unique<Fracture>(paint, particles, shapes, level, roughness, seed, residual);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -6,7 +6,7 @@
 #include "nodes/render_solid/ray_mesh.h"
 #include "nodes/render_solid/solid.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class Heap : public Solid {
@@ -74,4 +74,4 @@ std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& 
   return std::make_unique<Heap>(particles, shapes, residual);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

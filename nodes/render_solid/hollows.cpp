@@ -5,7 +5,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/render_solid/particle_index.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 constexpr std::size_t most = 4'000'000;  // about 300 bytes each
 }
@@ -23,8 +23,8 @@ Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
   }
   const Vec3 box = particles.box;
   const double unit = box.maxCoeff() * voids.repeat;  // mm per world unit
-  const Mat3 turn = voids.lie.turn.cast<double>();
-  const Vec3 shift = voids.lie.shift.cast<double>().cwiseProduct(box);
+  const Mat3 turn = voids.placement.turn.cast<double>();
+  const Vec3 shift = voids.placement.shift.cast<double>().cwiseProduct(box);
   Eigen::AlignedBox3d reach;  // of the body, in the material
   for (int corner = 0; corner < 8; ++corner)
     reach.extend(turn * bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(corner)).cast<double>() *
@@ -71,4 +71,4 @@ bool Hollows::nearest(const Vec3f& origin, const Vec3f& direction, HollowHit& ou
   return true;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

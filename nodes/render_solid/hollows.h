@@ -9,7 +9,7 @@
 #include "nodes/render_solid/ray_mesh.h"
 #include "nodes/render_solid/solid.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 struct HollowHit {
   float at = 0;         // distance along the ray
@@ -31,4 +31,4 @@ class Hollows {
   std::unique_ptr<RayScene> scene_;  // null if no void reaches the body
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

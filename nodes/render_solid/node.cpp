@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "nodes/common/color_config.h"
+#include "nodes/common/io/color_config.h"
 #include "nodes/data/volume.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"
@@ -16,6 +16,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 
 constexpr float degree = 0.0174532925f;
 
@@ -32,7 +33,7 @@ void need(const Context& c, const std::string& what, const std::string& input) {
                 input == "volume" ? "connect a volume with colors, for example from Voxelize" : "connect it");
 }
 
-Lie lie_of(const Context& c) {
+Placement placement_of(const Context& c) {
   const auto three = [&](const char* name) {
     const auto v = c.numbers(name);
     if (v.size() != 3)
@@ -41,7 +42,7 @@ Lie lie_of(const Context& c) {
           .parameter(name);
     return Vec3(v[0], v[1], v[2]);
   };
-  return Lie::of(three("turn"), three("shift"));
+  return Placement::of(three("turn"), three("shift"));
 }
 
 // Color sources that must live as long as the rendering.
@@ -80,7 +81,7 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
     check_shown(particles, c.input<Shapes>("shapes"));
     take_residual(c, m);
     m.paint = particle_paint(particles, c.input<Shapes>("shapes"), repeat,
-                             mode == "fracture" ? Lie{} : lie_of(c), m.residual.get());
+                             mode == "fracture" ? Placement{} : placement_of(c), m.residual.get());
     return;
   }
   need(c, "mode '" + mode + "'", "volume");
@@ -90,7 +91,7 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
   if (m.field->clamped() > 0.01f)
     c.warn("colors outside 0 to 1 in " + std::to_string(static_cast<int>(100 * m.field->clamped() + 0.5f)) +
            " % of the voxels were clamped, since no surface reflects more light than it receives");
-  m.paint = field_paint(*m.field, repeat, lie_of(c), mode == "block" || mode == "cube");
+  m.paint = field_paint(*m.field, repeat, placement_of(c), mode == "block" || mode == "cube");
 }
 
 // The voids of a packing, which become holes in the carved body.
@@ -103,7 +104,7 @@ Voids voids_of(Context& c) {
         "holes");
   if (!particles || particles->void_count() == 0) return {};
   need(c, "a packing with voids", "shapes");
-  return {particles, &c.input<Shapes>("shapes"), c.number("repeat"), lie_of(c)};
+  return {particles, &c.input<Shapes>("shapes"), c.number("repeat"), placement_of(c)};
 }
 
 std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m, std::uint64_t seed) {
@@ -149,7 +150,7 @@ void compute(Context& c) {
   settings.height = static_cast<int>(c.integer("height"));
   settings.samples = static_cast<int>(c.integer("samples"));
   settings.gloss = static_cast<float>(c.number("gloss"));
-  settings.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  settings.seed = c.seed();
 
   Material material;
   if (mode != "particles") take_paint(c, mode, material);
@@ -254,7 +255,7 @@ NodeType render_solid_node() {
       .parameter(Parameter::number("gloss", 0.35)
                      .range(0, 1)
                      .doc_("Strength of reflections: 0 is matte, 1 is polished stone"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

@@ -4,7 +4,7 @@
 #include "nodes/render_solid/body.h"
 #include "nodes/render_solid/ray_mesh.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class Object : public CarvedBody {
@@ -44,4 +44,4 @@ class Object : public CarvedBody {
 
 std::unique_ptr<CarvedBody> object_body(const Shape& object) { return std::make_unique<Object>(object); }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

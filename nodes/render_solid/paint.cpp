@@ -6,16 +6,16 @@
 #include "nodes/render_solid/particle_colors.h"
 #include "nodes/render_solid/particle_index.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 class FieldPaint : public Paint {
  public:
-  FieldPaint(const ColorField& field, double repeat, const Lie& lie, bool layer)
+  FieldPaint(const ColorField& field, double repeat, const Placement& placement, bool layer)
       : field_(field),
         resolution_(field.resolution().cast<float>()),
-        turn_(lie.turn),
-        shift_(lie.shift.cwiseProduct(resolution_)),
+        turn_(placement.turn),
+        shift_(placement.shift.cwiseProduct(resolution_)),
         layer_(layer ? 0.5f : 0.0f) {
     voxels_per_unit_ = resolution_.maxCoeff() * static_cast<float>(repeat);
     plain_ = turn_ == Eigen::Matrix3f::Identity() && shift_ == Vec3f::Zero();
@@ -38,12 +38,12 @@ class FieldPaint : public Paint {
 
 class ParticlePaint : public Paint {
  public:
-  ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Lie& lie,
+  ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Placement& placement,
                 const ResidualField* residual)
       : index_(particles, shapes),
         box_(particles.box.cast<float>()),
-        turn_(lie.turn),
-        shift_(lie.shift.cwiseProduct(box_)),
+        turn_(placement.turn),
+        shift_(placement.shift.cwiseProduct(box_)),
         colors_(particles, residual) {
     mm_per_unit_ = box_.maxCoeff() * static_cast<float>(repeat);
   }
@@ -65,25 +65,26 @@ class ParticlePaint : public Paint {
 
 }  // namespace
 
-Lie Lie::of(const Vec3& degrees, const Vec3& shift) {
+Placement Placement::of(const Vec3& degrees, const Vec3& shift) {
   constexpr double d = 0.017453292519943295;
-  Lie lie;
-  lie.turn =
+  Placement placement;
+  placement.turn =
       (Eigen::AngleAxisd(d * degrees.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(d * degrees.y(), Vec3::UnitY()) *
        Eigen::AngleAxisd(d * degrees.x(), Vec3::UnitX()))
           .toRotationMatrix()
           .cast<float>();
-  lie.shift = shift.cast<float>();
-  return lie;
+  placement.shift = shift.cast<float>();
+  return placement;
 }
 
-std::unique_ptr<Paint> field_paint(const ColorField& field, double repeat, const Lie& lie, bool layer) {
-  return std::make_unique<FieldPaint>(field, repeat, lie, layer);
+std::unique_ptr<Paint> field_paint(const ColorField& field, double repeat, const Placement& placement,
+                                   bool layer) {
+  return std::make_unique<FieldPaint>(field, repeat, placement, layer);
 }
 
 std::unique_ptr<Paint> particle_paint(const Particles& particles, const Shapes& shapes, double repeat,
-                                      const Lie& lie, const ResidualField* residual) {
-  return std::make_unique<ParticlePaint>(particles, shapes, repeat, lie, residual);
+                                      const Placement& placement, const ResidualField* residual) {
+  return std::make_unique<ParticlePaint>(particles, shapes, repeat, placement, residual);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

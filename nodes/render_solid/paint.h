@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
-#include "nodes/render_solid/lie.h"
+#include "nodes/render_solid/placement.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class ColorField;
 class ResidualField;
@@ -25,12 +25,13 @@ class Paint {
 
 // Colors from voxels, with `repeat` periods of the longest edge per world unit. The field must outlive the
 // paint. With `layer`, points on faces use the voxels half a voxel below them.
-std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const Lie& = {}, bool layer = true);
+std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const Placement& = {},
+                                   bool layer = true);
 
 // Colors from particles and binder at full resolution, repeated with the period of their box, with the fine
 // detail of `residual` if it is not null. All arguments must outlive the paint. Throws the errors of
 // particle_solid.
-std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1, const Lie& = {},
-                                      const ResidualField* residual = nullptr);
+std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1,
+                                      const Placement& = {}, const ResidualField* residual = nullptr);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/particles.h"
 #include "nodes/render_solid/residual_field.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class ParticleColors {
  public:
@@ -37,4 +37,4 @@ class ParticleColors {
   const ResidualField* residual_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

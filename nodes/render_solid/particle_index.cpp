@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/render_mesh.h"
+#include "nodes/common/geometry/render_mesh.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 // Distance from the origin to a triangle's plane if the foot is inside it, else to its nearest edge: a lower
@@ -158,4 +158,4 @@ int ParticleIndex::at(const Vec3f& mm) const {
   return -1;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

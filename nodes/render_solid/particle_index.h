@@ -8,7 +8,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/render_solid/ray_scene.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 // Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box" if a packing cannot be shown.
 void check_shown(const Particles&, const Shapes&);
@@ -38,4 +38,4 @@ class ParticleIndex {
   std::vector<std::int32_t> mesh_of_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

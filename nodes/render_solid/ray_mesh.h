@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "nodes/common/render_mesh.h"
+#include "nodes/common/geometry/render_mesh.h"
 #include "nodes/render_solid/ray_scene.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 struct RayMesh {
   RayScene::Triangles triangles;
@@ -27,4 +27,4 @@ struct RayMesh {
   }
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

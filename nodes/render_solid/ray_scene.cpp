@@ -9,7 +9,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 struct RayScene::Handles {
   RTCDevice device = nullptr;
@@ -139,4 +139,4 @@ bool RayScene::any(const Vec3f& origin, const Vec3f& direction) const {
   return ray.tfar < 0;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

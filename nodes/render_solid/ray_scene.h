@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 inline constexpr float kBeyond = 2e-6f;  // world units by which a ray moves past a hit before continuing
 
@@ -44,4 +44,4 @@ class RayScene {
   Eigen::AlignedBox3f bounds_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

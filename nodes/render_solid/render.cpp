@@ -5,7 +5,7 @@
 
 #include "nodes/render_solid/sampler.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 constexpr float lift = 2e-4f;  // world units by which a ray starts above its surface
@@ -160,4 +160,4 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
   return image;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

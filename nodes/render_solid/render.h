@@ -3,13 +3,13 @@
 
 #include <cstdint>
 
-#include "nodes/common/camera.h"
+#include "nodes/common/geometry/camera.h"
 #include "nodes/data/image.h"
 #include "nodes/render_solid/solid.h"
 #include "nodes/render_solid/studio.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 struct RenderSettings {
   int width = 720, height = 720;  // pixels
@@ -25,4 +25,4 @@ struct RenderSettings {
 // Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased.
 Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

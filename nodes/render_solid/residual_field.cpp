@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/tile_fit.h"
+#include "nodes/common/geometry/tile_fit.h"
 #include "nodes/data/volume.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332, layer_stream = 0x72657333;
@@ -180,4 +180,4 @@ Vec3f ResidualField::at(const Vec3f& mm, int particle) const {
   return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
-
 struct Volume;
+}
+
+namespace terrazzo::render_solid {
 
 class ResidualField {
  public:
@@ -39,4 +41,4 @@ class ResidualField {
   float unit_ = 0;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

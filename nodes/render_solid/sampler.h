@@ -7,7 +7,7 @@
 
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class PixelSampler {
  public:
@@ -57,4 +57,4 @@ class PixelSampler {
   std::uint32_t mask_, sample_ = 0, pair_ = 0;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <memory>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
-#include "nodes/render_solid/lie.h"
+#include "nodes/render_solid/placement.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class Paint;
 class ResidualField;
@@ -21,7 +21,7 @@ struct Voids {
   const Particles* particles = nullptr;
   const Shapes* shapes = nullptr;
   double repeat = 1;  // periods of the longest edge per world unit
-  Lie lie;
+  Placement placement;
 };
 
 struct SurfacePoint {
@@ -67,4 +67,4 @@ std::unique_ptr<Solid> fracture_solid(const Paint&, const Particles&, const Shap
                                       double roughness, std::uint64_t seed,
                                       const ResidualField* residual = nullptr);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
@@ -103,4 +103,4 @@ Vec3f cosine_direction(const Vec3f& normal, float u, float v) {
   return a * (r * std::cos(turn)) + b * (r * std::sin(turn)) + normal * std::sqrt(std::max(0.0f, 1 - u));
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -5,9 +5,9 @@
 
 #include <array>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class Studio {
  public:
@@ -51,4 +51,4 @@ class Studio {
 // A cosine-distributed direction around the unit `normal`.
 Vec3f cosine_direction(const Vec3f& normal, float u, float v);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/color_config.h"
+#include "nodes/common/io/color_config.h"
 
 namespace ocio = OCIO_NAMESPACE;
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 
 constexpr float knee = 0.85f;
@@ -125,4 +125,4 @@ Vec3f neutral_curve(const Vec3f& linear) {
   return v * ((knee + (1 - knee) * (1 - std::exp(-(m - knee) / (1 - knee)))) / m);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

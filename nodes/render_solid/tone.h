@@ -6,7 +6,7 @@
 
 #include "nodes/data/image.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 
 class Tone {
  public:
@@ -31,4 +31,4 @@ class Tone {
 // the hue stays. OpenColorIO interpolates a table of it, for values up to 2, to 1/400.
 Vec3f neutral_curve(const Vec3f& linear);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::render_solid

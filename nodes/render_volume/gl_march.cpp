@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/gl_program.h"
+#include "nodes/common/gl/gl_program.h"
 
 namespace terrazzo::render_volume {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/egl_context.h"
+#include "nodes/common/gl/egl_context.h"
 #include "nodes/render_volume/scene.h"
 
 namespace terrazzo::render_volume {

@@ -57,7 +57,7 @@ Look look_of(const Context& c) {
   l.azimuth = c.number("azimuth"), l.elevation = c.number("elevation"), l.zoom = c.number("zoom");
   const auto b = c.numbers("background");
   l.background = Vec3f(float(b[0]), float(b[1]), float(b[2]));
-  l.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  l.seed = c.seed();
   return l;
 }
 
@@ -216,7 +216,7 @@ NodeType render_volume_node() {
                          .doc_("Brightness variation of classes with `noise`"))
           .parameter(Parameter::number("skin_scale", 3).above(0).unit_("mm").doc_("Cell width of the noise"))
           .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
-          .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+          .parameter(Parameter::seed())
           .compute_(compute);
   for (Port& p : type.inputs) p.optional |= p.many;
   return type;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/camera.h"
+#include "nodes/common/geometry/camera.h"
 #include "nodes/data/image.h"
 #include "nodes/render_volume/bricks.h"
 #include "nodes/render_volume/solid_texture.h"

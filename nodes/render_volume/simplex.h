@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
 namespace terrazzo::render_volume {
 

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 
 namespace terrazzo::render_volume {
 namespace {

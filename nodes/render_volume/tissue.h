@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
 namespace terrazzo::render_volume {
 

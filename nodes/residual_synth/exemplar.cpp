@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/band_statistics.h"
-#include "nodes/common/principal_axes.h"
+#include "nodes/common/geometry/principal_axes.h"
+#include "nodes/common/texture/band_statistics.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
 
 Mat3 covariance(const Image& image, const Work& work) {
@@ -94,4 +94,4 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

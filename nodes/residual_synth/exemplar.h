@@ -5,11 +5,11 @@
 #include <array>
 #include <vector>
 
-#include "nodes/common/quantiles.h"
+#include "nodes/common/texture/quantiles.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 
 struct Exemplar {
   int scales = 0;
@@ -32,4 +32,4 @@ struct Exemplar {
 Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<int, 3>& picture, int scales,
                           int orientations, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "graph/node_type.h"
-#include "nodes/common/color.h"
-#include "nodes/common/dense_grid.h"
-#include "nodes/common/one_or_three.h"
-#include "nodes/common/steerable_pyramid.h"
+#include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/one_or_three.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/steerable_pyramid.h"
 #include "nodes/residual_synth/radial.h"
 #include "nodes/residual_synth/residual_image.h"
 #include "nodes/residual_synth/synthesize.h"
@@ -16,6 +16,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace residual_synth;
 
 Vec3i volume_size(const Context& c) {
   const Vec3i size = one_or_three(c, "size");
@@ -109,7 +110,7 @@ void compute(Context& c) {
   if (exemplar.channels == 0)
     c.warn("the photograph shows nothing beyond its profiles' mean colors, so the residual is zero");
   const auto rounds = static_cast<int>(c.integer("rounds"));
-  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto seed = c.seed();
   const auto voxels = radial ? synthesize_radial(exemplar, size, rounds, seed, work.part(0.15, 0.9))
                              : synthesize_residual(exemplar, size, rounds, seed, work.part(0.15, 0.9));
   const Exemplar told = radial ? measure_exemplar(measured.residuals, measured.picture, exemplar.scales, 4,
@@ -172,7 +173,7 @@ NodeType residual_synth_node() {
                      .unit_("voxels")
                      .doc_("Edge length, or one length per axis. Multiples of 16 and products of 2, 3 and 5 "
                            "are fastest."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .parameter(Parameter::choice("method", "slices", {"slices", "radial"})
                      .doc_("slices: matches a steerable pyramid on all slices across each axis to the "
                            "photograph's. radial: matches bands of the volume itself, as in the 2004 paper, "

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/lane_fft.h"
-#include "nodes/common/steerable_pyramid.h"
+#include "nodes/common/texture/lane_fft.h"
+#include "nodes/common/texture/steerable_pyramid.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
 
 using Field = std::vector<LaneComplex>;  // one color axis per lane, x fastest
@@ -126,4 +126,4 @@ std::vector<Vec3f> synthesize_radial(const Exemplar& exemplar, const Vec3i& size
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

@@ -6,7 +6,7 @@
 
 #include "nodes/residual_synth/exemplar.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 
 // Returns a tileable volume of color offsets with mean 0, x fastest. Bands of radial frequency *in the
 // volume* are matched to the picture's bands of radial frequency (2004 paper, section 4.3). A slice projects
@@ -15,4 +15,4 @@ namespace terrazzo {
 std::vector<Vec3f> synthesize_radial(const Exemplar&, const Vec3i& size, int rounds, std::uint64_t seed,
                                      const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

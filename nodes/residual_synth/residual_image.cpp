@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
 
 // Chessboard distance to the nearest pixel of another label, minus one and capped: 0 beside an outline.
@@ -215,4 +215,4 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

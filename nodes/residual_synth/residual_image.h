@@ -5,7 +5,7 @@
 #include "nodes/data/labels.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 
 struct ResidualImage {
   Image image;                   // color offsets, mean 0 over all pixels
@@ -28,4 +28,4 @@ Image as_displayed(const Image&, const Work& = {});
 // alike; 0 keeps them all. Throws Error "size-mismatch", "bad-pixels".
 ResidualImage residual_image(const Image&, const Labels&, int edge, double specks = 0, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/slice_axes.h"
-#include "nodes/common/steerable_pyramid.h"
+#include "nodes/common/geometry/slice_axes.h"
+#include "nodes/common/texture/steerable_pyramid.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -105,4 +105,4 @@ std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size,
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
-#include "nodes/common/quantiles.h"
-#include "nodes/common/slice_family.h"
+#include "nodes/common/texture/quantiles.h"
+#include "nodes/common/texture/slice_family.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 
 // Power of each band in a factor of the spectrum, per axis and band. The spectrum of the field is S(k) =
 // Π_axis Σ_band factor[axis][band] · |transfer_band(k without the axis' component)|².
@@ -27,4 +27,4 @@ std::vector<float> start_field(const PowerFactors&, const Vec3i& size,
                                const std::vector<SliceFamily>& families, SliceFamily::Workspace&,
                                std::uint64_t seed, std::uint64_t stream, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "nodes/common/slice_family.h"
+#include "nodes/common/texture/slice_family.h"
 #include "nodes/residual_synth/start_field.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
 
 constexpr double kNear = 0.035;  // accepted relative deviation of a band from the picture's
@@ -122,4 +122,4 @@ std::vector<double> slice_deviations(const Exemplar& exemplar, const Vec3i& size
   return worst;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

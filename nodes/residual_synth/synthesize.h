@@ -6,7 +6,7 @@
 
 #include "nodes/residual_synth/exemplar.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 
 // Returns a tileable volume of color offsets with mean 0, x fastest (Heeger, Bergen 1995). Starts from noise
 // with the exemplar's spectrum. Each of `rounds` rounds matches every pyramid band of all slices across each
@@ -22,4 +22,4 @@ std::vector<Vec3f> synthesize_residual(const Exemplar&, const Vec3i& size, int r
 std::vector<double> slice_deviations(const Exemplar&, const Vec3i& size, const std::vector<Vec3f>& voxels,
                                      const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::residual_synth

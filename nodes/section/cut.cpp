@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 void check_particles(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0)
@@ -126,4 +126,4 @@ std::vector<Cut> cut_particles(const Particles& particles, const Shapes& shapes,
       });
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

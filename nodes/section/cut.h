@@ -6,7 +6,7 @@
 #include "nodes/section/region.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 // One connected region of one particle's section.
 struct Cut {
@@ -24,4 +24,4 @@ void check_particles(const Particles&, const Shapes&);
 // reaches into the window appears.
 std::vector<Cut> cut_particles(const Particles&, const Shapes&, const SectionLayout&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

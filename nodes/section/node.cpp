@@ -9,6 +9,7 @@
 namespace terrazzo {
 
 namespace {
+using namespace section;
 
 double number_or_auto(const Context& c, const std::string& name) {
   return c.keyword(name).empty() ? c.number(name) : 0;
@@ -21,7 +22,7 @@ SectionChoice choice_of(const Context& c) {
   if (c.keyword("offsets").empty()) choice.offsets = c.numbers("offsets");
   choice.width = number_or_auto(c, "width"), choice.height = number_or_auto(c, "height");
   choice.pixel_size = number_or_auto(c, "pixel_size");
-  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  choice.seed = c.seed();
   if (choice.axis != "random" && (choice.width > 0 || choice.height > 0))
     throw Error(
         "window-on-axis",
@@ -119,23 +120,21 @@ NodeType section_node() {
               .range(0, 1e9)
               .doc_("Positions of the planes along the axis, from the box's corner. auto: evenly spaced, "
                     "half a step from both ends."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "width", "auto")
+      .parameter(Parameter::optional_number("width", "auto")
                      .unit_("mm")
                      .above(0)
                      .doc_("Window width of random planes. auto: the box's shortest edge."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "height", "auto")
+      .parameter(Parameter::optional_number("height", "auto")
                      .unit_("mm")
                      .above(0)
                      .doc_("Window height of random planes. auto: the box's shortest edge."))
       .parameter(
-          Parameter::with_keyword(ParameterKind::Number, "pixel_size", "auto")
+          Parameter::optional_number("pixel_size", "auto")
               .unit_("mm")
               .above(0)
               .doc_("Edge of a pixel, rounded so that whole pixels fill the width. auto: the box's longest "
                     "edge / 512, or a volume's voxel, and coarser if the stack would exceed 64 megapixels."))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Random seed of the planes' positions and orientations."))
+      .parameter(Parameter::seed().doc_("Random seed of the planes' positions and orientations."))
       .compute_(compute);
 }
 

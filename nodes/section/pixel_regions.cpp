@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -116,4 +116,4 @@ void PixelRegions::measure(Section& out, const Work& work) const {
   if (outside > 0) profiles.binder_color = (binder / outside).cast<float>();
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -6,7 +6,7 @@
 
 #include "nodes/section/section.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 class PixelRegions {
  public:
@@ -26,4 +26,4 @@ class PixelRegions {
   std::vector<std::int32_t> values_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

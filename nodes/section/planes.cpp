@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/slice_axes.h"
+#include "nodes/common/geometry/slice_axes.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -91,4 +91,4 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
   return layout;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

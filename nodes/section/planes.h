@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 // A window in space: the point (x, y) of the section, in mm, is at origin + x·frame.col(0) + y·frame.col(1),
 // with 0 ≤ x ≤ width, 0 ≤ y ≤ height; frame is a rotation whose last column is the plane's normal.
@@ -45,4 +45,4 @@ struct SectionChoice {
 // "too-many-pixels".
 SectionLayout choose_planes(const SectionChoice&, const Vec3& box, bool periodic, double default_pixel_size);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

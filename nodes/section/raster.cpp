@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -97,4 +97,4 @@ void fill_pixels(const Region& region, const PixelGrid& grid, const std::functio
   }
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

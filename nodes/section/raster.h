@@ -5,7 +5,7 @@
 
 #include "nodes/section/region.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 struct PixelGrid {
   int width = 0, height = 0;  // pixels
@@ -21,4 +21,4 @@ void cover_pixels(const Region&, const PixelGrid&, const std::function<void(int,
 // Calls visit(x, row) for every pixel whose center lies in the region.
 void fill_pixels(const Region&, const PixelGrid&, const std::function<void(int, int)>& visit);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

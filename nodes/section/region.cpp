@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 double region_area(const Region& region) {
   double area = 0;
@@ -71,4 +71,4 @@ Region clipped(const Region& region, double width, double height) {
   return result;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "nodes/common/mesh_section.h"
+#include "nodes/common/geometry/mesh_section.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 using Region = std::vector<Loop>;
 
@@ -28,4 +28,4 @@ Region clipped(const Region&, double width, double height);
 // window's border.
 double union_area(const std::vector<Region>&, double width, double height);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -4,7 +4,7 @@
 #include "nodes/section/region.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -151,4 +151,4 @@ double union_area(const std::vector<Region>& given, double width, double height)
   return twice / 2;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -6,7 +6,7 @@
 #include "nodes/section/cut.h"
 #include "nodes/section/raster.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -134,4 +134,4 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -10,7 +10,7 @@
 #include "nodes/section/planes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 struct Section {
   Image image;        // particle colors over the binder color, antialiased by exact coverage
@@ -26,4 +26,4 @@ struct Section {
 // visible), after Miles (1974) and Lantuéjoul (1978). Throws the errors of check_particles.
 Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -7,7 +7,7 @@
 
 #include "nodes/section/pixel_regions.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 namespace {
 
@@ -160,4 +160,4 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -4,7 +4,7 @@
 #include "nodes/data/volume.h"
 #include "nodes/section/section.h"
 
-namespace terrazzo {
+namespace terrazzo::section {
 
 // The box in which planes are placed: one period, or the bounding box of the active voxels if the volume is
 // not periodic.
@@ -26,4 +26,4 @@ struct VolumeSection : Section {
 };
 VolumeSection cut_volume(const Volume&, const SectionLayout&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::section

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <map>
 
+#include "nodes/common/geometry/components.h"
 #include "nodes/segment/pieces.h"
 #include "nodes/segment/region_graph.h"
 #include "nodes/segment/watershed.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 // Pixels: half the radius of the smallest disk that stays separate at a contrast of one spread.
@@ -65,12 +66,6 @@ bool join_slivers(std::vector<std::int32_t>& bodies, const Mosaic& m, const std:
   return any;
 }
 
-void renumber(std::vector<std::int32_t>& labels) {
-  std::map<std::int32_t, std::int32_t> number;
-  for (auto& l : labels)
-    if (l != 0) l = number.emplace(l, static_cast<std::int32_t>(number.size()) + 1).first->second;
-}
-
 }  // namespace
 
 std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::uint8_t>& particles,
@@ -98,9 +93,10 @@ std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::u
   const std::int32_t rest = static_cast<std::int32_t>(m.colors.size()) + 2;
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (particles[i]) bodies[i] = merged[i] == outside_now ? rest : merged[i];
-  renumber(bodies);
-  for (int round = 0; round < 4 && join_slivers(bodies, m, gradient, min_area); ++round) renumber(bodies);
+  renumber_labels(bodies);
+  for (int round = 0; round < 4 && join_slivers(bodies, m, gradient, min_area); ++round)
+    renumber_labels(bodies);
   return bodies;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

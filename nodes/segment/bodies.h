@@ -6,7 +6,7 @@
 
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Splits `particles` (non-zero: particle) into bodies of uniform color, numbered from 1. Patches merge while
 // the squared error per length of border stays below six pixels times the picture's color variance. Mottling
@@ -16,4 +16,4 @@ std::vector<std::int32_t> color_bodies(const Mosaic&, const std::vector<std::uin
                                        const std::vector<bool>& patch_is_particle, double min_area,
                                        const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

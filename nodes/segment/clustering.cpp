@@ -7,7 +7,7 @@
 
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 std::vector<Vec3f> plus_plus(const std::vector<Vec3f>& points, int k, Random& random) {
@@ -103,4 +103,4 @@ Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, co
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

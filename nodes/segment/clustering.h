@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct Clusters {
   std::vector<Vec3f> centers;  // sorted by first coordinate
@@ -22,4 +22,4 @@ struct Clusters {
 // clusters if there are fewer distinct points.
 Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/segment/split.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 // A coverage of exactly ½ would put the outline on a pixel center, on either side.
@@ -144,4 +144,4 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
   return share;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

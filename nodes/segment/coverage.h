@@ -6,7 +6,7 @@
 
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Moves the outline of `particles` (non-zero: particle) to where the color is half-way between the local mean
 // colors of both sides (normalized convolution), by at most three pixels. Returns the coverage of every
@@ -19,4 +19,4 @@ std::vector<float> refine_outline(const Mosaic&, std::vector<std::uint8_t>& part
 std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,
                                    const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

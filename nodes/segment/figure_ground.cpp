@@ -9,7 +9,7 @@
 #include "nodes/segment/split.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 constexpr int sample_count = 8000;
@@ -133,4 +133,4 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
   return ground;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -7,7 +7,7 @@
 #include "nodes/segment/clustering.h"
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct Hint {
   enum class Kind { Auto, Darkest, Lightest, Color } kind = Kind::Auto;
@@ -30,4 +30,4 @@ struct Ground {
 Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, bool even_light,
                    std::uint64_t seed, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

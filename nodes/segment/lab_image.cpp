@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 constexpr std::size_t rows = 16;  // rows per task
@@ -125,4 +125,4 @@ LabImage blur(const LabImage& image, float sigma, const Work& work) {
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

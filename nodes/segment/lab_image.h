@@ -6,7 +6,7 @@
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct LabImage {
   int width = 0, height = 0;
@@ -30,4 +30,4 @@ LabImage median3(const LabImage&, const Work&);
 // Gaussian blur with standard deviation `sigma` in pixels, mirrored at the border.
 LabImage blur(const LabImage&, float sigma, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

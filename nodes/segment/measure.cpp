@@ -5,7 +5,7 @@
 #include "nodes/segment/outline.h"
 #include "nodes/segment/split.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 struct Sums {
@@ -84,4 +84,4 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -8,7 +8,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Profiles of all sections: areas and outlines (mm, y up) from `coverage` (per pixel of the stack, see
 // coverage.h), border flags, weights, and mean colors over the pixels more than one pixel inside, if there
@@ -17,4 +17,4 @@ namespace terrazzo {
 // positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
 Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 struct Arc {
@@ -107,4 +107,4 @@ std::vector<bool> min_cut(const std::vector<double>& cost_false, const std::vect
   return label;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -6,7 +6,7 @@
 
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct CutEdge {
   std::int32_t a = 0, b = 0;
@@ -19,4 +19,4 @@ struct CutEdge {
 std::vector<bool> min_cut(const std::vector<double>& cost_false, const std::vector<double>& cost_true,
                           const std::vector<CutEdge>& edges, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

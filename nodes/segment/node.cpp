@@ -5,6 +5,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace segment;
 
 Hint hint_of(const Context& c) {
   Hint hint;
@@ -32,22 +33,21 @@ Table binder_table(const Profiles& profiles) {
 
 void compute(Context& c) {
   SegmentOptions options;
-  options.clusters = c.keyword("clusters").empty() ? static_cast<int>(c.integer("clusters")) : 0;
+  options.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
   options.binder = hint_of(c);
   options.split.strength = c.number("split");
-  options.split.min_area = c.keyword("min_area").empty() ? c.number("min_area") : -1;
-  options.color_classes =
-      c.keyword("color_classes").empty() ? static_cast<int>(c.integer("color_classes")) : 0;
+  options.split.min_area = c.optional_number("min_area").value_or(-1);
+  options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
   const std::string method = c.text("method");
   options.method = method == "clusters"  ? Method::Clusters
                    : method == "regions" ? Method::Regions
                                          : Method::Auto;
-  options.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  options.seed = c.seed();
 
   const Image& image = c.input<Image>("image");
   const Labels* given = c.optional<Labels>("labels");
   Segmentation s =
-      given ? measure_labels(image, *given, options, c.work()) : segment(image, options, c.work());
+      given ? measure_labels(image, *given, options, c.work()) : segment::segment(image, options, c.work());
 
   std::size_t at_border = 0;
   for (const auto& p : s.profiles.profiles) at_border += p.touches_border;
@@ -91,7 +91,7 @@ NodeType segment_node() {
       .output("binder", "Table",
               "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
       .parameter(
-          Parameter::with_keyword(ParameterKind::Int, "clusters", "auto")
+          Parameter::optional_integer("clusters", "auto")
               .range(2, 12)
               .doc_("Number of color clusters. auto: the largest number of clearly separate clusters."))
       .parameter(Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
@@ -102,7 +102,7 @@ NodeType segment_node() {
       .parameter(Parameter::number("split", 0.5)
                      .range(0, 1)
                      .doc_("Strength of splitting touching particles. 0: never. 1: at every neck."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "min_area", "auto")
+      .parameter(Parameter::optional_number("min_area", "auto")
                      .unit_("pixels")
                      .range(0, 1e9)
                      .doc_("Minimum particle size. Smaller particles are dropped and counted. auto: 12, up "
@@ -116,7 +116,7 @@ NodeType segment_node() {
                      .doc_("clusters: separates particles from binder by color. regions: finds particles by "
                            "edge and shape, for photographs of rough surfaces. auto: chooses by the ratio of "
                            "color differences to texture."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991.0).doc_("Random seed of k-means"))
+      .parameter(Parameter::seed().doc_("Random seed of k-means"))
       .compute_(compute);
 }
 

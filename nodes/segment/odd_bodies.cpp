@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "nodes/common/components.h"
+#include "nodes/common/geometry/components.h"
 #include "nodes/segment/pieces.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 constexpr double edge_width = 6;  // pixels; a color change over a longer distance is not an edge
@@ -125,4 +125,4 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
     if (added[k]) is_particle[k] = true;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

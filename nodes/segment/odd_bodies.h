@@ -6,7 +6,7 @@
 #include "nodes/segment/figure_ground.h"
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Marks patches that stand out from the binder as particles. A patch stands out if its distance to the
 // typical color (median) of every binder cluster exceeds four times that cluster's median deviation, four
@@ -18,4 +18,4 @@ namespace terrazzo {
 void add_odd_bodies(const Mosaic&, const Ground&, double min_area, std::vector<bool>& patch_is_particle,
                     const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 struct Window {
@@ -168,4 +168,4 @@ std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct LabelOutline {
   std::vector<Vec2> points;  // pixels, y up from the lower left corner of the image, counterclockwise, first
@@ -23,4 +23,4 @@ std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
                                    const std::vector<float>& coverage, int width, int height, int count,
                                    const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

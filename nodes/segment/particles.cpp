@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "nodes/common/components.h"
+#include "nodes/common/geometry/components.h"
 #include "nodes/segment/bodies.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/min_cut.h"
@@ -13,7 +13,7 @@
 #include "nodes/segment/region_tree.h"
 #include "nodes/segment/split.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 using Mask = std::vector<std::uint8_t>;
@@ -116,12 +116,6 @@ void join_crumbs(std::vector<std::int32_t>& labels, int width, int height, doubl
       if (l != 0) l = target[l - 1];
     if (!any) break;
   }
-}
-
-void renumber(std::vector<std::int32_t>& labels) {
-  std::map<std::int32_t, std::int32_t> number;
-  for (auto& l : labels)
-    if (l != 0) l = number.emplace(l, static_cast<std::int32_t>(number.size()) + 1).first->second;
 }
 
 // Holes enclosed by a single particle become part of it, up to half its area.
@@ -275,7 +269,7 @@ Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOpt
   out.labels = split_at_necks(bodies, m.width, m.height, options.strength, work);
   work.check();
   join_crumbs(out.labels, m.width, m.height, out.min_area);
-  renumber(out.labels);
+  renumber_labels(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
   return out;
 }
@@ -296,10 +290,10 @@ Particles2D find_particles_by_regions(const Mosaic& m, double likeness, const Ve
   out.labels = parts.ids;
   for (auto& l : out.labels)
     if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < out.min_area) l = 0;
-  renumber(out.labels);
+  renumber_labels(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
   out.coverage = smooth_coverage(out.labels, m.width, m.height, work);
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

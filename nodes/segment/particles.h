@@ -7,7 +7,7 @@
 #include "nodes/segment/figure_ground.h"
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct SplitOptions {
   double strength = 0.5;  // 0 to 1, as in split_at_necks
@@ -32,4 +32,4 @@ Particles2D find_particles(const Mosaic&, const Ground&, const SplitOptions&, co
 Particles2D find_particles_by_regions(const Mosaic&, double likeness, const Vec3f* binder,
                                       const SplitOptions&, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

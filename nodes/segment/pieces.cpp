@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 double hull_area(std::vector<Vec2>& points) {
   std::sort(points.begin(), points.end(),
@@ -58,4 +58,4 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
   return pieces;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct Piece {
   double area = 0;
@@ -24,4 +24,4 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
 // Area of the convex hull of points (Andrew's monotone chain). Sorts the points.
 double hull_area(std::vector<Vec2>& points);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -5,7 +5,7 @@
 #include <queue>
 #include <tuple>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 double cost_of(const Region& a, const Region& b, float length) {
@@ -119,4 +119,4 @@ std::vector<Region> RegionGraph::regions() const {
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -7,7 +7,7 @@
 
 #include "nodes/segment/lab_image.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 struct Region {
   double area = 0;                                // pixels
@@ -41,4 +41,4 @@ class RegionGraph {
   mutable std::vector<std::int32_t> parent_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

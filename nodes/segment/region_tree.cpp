@@ -10,7 +10,7 @@
 #include "nodes/segment/region_graph.h"
 #include "nodes/segment/watershed.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 struct Contact {
@@ -200,4 +200,4 @@ std::vector<std::int32_t> choose_particles(const RegionTree& tree, const Choice&
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -6,7 +6,7 @@
 
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Statistics of a region. All are sums, so those of a merged region follow from its parts.
 struct Candidate {
@@ -53,4 +53,4 @@ struct Choice {
 // Labels start at 1.
 std::vector<std::int32_t> choose_particles(const RegionTree&, const Choice&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

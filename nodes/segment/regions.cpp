@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/segment/region_graph.h"
 #include "nodes/segment/watershed.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 constexpr float chroma = 2;
@@ -102,4 +102,4 @@ Mosaic make_mosaic(const Image& source, int section, const Work& work) {
   return m;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

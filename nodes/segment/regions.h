@@ -6,7 +6,7 @@
 
 #include "nodes/segment/lab_image.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Oklab with doubled chroma axes. This weights hue against lightness about as the eye does for distant
 // patches; Oklab itself is scaled for just noticeable differences.
@@ -38,4 +38,4 @@ Mosaic make_mosaic(const Image&, int section, const Work&);
 // Computes the patches of m.smooth, their colors and areas, and the usual contrast.
 void make_patches(Mosaic& m, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

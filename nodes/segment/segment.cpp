@@ -8,7 +8,7 @@
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/measure.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 void check_image(const Image& image) {
@@ -151,4 +151,4 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   return s;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -7,7 +7,7 @@
 #include "nodes/segment/figure_ground.h"
 #include "nodes/segment/particles.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 enum class Method { Auto, Clusters, Regions };
 
@@ -36,4 +36,4 @@ Segmentation segment(const Image&, const SegmentOptions&, const Work&);
 // "bad-pixels", "bad-labels", "no-particles".
 Segmentation measure_labels(const Image&, const Labels&, const SegmentOptions&, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

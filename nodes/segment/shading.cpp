@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work) {
   std::vector<Vec3f> residual;
@@ -53,4 +53,4 @@ void take_shading_away(Mosaic& m, const LabImage& shading, const Work& work) {
   make_patches(m, work);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -4,7 +4,7 @@
 #include "nodes/segment/clustering.h"
 #include "nodes/segment/regions.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Deviation of the local colors from the cluster centers, averaged over about an eighth of the image: slow
 // changes of light, and stains (as in adaptive clustering; Pappas 1992). Patch colors, per pixel.
@@ -16,4 +16,4 @@ float strength_of(const LabImage&);
 // Subtracts the shading and computes the patches again.
 void take_shading_away(Mosaic&, const LabImage& shading, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 // Lower envelope of the parabolas f[q] + (p − q)² along one line.
@@ -143,4 +143,4 @@ std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -6,7 +6,7 @@
 
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Exact squared distance of each pixel center to the nearest center of a pixel with another value, or to the
 // outside of the raster if `border_is_outside` (Felzenszwalb and Huttenlocher 2012). 0 where the raster is 0.
@@ -20,4 +20,4 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
 std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster, int width, int height,
                                          double strength, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

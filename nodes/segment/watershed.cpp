@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace terrazzo {
+namespace terrazzo::segment {
 namespace {
 
 constexpr int levels = 4096;
@@ -90,4 +90,4 @@ std::vector<std::int32_t> watershed(const std::vector<float>& relief, int width,
   return flood(quantised(relief), width, height, seeds, mask.data(), work);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

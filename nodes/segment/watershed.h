@@ -6,7 +6,7 @@
 
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::segment {
 
 // Labels every pixel with the number (from 1) of the basin that floods it first, with levels rising from 0
 // and first come, first served within a level (Meyer 1994; 4-connected; no watershed lines). Basins start at
@@ -18,4 +18,4 @@ std::vector<std::int32_t> watershed(const std::vector<float>& relief, int width,
                                     const std::vector<std::int32_t>& seeds,
                                     const std::vector<std::uint8_t>& mask, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::segment

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 using std::numbers::pi;
 
@@ -114,4 +114,4 @@ ClosedForm platonic_closed_form(const std::string& kind, double e) {
   return f;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 // Measures of a solid; fields without an implemented closed form are empty. `extents` are the edges of
 // its bounding box, mm.
@@ -34,4 +34,4 @@ ClosedForm platonic_closed_form(const std::string& kind, double edge);
 // or complex elliptic integrals".
 double carlson_rg(double x, double y, double z);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

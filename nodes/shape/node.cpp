@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "graph/node_type.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/shape/closed_form.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
@@ -14,6 +14,7 @@
 namespace terrazzo {
 
 namespace {
+using namespace shape;
 
 // A solid of arbitrary scale with its exact measures.
 struct Solid {
@@ -80,7 +81,7 @@ void compute(Context& c) {
   Shapes shapes;
   if (kind == "rock") {
     RockOptions o;
-    o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    o.seed = c.seed();
     o.axes = axes_of(c);
     o.facets = static_cast<int>(c.integer("facets"));
     o.chips = static_cast<int>(c.integer("chips"));
@@ -96,7 +97,7 @@ void compute(Context& c) {
   } else if (kind == "pebble" || kind == "shard" || kind == "clinker") {
     StoneOptions o;
     o.kind = kind;
-    o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    o.seed = c.seed();
     o.axes = axes_of(c);
     o.detail = static_cast<int>(c.integer("detail"));
     const auto count = c.integer("count");
@@ -156,7 +157,7 @@ NodeType shape_node() {
                      .range(0.1, 2.5)
                      .doc_("Exponents of a superquadric, along z and around z. Near 0: box. 1: ellipsoid. 2: "
                            "octahedron."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the stones"))
+      .parameter(Parameter::seed().doc_("Random seed of the stones"))
       .parameter(Parameter::integer("count", 1).range(1, 100).doc_("Number of different stones"))
       .parameter(
           Parameter::integer("facets", 13).range(4, 30).doc_("Number of large fracture faces of a rock"))

@@ -6,23 +6,19 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/common/convex_polyhedron.h"
+#include "nodes/common/geometry/convex_polyhedron.h"
+#include "nodes/common/geometry/directions.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 namespace {
 
 // Random streams of one rock.
-enum Stream : std::uint64_t { kProportions = 101, kFacets, kChips, kHollows, kField };
+enum RockStream : std::uint64_t { kProportions = 101, kFacets, kChips, kHollows, kField };
 
 // Shorter edges, relative to the radius, create slivers that look like defects and slow down contact tests.
 constexpr double kShortestEdge = 0.06;
-
-Vec3 random_direction(Random& r) {
-  const double z = r.uniform(-1, 1), a = r.uniform(0, 2 * std::numbers::pi), s = std::sqrt(1 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
 
 // Adds the half-space if it leaves a polyhedron without slivers.
 bool cut(std::vector<HalfSpace>& planes, const HalfSpace& h) {
@@ -180,4 +176,4 @@ Mesh rock_mesh(const RockOptions& o, const Work& work) {
   return mesh;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

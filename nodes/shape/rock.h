@@ -6,7 +6,7 @@
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 struct RockOptions {
   std::uint64_t seed = 1;
@@ -24,4 +24,4 @@ struct RockOptions {
 // self-intersections. Radius about 1.
 Mesh rock_mesh(const RockOptions&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

@@ -5,11 +5,11 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/common/geodesic_sphere.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/geodesic_sphere.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/shape/closed_form.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 namespace {
 
@@ -139,4 +139,4 @@ Mesh platonic_mesh(const std::string& kind) {
   return m;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

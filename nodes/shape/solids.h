@@ -5,7 +5,7 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 // `extents` is the bounding box, mm. An ellipsoid has 20·4^detail triangles (a subdivided and projected
 // icosahedron). The vertices of curved solids are moved outwards by one factor so that the volume is exact,
@@ -20,4 +20,4 @@ Mesh superquadric_mesh(const Vec3& extents, double e1, double e2, int detail);
 // Regular "tetrahedron", "octahedron", "dodecahedron" or "icosahedron" with edge 1.
 Mesh platonic_mesh(const std::string& kind);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

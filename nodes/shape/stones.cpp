@@ -5,21 +5,17 @@
 #include <numbers>
 #include <vector>
 
+#include "nodes/common/geometry/directions.h"
 #include "nodes/shape/solids.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 namespace {
 
 using std::numbers::pi;
 
-enum Stream : std::uint64_t { kField = 121, kSides, kBend, kAxes };
-
-Vec3 random_direction(Random& r) {
-  const double z = r.uniform(-1, 1), a = r.uniform(0, 2 * pi), s = std::sqrt(1 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
+enum StoneStream : std::uint64_t { kStoneField = 121, kSides, kBend, kAxes };
 
 // Scales radii by exp of a random field over directions, with wavelengths from `shortest` to `longest`
 // (relative to the radius) and standard deviation `sd`. Points stay on their rays, so nothing folds.
@@ -78,7 +74,7 @@ void bend(Mesh& mesh, double turn) {
 
 Mesh stone_mesh(const StoneOptions& o, const Work& work) {
   Mesh mesh = ellipsoid_mesh({2, 2, 2}, o.detail);
-  const auto random = [&](Stream s) { return Random(o.seed, s, o.item); };
+  const auto random = [&](StoneStream s) { return Random(o.seed, s, o.item); };
   Random a = random(kAxes);
   Vec3 axes = o.axes;
   for (int k = 0; k < 3; ++k) axes[k] *= a.uniform(0.85, 1.1);
@@ -88,16 +84,16 @@ Mesh stone_mesh(const StoneOptions& o, const Work& work) {
   work.check();
   if (o.kind == "pebble") {
     axes = axes.cwiseProduct(Vec3(1.15, 1, 0.8));
-    swell(mesh, random(kField), 0.05, 1.8, 4);
+    swell(mesh, random(kStoneField), 0.05, 1.8, 4);
     stretch();
   } else if (o.kind == "shard") {
     axes = axes.cwiseProduct(Vec3(1.7, 1, 0.8));
-    swell(mesh, random(kField), 0.05, 1.5, 4);
+    swell(mesh, random(kStoneField), 0.05, 1.5, 4);
     flatten(mesh, random(kSides), 5, 0.72, 0.85);
     stretch();
   } else {
     // A lobed bar, thin enough that the bend does not fold its inner side.
-    swell(mesh, random(kField), 0.22, 0.9, 3);
+    swell(mesh, random(kStoneField), 0.22, 0.9, 3);
     axes = axes.cwiseProduct(Vec3(2, 0.8, 0.9));
     stretch();
     bend(mesh, random(kBend).uniform(2.2, 2.8));
@@ -105,4 +101,4 @@ Mesh stone_mesh(const StoneOptions& o, const Work& work) {
   return mesh;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

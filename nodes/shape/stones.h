@@ -7,7 +7,7 @@
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::shape {
 
 struct StoneOptions {
   std::string kind;  // see stone_mesh
@@ -23,4 +23,4 @@ struct StoneOptions {
 // watertight, of genus 0 and, up to facet size, free of self-intersections. Radius about 1.
 Mesh stone_mesh(const StoneOptions&, const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::shape

@@ -5,18 +5,18 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/common/convex_polyhedron.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/principal_axes.h"
+#include "nodes/common/geometry/convex_polyhedron.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/shape_estimate/swelling.h"
 
 namespace terrazzo::shape_estimate {
 
 namespace {
 
-constexpr int kDegrees = 4, kHarmonics = harmonic_count(kDegrees);
+constexpr int kFamilyDegrees = 4, kFamilyHarmonics = harmonic_count(kFamilyDegrees);
 constexpr int kLowDegrees = 3, kLowHarmonics = harmonic_count(kLowDegrees);
-constexpr int kPlanes = 6, kCuts = 16, kFields = Fields::kCount;
+constexpr int kFamilyPlanes = 6, kCuts = 16, kFamilyFields = Fields::kCount;
 
 // Splits edges longer than `limit` in rounds, if they are the longest edge of both their triangles.
 void split_edges(Mesh& mesh, double limit) {
@@ -103,36 +103,37 @@ Vec3 stretch_of(double a, double b) {
 class Deformed : public BodyFamily {
  public:
   Deformed(Mesh start, std::uint64_t seed)
-      : body_(std::move(start)), planes_(spread_directions(seed, kPlanes)) {
+      : body_(std::move(start)), planes_(spread_directions(seed, kFamilyPlanes)) {
     normalise(body_);
     split_edges(body_, 0.12);
     const auto soft = smoothed(body_, 6);
     const std::size_t n = body_.vertices.size();
     const Fields fields(seed);
-    swells_.resize(static_cast<Eigen::Index>(n), kHarmonics + kFields);
+    swells_.resize(static_cast<Eigen::Index>(n), kFamilyHarmonics + kFamilyFields);
     for (std::size_t v = 0; v < n; ++v) {
       smoothing_.push_back(soft[v] - body_.vertices[v]);
-      double h[kHarmonics];
+      double h[kFamilyHarmonics];
       const Vec3 u = body_.vertices[v].normalized();
-      harmonics(u, kDegrees, h);
+      harmonics(u, kFamilyDegrees, h);
       const auto row = static_cast<Eigen::Index>(v);
-      for (int k = 0; k < kHarmonics; ++k) swells_(row, k) = h[k];
-      for (int k = 0; k < kFields; ++k) swells_(row, kHarmonics + k) = fields(k, u);
+      for (int k = 0; k < kFamilyHarmonics; ++k) swells_(row, k) = h[k];
+      for (int k = 0; k < kFamilyFields; ++k) swells_(row, kFamilyHarmonics + k) = fields(k, u);
     }
   }
-  int dimensions() const override { return 2 + kHarmonics + kFields + kPlanes + 1; }
+  int dimensions() const override { return 2 + kFamilyHarmonics + kFamilyFields + kFamilyPlanes + 1; }
   Mesh body(const Eigen::VectorXd& x) const override {
     Mesh mesh = body_;
     int at = 0;
     const Vec3 stretch = stretch_of(x[0], x[1]);
     at += 2;
-    Eigen::VectorXd c(kHarmonics + kFields);
-    for (int k = 0, n = 2; n <= kDegrees; ++n)
+    Eigen::VectorXd c(kFamilyHarmonics + kFamilyFields);
+    for (int k = 0, n = 2; n <= kFamilyDegrees; ++n)
       for (int m = 0; m < 2 * n + 1; ++m, ++k) c[k] = bounded(0.24 / n * x[at + k], 0.4);
-    at += kHarmonics;
-    for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
-    at += kFields;
-    const double smooth = std::clamp(x[at + kPlanes], -0.25, 1.6);
+    at += kFamilyHarmonics;
+    for (int k = 0; k < kFamilyFields; ++k)
+      c[kFamilyHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
+    at += kFamilyFields;
+    const double smooth = std::clamp(x[at + kFamilyPlanes], -0.25, 1.6);
     const Eigen::VectorXd swell = swells_ * c;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       Vec3& p = mesh.vertices[v];
@@ -140,7 +141,7 @@ class Deformed : public BodyFamily {
       p *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
       p = p.cwiseProduct(stretch);
     }
-    for (int k = 0; k < kPlanes; ++k) {
+    for (int k = 0; k < kFamilyPlanes; ++k) {
       const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // relative to the body's extent
       if (depth == 0) continue;
       double high = 0;
@@ -172,7 +173,7 @@ class Cut : public BodyFamily {
       reach_.push_back(0.88 * high);
     }
   }
-  int dimensions() const override { return kCuts + 2 + kLowHarmonics + kFields + 1; }
+  int dimensions() const override { return kCuts + 2 + kLowHarmonics + kFamilyFields + 1; }
   Mesh body(const Eigen::VectorXd& x) const override {
     std::vector<HalfSpace> sides;
     for (std::size_t k = 0; k < planes_.size(); ++k)
@@ -192,7 +193,7 @@ class Cut : public BodyFamily {
     int at = kCuts;
     const Vec3 stretch = stretch_of(x[at], x[at + 1]);
     at += 2;
-    const double wear = std::clamp(x[at + kLowHarmonics + kFields], 0.0, 1.5);
+    const double wear = std::clamp(x[at + kLowHarmonics + kFamilyFields], 0.0, 1.5);
     if (wear > 0) {
       const auto soft = smoothed(mesh, 4);
       for (std::size_t v = 0; v < soft.size(); ++v) mesh.vertices[v] += wear * (soft[v] - mesh.vertices[v]);
@@ -202,7 +203,7 @@ class Cut : public BodyFamily {
       double h[kLowHarmonics], swell = 0;
       harmonics(u, kLowDegrees, h);
       for (int k = 0; k < kLowHarmonics; ++k) swell += bounded((k < 5 ? 0.07 : 0.05) * x[at + k], 0.3) * h[k];
-      for (int k = 0; k < kFields; ++k)
+      for (int k = 0; k < kFamilyFields; ++k)
         swell += bounded(0.5 * Fields::kAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
       v = v.cwiseProduct(stretch) * std::exp(std::clamp(swell, -1.0, 1.0));
     }

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/geodesic_sphere.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/random_sections.h"
+#include "nodes/common/geometry/geodesic_sphere.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/shape_estimate/body_family.h"
 #include "nodes/shape_estimate/swelling.h"
 #include "runtime/random.h"

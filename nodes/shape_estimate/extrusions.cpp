@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {

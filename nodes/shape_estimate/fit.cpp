@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/shape_estimate/body_family.h"
 #include "nodes/shape_estimate/feature_match.h"
 #include "nodes/shape_estimate/least_squares.h"
@@ -18,7 +18,7 @@ namespace terrazzo::shape_estimate {
 namespace {
 
 // Planes per trial: the number of profiles within these bounds. kLastPlanes: planes for the final bodies.
-constexpr std::size_t kPlanes = 192, kMostPlanes = 512;
+constexpr std::size_t kLeastPlanes = 192, kMostPlanes = 512;
 constexpr std::size_t kLastPlanes = 1536;
 constexpr std::size_t kHands = 4;
 constexpr int kPoints = 128;          // as in ShapeMetrics
@@ -149,7 +149,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     observed.weight.push_back(1);
   }
   const std::size_t planes =
-      request.planes ? request.planes : std::clamp(observed.features.size(), kPlanes, kMostPlanes);
+      request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, kMostPlanes);
   const FeatureTarget target(observed, request.one_size, request.seed);
 
   auto starts = starting_bodies(request, work.part(0, 0.05));

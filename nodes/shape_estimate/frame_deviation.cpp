@@ -3,7 +3,7 @@
 #include <limits>
 #include <numbers>
 
-#include "nodes/common/mesh_section.h"
+#include "nodes/common/geometry/mesh_section.h"
 #include "nodes/shape_estimate/morph_frame.h"
 
 namespace terrazzo::shape_estimate {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shape_estimate/choose.h"
 #include "nodes/shape_estimate/fit.h"
@@ -52,7 +52,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   const double crease = c.number("crease");
   Chosen out;
   CandidateOptions options;
-  if (c.keyword("class").empty()) options.cls = static_cast<int>(c.integer("class"));
+  if (const auto v = c.optional_integer("class")) options.cls = static_cast<int>(*v);
   options.smallest = c.number("smallest");
   options.crease = crease;
   auto candidates = candidates_of(profiles, options, c.work());
@@ -63,8 +63,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
     if (method.run && candidates.outlines.size() < shapes * each)
       c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
                          candidates.outlines.size()));
-    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each,
-                                       static_cast<std::uint64_t>(c.integer("seed")), c.work());
+    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each, c.seed(), c.work());
     for (const auto& hand : hands) {
       out.shapes.emplace_back();
       for (const int i : hand) out.shapes.back().push_back(candidates.outlines[i]);
@@ -139,7 +138,7 @@ void compute_fit(Context& c, const Chosen& chosen) {
   request.smallest = c.number("smallest");
   request.one_size = c.text("sizes") == "equal";
   request.rounds = static_cast<int>(c.integer("rounds"));
-  request.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  request.seed = c.seed();
   Fit fit = fit_bodies(request, c.work().part(0, 0.95));
   Shapes shapes;
   double triangles = 0, crossings = 0;
@@ -177,9 +176,9 @@ void compute(Context& c) {
     request.chosen = chosen.shapes[s];
     request.all = &chosen.all;
     request.index = static_cast<int>(s);
-    request.seed = static_cast<std::uint64_t>(c.integer("seed"));
+    request.seed = c.seed();
     request.subdivision = static_cast<int>(c.integer("subdivision"));
-    request.control = c.keyword("control").empty() ? static_cast<int>(c.integer("control")) : 0;
+    request.control = static_cast<int>(c.optional_integer("control").value_or(0));
     const bool upright = axis == "long" || (axis == "alternate" && s % 2 == 1);
     request.axis = upright ? "long" : "short";
     // If the profiles are the same again, use another one of them as the base.
@@ -266,7 +265,7 @@ NodeType shape_estimate_node() {
               .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
                     "triangles (about 500 to 2000 at 1). With control: auto, each level also allows more "
                     "control points; grids with more than ten per quarter are subdivided only once."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "control", "auto")
+      .parameter(Parameter::optional_integer("control", "auto")
                      .range(2, 24)
                      .doc_("Number of control points per quarter of a curve. auto: the fewest that reproduce "
                            "the profiles within 0.8 % of their diameter, at most 4 + 2·subdivision, or 24 if "
@@ -291,12 +290,10 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::integer("rounds", 8)
                      .range(1, 60)
                      .doc_("Number of search rounds per shape, for method fit"))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "class", "any")
+      .parameter(Parameter::optional_integer("class", "any")
                      .range(0, 1e6)
                      .doc_("Color or particle class whose profiles are used"))
-      .parameter(Parameter::integer("seed", 1)
-                     .range(0, 9007199254740991)
-                     .doc_("Random seed of the choice of profiles and of random shapes"))
+      .parameter(Parameter::seed().doc_("Random seed of the choice of profiles and of random shapes"))
       .compute_(compute);
 }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "nodes/common/random_sections.h"
+#include "nodes/common/stereology/random_sections.h"
 
 namespace terrazzo::shape_estimate {
 

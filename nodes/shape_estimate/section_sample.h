@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "nodes/common/outline_features.h"
+#include "nodes/common/stereology/outline_features.h"
 #include "runtime/work.h"
 
 namespace terrazzo::shape_estimate {

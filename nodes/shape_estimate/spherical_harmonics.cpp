@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/convex_hull.h"
-#include "nodes/common/directions.h"
+#include "nodes/common/geometry/convex_hull.h"
+#include "nodes/common/geometry/directions.h"
 #include "nodes/shape_estimate/arcs.h"
 #include "nodes/shape_estimate/method.h"
 #include "runtime/random.h"

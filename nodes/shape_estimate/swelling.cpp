@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/directions.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {
@@ -13,11 +14,6 @@ namespace {
 using std::numbers::pi;
 
 constexpr int kMostDegrees = 6;
-
-Vec3 random_direction(Random& r) {
-  const double z = r.uniform(-1, 1), a = 2 * pi * r.uniform(), s = std::sqrt(1 - z * z);
-  return {s * std::cos(a), s * std::sin(a), z};
-}
 
 }  // namespace
 

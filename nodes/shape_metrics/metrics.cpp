@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 
 namespace terrazzo::shape_metrics {
 

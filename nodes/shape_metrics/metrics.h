@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/outline_features.h"
-#include "nodes/common/random_sections.h"
+#include "nodes/common/stereology/outline_features.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/shape_metrics/metrics.h"
 #include "runtime/context.h"
 
@@ -56,7 +56,7 @@ std::vector<Population> populations(const Context& c) {
 void compute(Context& c) {
   shape_metrics::MetricsChoice choice;
   choice.sections = static_cast<std::size_t>(c.integer("sections"));
-  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  choice.seed = c.seed();
   choice.measuring.points = static_cast<int>(c.integer("points"));
   const auto all = populations(c);
   std::vector<shape_metrics::MetricsRow> rows;
@@ -96,8 +96,7 @@ NodeType shape_metrics_node() {
       .parameter(Parameter::integer("sections", 10000)
                      .range(1, 10000000)
                      .doc_("Number of central sections, and of random sections, per row"))
-      .parameter(
-          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the section planes"))
+      .parameter(Parameter::seed().doc_("Random seed of the section planes"))
       .parameter(Parameter::integer("points", 128)
                      .range(32, 1024)
                      .doc_("Number of equidistant points at which an outline is measured, so that its "

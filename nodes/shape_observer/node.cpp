@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/data/table.h"
 #include "nodes/shape_observer/observer.h"
 #include "runtime/context.h"
@@ -32,7 +32,7 @@ void compute(Context& c) {
   choice.profiles = static_cast<int>(c.integer("profiles"));
   choice.views = static_cast<int>(c.integer("views"));
   choice.eyesight = c.number("eyesight");
-  choice.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  choice.seed = c.seed();
   if (static_cast<double>(choice.profiles) * choice.views > 5e6)
     throw Error("too-many-profiles",
                 fmt::format("views × profiles must be at most 5 million; there are {} views of {} profiles",

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "nodes/common/outline_features.h"
+#include "nodes/common/stereology/outline_features.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_observer {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "nodes/common/random_sections.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "runtime/work.h"
 
 namespace terrazzo::shape_observer {

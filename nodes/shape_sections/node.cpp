@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "graph/node_type.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/shape_sections/sections.h"
 #include "nodes/shape_sections/views.h"
 #include "runtime/context.h"
@@ -21,7 +21,7 @@ void compute(Context& c) {
       throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
   const std::string planes = c.text("planes");
   const auto count = static_cast<std::size_t>(c.integer("count"));
-  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto seed = c.seed();
   std::vector<BodySection> sections;
   if (planes == "principal") {
     sections = shape_sections::principal_sections(shapes);
@@ -81,8 +81,8 @@ NodeType shape_sections_node() {
                     "planes perpendicular to each shape's principal axes; ignores `count`."))
       .parameter(
           Parameter::integer("count", 16).range(1, 1000000).doc_("Number of random or central sections"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the planes"))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "columns", "auto")
+      .parameter(Parameter::seed().doc_("Random seed of the planes"))
+      .parameter(Parameter::optional_integer("columns", "auto")
                      .range(1, 1000)
                      .doc_("Number of sections per row of the image. auto: about as many as there are rows."))
       .parameter(Parameter::integer("cell", 96)

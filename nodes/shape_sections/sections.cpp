@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/principal_axes.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/shape_sections/views.h"
 
 namespace terrazzo::shape_sections {

@@ -1,7 +1,7 @@
 // Sections of single shapes as profiles, and an image of them.
 #pragma once
 
-#include "nodes/common/random_sections.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/data/image.h"
 #include "nodes/data/profiles.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/render_mesh.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/render_mesh.h"
 
 namespace terrazzo::shape_sections {
 

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "graph/node_type.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "nodes/data/image.h"
 #include "nodes/shape_study/screens.h"
 #include "runtime/context.h"
@@ -62,7 +62,7 @@ std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
 
 void compute(Context& c) {
   const auto stimuli = stimuli_of(c);
-  const auto seed = static_cast<std::uint64_t>(c.integer("seed"));
+  const auto seed = c.seed();
   const auto screens = shape_study::make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
   // Image names are shuffled numbers, so that they reveal nothing.
   std::vector<std::pair<int, int>> all;
@@ -118,7 +118,7 @@ NodeType shape_study_node() {
       .parameter(Parameter::integer("training", 10)
                      .range(0, 1000)
                      .doc_("Number of training screens before the test"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the screens"))
+      .parameter(Parameter::seed().doc_("Random seed of the screens"))
       .compute_(compute);
 }
 

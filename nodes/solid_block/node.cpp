@@ -2,13 +2,13 @@
 
 #include "graph/diagnostic.h"
 #include "graph/node_type.h"
-#include "nodes/common/one_or_three.h"
-#include "nodes/solid_base/solid_base.h"
-#include "nodes/solid_optimize/give_solid.h"
+#include "nodes/common/geometry/one_or_three.h"
+#include "nodes/solids/outputs.h"
+#include "nodes/solids/solid_base.h"
 
 namespace terrazzo {
 namespace {
-using namespace solid_optimize;
+using namespace solids;
 
 constexpr int kLeastBlock = 16;  // voxels
 
@@ -61,7 +61,7 @@ NodeType solid_block_node() {
                       .doc_(
                           "Makes one block of a solid texture that is too large for memory. Its voxels are "
                           "those of the whole solid at its place, in whatever order blocks are made.")
-                      .source_("See SolidOptimize, method local")
+                      .source_("See SolidOptimize, method blockwise")
                       .input("base", "SolidBase", "Data that all blocks share");
   declare_solid(type)
       .parameter(Parameter::ints("blocks", {1})

@@ -1,32 +1,38 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/solid_optimize/from_context.h"
-#include "nodes/solid_optimize/give_solid.h"
+#include "nodes/solids/outputs.h"
+#include "nodes/solids/request.h"
 
 namespace terrazzo {
 namespace {
-using namespace solid_optimize;
+using namespace solids;
+
+void check(const NodeParameters& p) {
+  const auto method = p.choice<SolidMethod>("method");
+  if (method == SolidMethod::Reference && p.boolean("sources"))
+    throw Error("not-with-reference", "method reference cannot record sources", "set method: coherence")
+        .parameter("sources");
+  if (method != SolidMethod::Blockwise && p.text("device") == "gl")
+    throw Error("bad-value", fmt::format("device gl needs method blockwise; method is {}", p.text("method")),
+                "set method: blockwise, or device: cpu")
+        .parameter("device");
+}
 
 void compute(Context& c) {
-  const std::string method = c.text("method");
+  const auto method = c.choice<SolidMethod>("method");
   SolidRequest request = read_request(c, method);
   SolidSettings& s = request.settings;
   s.sources = !c.list("features").empty() || c.boolean("sources");
-  if (s.papers && s.sources)
-    throw Error("not-with-papers",
-                "method papers, the reference method of 2011, cannot carry sources or features",
-                "set method: coherence")
+  if (method == SolidMethod::Reference && s.sources)
+    throw Error("not-with-reference", "method reference cannot carry features", "set method: coherence")
         .parameter("method");
-  if (!s.local && c.text("device") == "gl")
-    throw Error("bad-value", fmt::format("device gl needs method local; method is {}", method),
-                "set method: local, or device: cpu")
-        .parameter("device");
   check_request(c, request, memory_forecast(request.exemplars, s));
   SolidResult r;
   {
-    const auto gl = s.local ? open_device(c) : nullptr;
+    const auto gl = s.method == SolidMethod::Blockwise ? open_device(c) : nullptr;
     r = optimize_solid(request.exemplars, s, c.work().part(0, 0.97), gl.get());
   }
   give_solid(c, std::move(r), request.exemplars, true, request.voxel, c.work().part(0.97, 1));
@@ -44,12 +50,15 @@ NodeType solid_optimize_node() {
                           "et al. 2002 and Barnes et al. 2009");
   declare_solid(declare_exemplars(type));
   declare_size(type).parameter(
-      Parameter::choice("method", "coherence", {"coherence", "local", "papers"})
+      Parameter::choice("method", "coherence", {"coherence", "blockwise", "reference"})
+          .word_was("local", "blockwise")
+          .word_was("papers", "reference")
           .doc_("coherence: tries neighbors' matches, similar patches and random patches, and prefers rarely "
-                "used ones. local: makes the finer levels with passes that see only a bounded neighborhood, "
-                "so that they can run in blocks (SolidBase) and on a GPU. papers: the reference method of "
+                "used ones. blockwise: makes the finer levels with passes that see only a bounded "
+                "neighborhood, "
+                "so that they can run in blocks (SolidBase) and on a GPU. reference: the method of "
                 "2011, for comparison; 128³ voxels take minutes."));
-  declare_settings(declare_sources(declare_device(type))).compute_(compute);
+  declare_settings(declare_sources(declare_device(type))).check_(check).compute_(compute);
   return type;
 }
 

@@ -1,5 +1,5 @@
 #include "graph/node_type.h"
-#include "nodes/strokes/stroke_text.h"
+#include "nodes/common/io/stroke_text.h"
 #include "runtime/context.h"
 
 namespace terrazzo {

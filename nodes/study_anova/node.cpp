@@ -4,8 +4,8 @@
 #include <map>
 
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
-#include "nodes/common/reading.h"
+#include "nodes/common/io/reading.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/study_anova/anova.h"
 #include "nodes/study_anova/answers.h"
 #include "runtime/context.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 #include "runtime/work.h"
 
 namespace terrazzo::texture_nib {

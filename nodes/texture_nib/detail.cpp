@@ -10,7 +10,7 @@ namespace terrazzo::texture_nib {
 // Colors, or a region smaller than a patch: the color of the region pixel of the same level with the most
 // similar neighborhood, found among the neighbors' sources, shifted, and random ones (Ashikhmin 2001).
 void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work& work) {
-  if (manner_.finish == Finish::Patches && !source_pyramid_->front().centers.empty())
+  if (dab_settings_.finish == Finish::Patches && !source_pyramid_->front().centers.empty())
     complete_patches(footprint, work);
   else
     find_colors(footprint, work);
@@ -39,7 +39,7 @@ void Nib::complete_patches(const std::vector<std::uint32_t>& footprint, const Wo
     return static_cast<std::size_t>(y) * part.width + x;
   };
   for (const auto p : footprint) part.state[within(p)] = HoleState::Hole;
-  const auto found = complete(*source_pyramid_, part, manner_.seed, dabs_, work);
+  const auto found = complete(*source_pyramid_, part, dab_settings_.seed, dabs_, work);
   for (const auto p : footprint) {
     source_[p] = found[within(p)];
     if (const int level = texture_.level[source_[p]]; level != base_[p]) set_level(p, level);
@@ -94,7 +94,7 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
           try_source(sy * w + sx);
         }
       const auto& same = texture_.pixels_of[static_cast<std::size_t>(level)];
-      Random random(manner_.seed, 0x91b2 + static_cast<std::uint64_t>(round), (dabs_ << 32) + p);
+      Random random(dab_settings_.seed, 0x91b2 + static_cast<std::uint64_t>(round), (dabs_ << 32) + p);
       for (int r = 0; r < random_tries; ++r)
         try_source(static_cast<std::int32_t>(same[random.below(same.size())]));
       source_[p] = best;

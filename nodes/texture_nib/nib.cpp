@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/footprint.h"
+#include "nodes/common/texture/footprint.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_nib {
@@ -15,8 +15,8 @@ constexpr int kLanes = 8;
 
 }  // namespace
 
-Nib::Nib(Image picture, NibTexture texture, NibManner manner)
-    : picture_(std::move(picture)), texture_(std::move(texture)), manner_(manner) {
+Nib::Nib(Image picture, NibTexture texture, DabSettings dab_settings)
+    : picture_(std::move(picture)), texture_(std::move(texture)), dab_settings_(dab_settings) {
   const int levels = texture_.levels.count();
   for (const auto& o : texture_.offsets) pad_ = std::max(pad_, o.cwiseAbs().maxCoeff());
   stride_ = picture_.width + 2 * pad_;
@@ -138,7 +138,7 @@ void Nib::visit(std::uint32_t pixel, std::uint64_t item) {
       break;
   }
   if (t < 0) {
-    const double u = Random(manner_.seed, 0x91b0 + dabs_, item).uniform();
+    const double u = Random(dab_settings_.seed, 0x91b0 + dabs_, item).uniform();
     t = static_cast<int>(std::upper_bound(texture_.histogram.begin(), texture_.histogram.end(), u) -
                          texture_.histogram.begin());
     t = std::min(t, levels - 1);
@@ -165,13 +165,14 @@ Rectangle Nib::dab(const std::vector<std::uint32_t>& footprint, const Work& work
   for (const auto p : footprint)
     if (!occupied_[p]) clear(p);
   std::vector<std::uint32_t> order = footprint;
-  Random random(manner_.seed, 0x91b1, dabs_);
+  Random random(dab_settings_.seed, 0x91b1, dabs_);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
-  for (int pass = 0; pass < manner_.passes; ++pass)
+  for (int pass = 0; pass < dab_settings_.passes; ++pass)
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (i % 1024 == 0) {
         work.check();
-        work.progress((pass + static_cast<double>(i) / static_cast<double>(order.size())) / manner_.passes);
+        work.progress((pass + static_cast<double>(i) / static_cast<double>(order.size())) /
+                      dab_settings_.passes);
       }
       visit(order[i], i);
     }
@@ -180,7 +181,7 @@ Rectangle Nib::dab(const std::vector<std::uint32_t>& footprint, const Work& work
     position_[p] = texture_.levels.center[base_[p]];
     source_[p] = -1;
   }
-  if (manner_.finish != Finish::Levels) restore_detail(footprint, work.quiet());
+  if (dab_settings_.finish != Finish::Levels) restore_detail(footprint, work.quiet());
   return bounds(footprint);
 }
 

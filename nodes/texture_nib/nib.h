@@ -22,7 +22,7 @@ namespace terrazzo::texture_nib {
 enum class Finish { Levels, Colors, Patches };
 
 // Settings for painting a dab.
-struct NibManner {
+struct DabSettings {
   int passes = 4;  // visits per pixel; every pixel is visited once before any is visited again
   Finish finish = Finish::Patches;
   std::uint64_t seed = 1;
@@ -36,7 +36,7 @@ struct Rectangle {
 class Nib {
  public:
   // Paints on the picture's first section. Results depend only on these arguments and on the strokes.
-  Nib(Image picture, NibTexture, NibManner);
+  Nib(Image picture, NibTexture, DabSettings);
 
   // Paints a whole stroke: one dab per segment of its line, or one dab for an area. Painting point by point,
   // with begin_stroke and extend_stroke, has the same result. Returns the changed rectangle. Throws Error
@@ -80,7 +80,7 @@ class Nib {
 
   Image picture_;
   NibTexture texture_;
-  NibManner manner_;
+  DabSettings dab_settings_;
   // B_r and O with a border of `pad_` pixels on all sides that have no level and are not painted.
   int pad_ = 0, stride_ = 0;
   std::vector<std::uint8_t> level_, painted_;

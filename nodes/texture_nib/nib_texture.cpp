@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/cooccurrence.h"
+#include "nodes/common/texture/cooccurrence.h"
 
 namespace terrazzo::texture_nib {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/color_levels.h"
+#include "nodes/common/texture/color_levels.h"
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 

@@ -48,15 +48,17 @@ void compute(Context& c) {
   NibSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.space = c.text("space");
-  s.seed = static_cast<std::uint64_t>(c.integer("seed"));
-  if (c.keyword("threshold").empty()) s.threshold = c.number("threshold");
-  NibManner manner;
-  manner.passes = static_cast<int>(c.integer("passes")), manner.seed = s.seed;
+  s.seed = c.seed();
+  if (const auto v = c.optional_number("threshold")) s.threshold = *v;
+  DabSettings dab_settings;
+  dab_settings.passes = static_cast<int>(c.integer("passes")), dab_settings.seed = s.seed;
   const auto finish = c.text("finish");
-  manner.finish = finish == "levels" ? Finish::Levels : finish == "colors" ? Finish::Colors : Finish::Patches;
+  dab_settings.finish = finish == "levels"   ? Finish::Levels
+                        : finish == "colors" ? Finish::Colors
+                                             : Finish::Patches;
 
   const auto region = region_of(c, picture, strokes, fill, s.extent);
-  Nib nib(picture, learn(picture, region, s, c.work().quiet()), manner);
+  Nib nib(picture, learn(picture, region, s, c.work().quiet()), dab_settings);
   const double n = static_cast<double>(strokes.strokes.size()) + 1;
   for (std::size_t i = 0; i < strokes.strokes.size(); ++i)
     nib.paint(strokes.strokes[i], c.work().part(static_cast<double>(i) / n, static_cast<double>(i + 1) / n));
@@ -116,7 +118,7 @@ NodeType texture_nib_node() {
               .range(1, 8)
               .doc_("Number of scales. Offsets are also used 2, 4, … times as long, up to 2^(scales − 1)."))
       .parameter(
-          Parameter::with_keyword(ParameterKind::Number, "threshold", "auto")
+          Parameter::optional_number("threshold", "auto")
               .range(0, 10)
               .doc_(
                   "Threshold φ in units of space: pixels whose color is farther than this from all levels "
@@ -130,7 +132,7 @@ NodeType texture_nib_node() {
                            "with the same level and similar neighborhoods. patches: the region's pixels, "
                            "arranged from coarse to fine so that every patch looks like one of the region. "
                            "Shapes survive, and the levels are updated to match."))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed"))
+      .parameter(Parameter::seed())
       .compute_(compute);
 }
 

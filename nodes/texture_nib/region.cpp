@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/footprint.h"
+#include "nodes/common/texture/footprint.h"
 
 namespace terrazzo::texture_nib {
 std::vector<std::uint8_t> region_mask(const std::vector<double>& v, int width, int height) {

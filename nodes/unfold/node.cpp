@@ -1,15 +1,17 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/unfold/summary.h"
-#include "nodes/unfold/unfold.h"
+#include "nodes/unfolding/unfold.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
+using namespace unfolding;
+using namespace unfold;
 
 Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
   Table t;
@@ -64,16 +66,16 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
 void compute(Context& c) {
   UnfoldOptions o;
   o.method = c.text("method");
-  if (c.keyword("classes").empty()) o.classes = static_cast<int>(c.integer("classes"));
-  if (c.keyword("smallest_visible").empty()) o.smallest_visible = c.number("smallest_visible");
+  if (const auto v = c.optional_integer("classes")) o.classes = static_cast<int>(*v);
+  if (const auto v = c.optional_number("smallest_visible")) o.smallest_visible = *v;
   const std::string border = c.text("border");
   o.border = border == "weights" ? Border::Weights : border == "all" ? Border::All : Border::Inside;
-  if (c.keyword("d_max").empty()) o.d_max = c.number("d_max");
+  if (const auto v = c.optional_number("d_max")) o.d_max = *v;
   o.area_fraction = c.number("area_fraction");
   o.by_class = c.text("types") == "by_class";
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
-  o.seed = static_cast<std::uint64_t>(c.integer("seed"));
-  UnfoldResult r = unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
+  o.seed = c.seed();
+  UnfoldResult r = unfolding::unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
   double fraction = 0, negative = 0, freedom = 0, jumps = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;
   for (const auto& f : r.fits) {
@@ -143,11 +145,11 @@ NodeType unfold_node() {
                            "is. nnls: nonnegative least squares, each class weighted by its counting error. "
                            "Both hold the volume fraction to the profiles' area fraction. inverse: the "
                            "paper's K⁻¹; negative densities are reported and set to zero."))
-      .parameter(Parameter::with_keyword(ParameterKind::Int, "classes", "auto")
+      .parameter(Parameter::optional_integer("classes", "auto")
                      .range(1, 200)
                      .doc_("Number of equal size classes from 0 to d_max. auto: as many as the K matrix has, "
                            "but at most 2·n^⅓ for n profiles."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "smallest_visible", "auto")
+      .parameter(Parameter::optional_number("smallest_visible", "auto")
                      .unit_("mm")
                      .range(0, 1e9)
                      .doc_("Size of the smallest profile that the photograph can show. Smaller profiles are "
@@ -156,7 +158,7 @@ NodeType unfold_node() {
                      .doc_("weights: profiles cut by the border are left out and the others weighted to "
                            "compensate (Miles and Lantuéjoul). inside: cut profiles are left out. all: every "
                            "profile counts once, cut ones with their visible part."))
-      .parameter(Parameter::with_keyword(ParameterKind::Number, "d_max", "auto")
+      .parameter(Parameter::optional_number("d_max", "auto")
                      .unit_("mm")
                      .above(0)
                      .doc_("Size of the largest particle. auto: maximum-likelihood estimate, at least the "
@@ -176,8 +178,7 @@ NodeType unfold_node() {
               .doc_(
                   "Number of bootstrap repetitions for the 90 % intervals. They resample profiles, or whole "
                   "sections from ten sections on; em also draws the bias of smoothing. 0: no intervals."))
-      .parameter(
-          Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the bootstrap"))
+      .parameter(Parameter::seed().doc_("Random seed of the bootstrap"))
       .compute_(compute);
 }
 

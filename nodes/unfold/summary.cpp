@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 
-namespace terrazzo {
+namespace terrazzo::unfold {
 namespace {
 
 // The size at which the cumulative sum of `share` passes q; within a class it grows as size^power.
@@ -66,4 +66,4 @@ SizeSummary summarise(const SizeDistribution& d) {
   return s;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::unfold

@@ -5,7 +5,7 @@
 
 #include "nodes/data/size_distribution.h"
 
-namespace terrazzo {
+namespace terrazzo::unfold {
 
 struct SizeSummary {
   double N_V = 0;                      // per mm³, all classes
@@ -21,4 +21,4 @@ struct SizeSummary {
 // All zeros if there are no particles.
 SizeSummary summarise(const SizeDistribution&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::unfold

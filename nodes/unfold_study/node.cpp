@@ -5,7 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/node_type.h"
-#include "nodes/common/plot.h"
+#include "nodes/common/plot/plot.h"
 #include "nodes/data/table.h"
 #include "nodes/unfold_study/sample_profiles.h"
 #include "nodes/unfold_study/study.h"
@@ -54,7 +54,7 @@ void compute(Context& c) {
   o.classes = static_cast<int>(c.integer("classes"));
   o.known_d_max = c.text("d_max") == "known";
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
-  o.seed = static_cast<std::uint64_t>(c.integer("seed"));
+  o.seed = c.seed();
   const auto& truths = c.list("distributions");
   std::vector<std::string> names = c.keyword("names").empty() ? c.texts("names") : std::vector<std::string>{};
   if (!names.empty() && names.size() != truths.size())
@@ -137,7 +137,7 @@ NodeType unfold_study_node() {
                            "nnls, whose coverage is then reported. 0: no intervals."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Names of the distributions"))
-      .parameter(Parameter::integer("seed", 1).range(0, 9007199254740991).doc_("Random seed of the profiles"))
+      .parameter(Parameter::seed().doc_("Random seed of the profiles"))
       .compute_(compute);
 }
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "runtime/random.h"
 
 namespace terrazzo::unfold_study {

@@ -5,11 +5,12 @@
 #include <limits>
 
 #include "graph/diagnostic.h"
-#include "nodes/unfold/unfold.h"
 #include "nodes/unfold_study/sample_profiles.h"
+#include "nodes/unfolding/unfold.h"
 
 namespace terrazzo::unfold_study {
 namespace {
+using namespace unfolding;
 
 struct Trial {
   bool refused = false;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 // Ericson, Real-Time Collision Detection (2005), section 5.1.5: cases by the Voronoi region that contains p's
 // projection onto the triangle's plane.
@@ -89,4 +89,4 @@ double ClosestTriangle::distance2(const Vec3& p, double bound) const {
   return bound;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

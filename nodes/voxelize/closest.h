@@ -5,7 +5,7 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 double distance2_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
@@ -29,4 +29,4 @@ class ClosestTriangle {
   std::vector<std::int32_t> order_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

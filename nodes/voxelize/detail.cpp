@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/tile_fit.h"
+#include "nodes/common/geometry/tile_fit.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 namespace {
 
 constexpr int kLobes =
@@ -125,4 +125,4 @@ void Detail::add_plane(int k, Vec3f* colors) const {
   }
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -7,7 +7,7 @@
 #include "nodes/voxelize/lattice.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 class Detail {
  public:
@@ -39,4 +39,4 @@ class Detail {
   std::vector<Taps> z_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -6,7 +6,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 namespace {
 
 constexpr double kTolerance = 1e-6;
@@ -71,4 +71,4 @@ Lattice choose_lattice(const Vec3& box, const std::vector<std::int64_t>& resolut
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

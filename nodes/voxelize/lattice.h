@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/linear.h"
+#include "nodes/data/linear.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 struct Lattice {
   Vec3i size = Vec3i::Zero();  // voxels
@@ -18,4 +18,4 @@ struct Lattice {
 // nearest resolution that fits, "bad-box", "bad-value", "too-large" (over 4.1·10⁹ voxels).
 Lattice choose_lattice(const Vec3& box, const std::vector<std::int64_t>& resolution);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -5,7 +5,7 @@
 
 #include "nodes/voxelize/closest.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   Eigen::AlignedBox3d bounds;
@@ -68,4 +68,4 @@ float MeshSdf::at(const Vec3& p) const {
   return mix(y0, mix(mix(m[0], m[1], t[0]), mix(m[sx], m[sx + 1], t[0]), t[1]), t[2]);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -7,7 +7,7 @@
 #include "nodes/voxelize/scan.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 class MeshSdf {
  public:
@@ -27,4 +27,4 @@ class MeshSdf {
   std::vector<float> nodes_;
 };
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -8,13 +8,14 @@
 
 namespace terrazzo {
 namespace {
+using namespace voxelize;
 
 void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
   const Lattice lattice = choose_lattice(particles.box, c.ints("resolution"));
   VoxelReport report;
-  Volume volume = voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("residual"), lattice,
-                           report, c.work());
+  Volume volume = voxelize::voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("residual"),
+                                     lattice, report, c.work());
   c.metric("volume_fraction", report.volume_fraction);
   c.metric("exact_volume_fraction", report.exact_volume_fraction);
   if (c.input<Particles>("particles").void_count() > 0) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 namespace {
 
 struct Crossing {
@@ -140,4 +140,4 @@ void scan_mesh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& t
   all.fill(out);
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

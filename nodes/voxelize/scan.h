@@ -7,7 +7,7 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 // A block of lattice cells: cell (i, j, k) is the unit cube centered at (i, j, k).
 struct CellBox {
@@ -31,4 +31,4 @@ struct Scan {
 void scan_mesh(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles, const CellBox& box,
                int lines, Scan& out);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
   const std::size_t n = static_cast<std::size_t>(lattice.x()) * lattice.y() * (z1 - z0);
@@ -80,4 +80,4 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
   });
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -10,7 +10,7 @@
 #include "nodes/voxelize/mesh_sdf.h"
 #include "nodes/voxelize/scan.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 // Half-width of the level set's narrow band in voxels; OpenVDB's default.
 constexpr double kBand = 3;
@@ -43,4 +43,4 @@ void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf& sdf, doub
 // Adds the stamps in order, independent of the number of threads.
 void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

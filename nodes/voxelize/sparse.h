@@ -8,7 +8,7 @@
 
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 template <class Leaf>
 bool uniform_values(const Leaf& leaf, const typename Leaf::ValueType& v) {
@@ -61,4 +61,4 @@ void add_voxels(Grid& grid, const openvdb::Coord& size, int z0, int z1, Value&& 
   }
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <map>
 
-#include "nodes/common/color.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/voxelize/detail.h"
 #include "nodes/voxelize/slab.h"
 #include "nodes/voxelize/sparse.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 namespace {
 
 constexpr std::size_t kSlabVoxels = std::size_t{1} << 23;  // about 200 MB of dense planes
@@ -278,4 +278,4 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   return out;
 }
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

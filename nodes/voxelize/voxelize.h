@@ -7,7 +7,7 @@
 #include "nodes/voxelize/lattice.h"
 #include "runtime/work.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 
 struct VoxelReport {
   double volume_fraction = 0;                         // mean density
@@ -28,4 +28,4 @@ struct VoxelReport {
 Volume voxelize(const Particles&, const Shapes&, const Volume* residual, const Lattice&, VoxelReport&,
                 const Work& = {});
 
-}  // namespace terrazzo
+}  // namespace terrazzo::voxelize

@@ -1,6 +1,6 @@
 #include "runtime/studio/library.h"
 
-#include "nodes/common/provenance.h"
+#include "nodes/common/io/provenance.h"
 #include "nodes/register_nodes.h"
 #include "runtime/studio/paint_command.h"
 

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/texture_nib/views.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/access.h"

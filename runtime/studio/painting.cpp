@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "nodes/common/image_file.h"
-#include "nodes/strokes/stroke_text.h"
+#include "nodes/common/io/image_file.h"
+#include "nodes/common/io/stroke_text.h"
 #include "nodes/texture_nib/region.h"
 #include "runtime/hash.h"
 

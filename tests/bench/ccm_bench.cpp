@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "nodes/common/level_descent.h"
+#include "nodes/common/texture/level_descent.h"
 #include "nodes/texture_nib/nib.h"
 #include "runtime/random.h"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh_section.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/kmatrix/stencil_slicer.h"
 #include "nodes/shape/solids.h"

@@ -9,7 +9,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/noise.h"
+#include "nodes/common/texture/noise.h"
 #include "nodes/phantom/phantom.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"

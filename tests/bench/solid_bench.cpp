@@ -11,12 +11,12 @@
 #include <ctime>
 
 #include "nodes/residual_synth/synthesize.h"
-#include "nodes/solid_optimize/solid_optimize.h"
+#include "nodes/solids/optimize_solid.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
 namespace {
-namespace so = solid_optimize;
+namespace so = solids;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -47,13 +47,13 @@ struct Made {
   double seconds, patches = 0, histogram = 0, finest = 1, copied = 0;
 };
 
-Made make(int side, bool papers, bool local = false) {
+Made make(int side, bool reference, bool blockwise = false) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   so::SolidSettings s;
   s.size = Vec3i::Constant(side);
-  s.papers = papers;
-  if (papers) s.iterations = {100, 20, 10};
-  if (local) s.local = true, s.finish = 1;
+  if (reference) s.method = so::SolidMethod::Reference;
+  if (reference) s.iterations = {100, 20, 10};
+  if (blockwise) s.method = so::SolidMethod::Blockwise, s.finish = 1;
   const double start = cpu_seconds();
   const auto r = so::optimize_solid({blobs(side)}, s, Work());
   Made m{cpu_seconds() - start};

@@ -16,7 +16,7 @@
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
-#include "nodes/solid_base/solid_base.h"
+#include "nodes/solids/solid_base.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
 #include "tests/support/all_nodes.h"

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "nodes/common/image_file.h"
-#include "nodes/common/provenance.h"
+#include "nodes/common/io/image_file.h"
+#include "nodes/common/io/provenance.h"
 
 using namespace terrazzo;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 

@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
 namespace fs = std::filesystem;
 
 struct Shell {

@@ -14,7 +14,7 @@
 #include <new>
 #include <stdexcept>
 
-#include "nodes/common/provenance.h"
+#include "nodes/common/io/provenance.h"
 #include "nodes/register_nodes.h"
 #include "runtime/files.h"
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
@@ -19,6 +19,7 @@
 
 namespace terrazzo::torture {
 namespace {
+using namespace exporting;
 namespace fs = std::filesystem;
 
 // One folder per seed, such as "LoadVolume.vdb/1", in which the reader opens the first file.

@@ -17,7 +17,7 @@
 
 #include "graph/graph.h"
 #include "graph/raw_document.h"
-#include "nodes/common/provenance.h"
+#include "nodes/common/io/provenance.h"
 #include "nodes/data/volume.h"
 #include "runtime/codec.h"
 #include "runtime/compute_node.h"

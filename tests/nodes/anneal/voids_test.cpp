@@ -16,6 +16,9 @@
 
 namespace terrazzo {
 namespace {
+using namespace colorize;
+using namespace exporting;
+using namespace voxelize;
 
 using test::code_of;
 using test::run_node;
@@ -103,7 +106,7 @@ TEST(Voids, VoxelsOfVoidsAreNotDense) {
   const auto shapes = test::shapes_of({test::icosphere(3)});
   const Particles p = pair_of_balls();
   VoxelReport report;
-  const Volume v = voxelize(p, shapes, nullptr, choose_lattice(p.box, {48}), report);
+  const Volume v = voxelize::voxelize(p, shapes, nullptr, choose_lattice(p.box, {48}), report);
   const double volume = shapes.shapes[0].volume / 64;
   EXPECT_NEAR(report.exact_void_fraction, volume * std::pow(0.8, 3), 1e-9);
   EXPECT_NEAR(report.exact_volume_fraction, volume * std::pow(0.9, 3), 1e-9);
@@ -127,8 +130,8 @@ TEST(Voids, VoxelsOfVoidsAreNotDense) {
   EXPECT_EQ(density->tree().getValue(at(3, 2, 2)), 1);
   Particles solid = p;
   solid.voids = {0, 0};
-  EXPECT_FALSE(
-      voxelize(solid, shapes, nullptr, choose_lattice(p.box, {48}), report).find<openvdb::FloatGrid>("void"));
+  EXPECT_FALSE(voxelize::voxelize(solid, shapes, nullptr, choose_lattice(p.box, {48}), report)
+                   .find<openvdb::FloatGrid>("void"));
 }
 
 TEST(Voids, GltfHoldsMatterOnly) {
@@ -152,7 +155,7 @@ TEST(Voids, ColorsAreForMatter) {
   seen.profiles[0].area = 1, seen.profiles[0].weight = 1, seen.profiles[0].color = Vec3f(0, 1, 0);
   for (const auto mode : {ColorMode::Random, ColorMode::BySize, ColorMode::Classes}) {
     p.cls = {5, 0};  // the class of a void needs no profile
-    colorize(p, seen, {mode, 1});
+    colorize::colorize(p, seen, {mode, 1});
     EXPECT_EQ(p.color[0], Vec3f(Vec3f::Zero()));
     EXPECT_EQ(p.color[1], Vec3f(0, 1, 0));
     EXPECT_EQ(p.cls[0], 5);

@@ -7,14 +7,15 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/color.h"
-#include "nodes/common/kmeans.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/kmeans.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace colorize;
 
 using test::code_of;
 
@@ -37,7 +38,7 @@ TEST(Colorize, RandomDrawsByWeightAndNeverABorderProfile) {
   seen.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
   seen.profiles = {profile(1, {1, 0, 0}, 1), profile(5, {0, 1, 0}, 3), profile(2, {0, 0, 1}, 0)};
   Particles p = particles(20000);
-  colorize(p, seen, {ColorMode::Random, 7});
+  colorize::colorize(p, seen, {ColorMode::Random, 7});
   std::map<int, double> count;
   for (const auto& c : p.color) ++count[c.x() == 1 ? 0 : c.y() == 1 ? 1 : 2];
   EXPECT_NEAR(count[0] / 20000, 0.25, 0.015);
@@ -62,7 +63,7 @@ TEST(Colorize, BySizeNeverTakesAProfileThatCannotCome) {
   for (int i = 1; i <= 100; ++i)
     seen.profiles.push_back(profile(0.02 * i, i <= 50 ? Vec3f(1, 0, 0) : Vec3f(0, 0, 1)));
   Particles small = particles(2000, 0.9), large = particles(2000, 2), tiny = particles(50, 1e-3);
-  for (Particles* p : {&small, &large, &tiny}) colorize(*p, seen, {ColorMode::BySize, 3});
+  for (Particles* p : {&small, &large, &tiny}) colorize::colorize(*p, seen, {ColorMode::BySize, 3});
   for (const auto& c : small.color) ASSERT_EQ(c, Vec3f(1, 0, 0));
   for (const auto& c : tiny.color) ASSERT_EQ(c, Vec3f(1, 0, 0));
   double blue = 0;
@@ -76,10 +77,10 @@ TEST(Colorize, ClassesTakeTheirOwnProfiles) {
   seen.profiles = {profile(1, {1, 0, 0}, 1, 0), profile(1, {0, 1, 0}, 1, 1), profile(1, {0, 0.5, 0}, 1, 1)};
   Particles p = particles(500);
   for (std::size_t i = 0; i < p.count(); ++i) p.cls[i] = static_cast<int>(i % 2);
-  colorize(p, seen, {ColorMode::Classes, 1});
+  colorize::colorize(p, seen, {ColorMode::Classes, 1});
   for (std::size_t i = 0; i < p.count(); ++i) ASSERT_EQ(p.color[i].x() == 1, p.cls[i] == 0);
   p.cls[3] = 2;
-  EXPECT_EQ(code_of([&] { colorize(p, seen, {ColorMode::Classes, 1}); }), "no-class");
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, seen, {ColorMode::Classes, 1}); }), "no-class");
 }
 
 TEST(Colorize, ClassesAreFoundWhereThereAreNone) {
@@ -92,7 +93,7 @@ TEST(Colorize, ClassesAreFoundWhereThereAreNone) {
     seen.profiles.push_back(profile(0.5 + i % 3, c.cwiseMax(0.f)));  // each color has its own size
   }
   Particles p = particles(300, 2.6);
-  const ColorReport report = colorize(p, seen, {ColorMode::Classes, 9});
+  const ColorReport report = colorize::colorize(p, seen, {ColorMode::Classes, 9});
   EXPECT_EQ(report.clusters, 3);
   EXPECT_GT(report.silhouette, 0.7);
   std::map<int, int> of_class;
@@ -104,7 +105,7 @@ TEST(Colorize, ClassesAreFoundWhereThereAreNone) {
     ASSERT_EQ(at->second, nearest);
   }
   EXPECT_GE(of_class.size(), 1u);
-  EXPECT_EQ(colorize(p = particles(10), seen, {ColorMode::Classes, 9, 5}).clusters, 5);
+  EXPECT_EQ(colorize::colorize(p = particles(10), seen, {ColorMode::Classes, 9, 5}).clusters, 5);
 }
 
 TEST(Colorize, AShapelessCloudIsOneCluster) {
@@ -142,18 +143,18 @@ TEST(Colorize, EqualForAnyNumberOfThreads) {
 TEST(Colorize, BadInputIsSaid) {
   Particles p = particles(3);
   Profiles none, nan, empty;
-  EXPECT_EQ(code_of([&] { colorize(p, none, {}); }), "no-profiles");
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, none, {}); }), "no-profiles");
   nan.profiles = {profile(1, {NAN, 0, 0})};
-  EXPECT_EQ(code_of([&] { colorize(p, nan, {}); }), "bad-profile");
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, nan, {}); }), "bad-profile");
   empty.profiles = {profile(0, {1, 0, 0})};
-  EXPECT_EQ(code_of([&] { colorize(p, empty, {}); }), "bad-profile");
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, empty, {}); }), "bad-profile");
   Profiles border;
   border.profiles = {profile(1, {1, 0, 0}, 0)};
-  EXPECT_TRUE(colorize(p, border, {}).weightless);
+  EXPECT_TRUE(colorize::colorize(p, border, {}).weightless);
   p.size[1] = 0;
-  EXPECT_EQ(code_of([&] { colorize(p, border, {}); }), "bad-particle");
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, border, {}); }), "bad-particle");
   Particles nobody = particles(0);
-  EXPECT_EQ(colorize(nobody, border, {}).profiles_used, 1u);
+  EXPECT_EQ(colorize::colorize(nobody, border, {}).profiles_used, 1u);
 }
 
 }  // namespace

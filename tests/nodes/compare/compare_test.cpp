@@ -4,13 +4,15 @@
 
 #include <cmath>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/labels.h"
 #include "runtime/random.h"
+#include "tests/nodes/compare/exceeding.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace compare;
 
 using test::run_node;
 
@@ -39,15 +41,9 @@ int poisson(std::uint64_t seed, double mean) {  // accurate enough for the noise
   return static_cast<int>(std::lround(mean + std::sqrt(mean) * r.normal()));
 }
 
-int exceeding(const Comparison& c, const std::string& measure) {
-  int n = 0;
-  for (const auto& x : c.numbers) n += x.measure == measure && x.exceeds();
-  return n;
-}
-
 TEST(Compare, EqualSetsDoNotDiffer) {
   const Profiles p = random_profiles(1, 500, 100);
-  const Comparison c = compare(p, p, {});
+  const Comparison c = compare::compare(p, p, {});
   ASSERT_FALSE(c.numbers.empty());
   for (const auto& n : c.numbers) {
     EXPECT_EQ(n.a, n.b);
@@ -62,7 +58,7 @@ TEST(Compare, EqualSetsDoNotDiffer) {
 TEST(Compare, ClassesAddUpToTheDensity) {
   Profiles a = random_profiles(1, 500, 100), b = random_profiles(2, 300, 50);
   for (std::size_t i = 0; i < b.profiles.size(); i += 3) b.profiles[i].weight = i % 2 ? 0 : 1.7;
-  const Comparison c = compare(a, b, {});
+  const Comparison c = compare::compare(a, b, {});
   double sum_a = 0, sum_b = 0, weights = 0;
   int bins = 0;
   for (const auto& n : c.numbers)
@@ -79,8 +75,8 @@ TEST(Compare, SamplesOfOneThingStayWithinTheNoise) {
   // sparse classes are conservative.
   int beyond = 0, fractions = 0, tested = 0;
   for (int i = 0; i < 60; ++i) {
-    const Comparison c = compare(random_profiles(100 + i, poisson(i, 600), 100),
-                                 random_profiles(500 + i, poisson(1000 + i, 300), 50), {});
+    const Comparison c = compare::compare(random_profiles(100 + i, poisson(i, 600), 100),
+                                          random_profiles(500 + i, poisson(1000 + i, 300), 50), {});
     for (const auto& n : c.numbers)
       if (n.upper > n.lower) ++tested, beyond += n.exceeds();
     fractions += exceeding(c, "area_fraction");
@@ -93,12 +89,13 @@ TEST(Compare, SamplesOfOneThingStayWithinTheNoise) {
 
 TEST(Compare, KnownDifferencesExceedTheNoise) {
   const Profiles a = random_profiles(1, 800, 100);
-  const Comparison size = compare(a, random_profiles(2, 800, 100, 0.26), {});
+  const Comparison size = compare::compare(a, random_profiles(2, 800, 100, 0.26), {});
   EXPECT_GE(exceeding(size, "size_classes"), 3);
   EXPECT_EQ(exceeding(size, "area_fraction"), 1);
   EXPECT_NEAR(size.metrics.at("area_fraction_ratio"), 1.69, 0.15);
   EXPECT_EQ(exceeding(size, "color"), 0);
-  const Comparison color = compare(a, random_profiles(3, 800, 100, 0.2, Vec3f(0.2f, 0.3f, 0.4f)), {});
+  const Comparison color =
+      compare::compare(a, random_profiles(3, 800, 100, 0.2, Vec3f(0.2f, 0.3f, 0.4f)), {});
   EXPECT_GE(exceeding(color, "color"), 2);
   EXPECT_LE(exceeding(color, "size_classes"), 1);  // one row in twenty exceeds by chance
   const Vec3f la = linear_to_oklab(Vec3f(0.4f, 0.3f, 0.2f)), lb = linear_to_oklab(Vec3f(0.2f, 0.3f, 0.4f));
@@ -108,7 +105,7 @@ TEST(Compare, KnownDifferencesExceedTheNoise) {
 TEST(Compare, UnknownAreasAreSaid) {
   Profiles a = random_profiles(1, 400, 100), b = random_profiles(2, 400, 100);
   b.observed_area = 0;
-  Comparison c = compare(a, b, {});
+  Comparison c = compare::compare(a, b, {});
   ASSERT_EQ(c.warnings.size(), 1u);
   double shares = 0;
   for (const auto& n : c.numbers)
@@ -118,7 +115,7 @@ TEST(Compare, UnknownAreasAreSaid) {
   b = random_profiles(2, 400, 100);
   const double fraction = b.area_fraction;
   b.area_fraction = 0;
-  c = compare(a, b, {});
+  c = compare::compare(a, b, {});
   EXPECT_EQ(c.warnings.size(), 1u);
   EXPECT_NEAR(c.metrics.at("area_fraction_b"), fraction, 1e-12);
 }
@@ -132,9 +129,9 @@ TEST(Compare, SmallestLeavesOutWhatAPhotographCannotShow) {
     b.profiles.push_back(speck);
   }
   CompareChoice choice;
-  EXPECT_GT(compare(a, b, choice).metrics.at("N_A_l1"), 0.5);
+  EXPECT_GT(compare::compare(a, b, choice).metrics.at("N_A_l1"), 0.5);
   choice.smallest = 0.05;
-  EXPECT_EQ(compare(a, b, choice).metrics.at("N_A_l1"), 0);
+  EXPECT_EQ(compare::compare(a, b, choice).metrics.at("N_A_l1"), 0);
 }
 
 SizeDistribution distribution(const std::vector<double>& edges, const std::vector<double>& N_V,
@@ -151,17 +148,17 @@ SizeDistribution distribution(const std::vector<double>& edges, const std::vecto
 
 TEST(CompareDistributions, ByClassAndReclassed) {
   const auto a = distribution({0, 1, 2}, {4, 2}, 0.2), b = distribution({0, 1, 2}, {4.5, 2}, 0.2);
-  const Comparison same = compare(a, b, {});
+  const Comparison same = compare::compare(a, b, {});
   EXPECT_NEAR(same.metrics.at("N_V_l1"), 0.5 / 6, 1e-12);
   EXPECT_EQ(exceeding(same, "size_classes"), 0);
   CompareChoice two;
   two.classes = 2;
-  const Comparison other = compare(a, distribution({0, 0.5, 2}, {3, 3}, 0), two);
+  const Comparison other = compare::compare(a, distribution({0, 0.5, 2}, {3, 3}, 0), two);
   ASSERT_EQ(other.numbers.size(), 3u);
   EXPECT_NEAR(other.numbers[0].b, 4, 1e-12);  // 3 plus a third of 3
   EXPECT_NEAR(other.numbers[1].b, 2, 1e-12);
   EXPECT_EQ(other.metrics.at("N_V_b"), 6);
-  EXPECT_EQ(exceeding(compare(a, distribution({0, 1, 2}, {9, 2}, 0.2), {}), "size_classes"), 2);
+  EXPECT_EQ(exceeding(compare::compare(a, distribution({0, 1, 2}, {9, 2}, 0.2), {}), "size_classes"), 2);
 }
 
 Image noise_image(std::uint64_t seed, const Vec3f& color) {
@@ -174,11 +171,11 @@ Image noise_image(std::uint64_t seed, const Vec3f& color) {
 TEST(CompareImages, ByMeanAndHistogram) {
   const Image a = noise_image(1, Vec3f(0.3f, 0.3f, 0.3f)), b = noise_image(2, Vec3f(0.3f, 0.3f, 0.3f)),
               c = noise_image(3, Vec3f(0.6f, 0.3f, 0.3f));
-  EXPECT_EQ(compare(a, a, {}).metrics.at("histogram_distance_L"), 0);
-  EXPECT_EQ(exceeding(compare(a, a, {}), "color"), 0);
-  EXPECT_LT(compare(a, b, {}).metrics.at("color_difference_image"), 0.005);
-  EXPECT_GE(exceeding(compare(a, c, {}), "color"), 4);
-  EXPECT_GT(compare(a, c, {}).metrics.at("histogram_distance_a"), 0.03);
+  EXPECT_EQ(compare::compare(a, a, {}).metrics.at("histogram_distance_L"), 0);
+  EXPECT_EQ(exceeding(compare::compare(a, a, {}), "color"), 0);
+  EXPECT_LT(compare::compare(a, b, {}).metrics.at("color_difference_image"), 0.005);
+  EXPECT_GE(exceeding(compare::compare(a, c, {}), "color"), 4);
+  EXPECT_GT(compare::compare(a, c, {}).metrics.at("histogram_distance_a"), 0.03);
 }
 
 TEST(CompareNode, GivesTableFigureAndMetrics) {

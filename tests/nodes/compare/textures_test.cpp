@@ -3,13 +3,15 @@
 
 #include <cmath>
 
-#include "nodes/common/phase_statistics.h"
-#include "nodes/common/texture_measures.h"
+#include "nodes/common/texture/phase_statistics.h"
+#include "nodes/common/texture/texture_measures.h"
 #include "nodes/compare/comparison.h"
 #include "runtime/random.h"
+#include "tests/nodes/compare/exceeding.h"
 
 namespace terrazzo {
 namespace {
+using namespace compare;
 
 double number(const Comparison& c, const std::string& measure, const std::string& item,
               bool tolerance = false) {
@@ -17,12 +19,6 @@ double number(const Comparison& c, const std::string& measure, const std::string
     if (n.measure == measure && n.item == item) return tolerance ? n.tolerance : n.b;
   ADD_FAILURE() << measure << ": " << item;
   return NAN;
-}
-
-int exceeding(const Comparison& c, const std::string& measure) {
-  int n = 0;
-  for (const auto& x : c.numbers) n += x.measure == measure && x.exceeds();
-  return n;
 }
 
 // Disks of one radius on a light background, with noise. The pattern is tileable.
@@ -66,7 +62,7 @@ TEST(PhaseStatistics, OfStripesAndNoise) {
 
 TEST(CompareTextures, OneTextureTwiceStaysWithinItsHalves) {
   const Image a = discs(1, 7, 115), b = discs(2, 7, 115);
-  const Comparison same = compare(a, a, {}), c = compare(a, b, {});
+  const Comparison same = compare::compare(a, a, {}), c = compare::compare(a, b, {});
   for (const char* measure : {"bands", "patches", "two_point", "lineal_path"}) {
     EXPECT_EQ(exceeding(same, measure), 0) << measure;
     // Halves usually differ more than whole images, but not always.
@@ -78,7 +74,7 @@ TEST(CompareTextures, OneTextureTwiceStaysWithinItsHalves) {
 }
 
 TEST(CompareTextures, LargerGrainsOfTheSameColoursAreFoundOut) {
-  const Comparison c = compare(discs(1, 5, 900, 320), discs(2, 12, 156, 320), {});
+  const Comparison c = compare::compare(discs(1, 5, 900, 320), discs(2, 12, 156, 320), {});
   EXPECT_GT(exceeding(c, "bands"), 2);
   EXPECT_EQ(exceeding(c, "lineal_path"), 1);
   EXPECT_EQ(exceeding(c, "two_point"), 1);
@@ -93,7 +89,7 @@ TEST(CompareTextures, BlurLowersTheFinestBand) {
       b.at(x, y) = (a.at(x, y) + a.at((x + 1) % a.width, y) + a.at(x, (y + 1) % a.height) +
                     a.at((x + 1) % a.width, (y + 1) % a.height)) /
                    4;
-  const Comparison c = compare(a, b, {});
+  const Comparison c = compare::compare(a, b, {});
   EXPECT_LT(c.metrics.at("band_ratio_least"), 0.5);
   EXPECT_EQ(
       c.metrics.at("band_ratio_least"), number(c, "bands", "finest, deviation") / [&] {
@@ -109,19 +105,19 @@ TEST(CompareTextures, SeamsAreWhereThePictureDoesNotTile) {
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
       shaded.at(x, y) *= 1 + 2 * static_cast<float>(x) / static_cast<float>(a.width);
-  const Comparison c = compare(a, shaded, {});
+  const Comparison c = compare::compare(a, shaded, {});
   EXPECT_NEAR(number(c, "seam", "across y"), 1, 0.6);
   EXPECT_GT(c.metrics.at("seam_x"), 3);
   EXPECT_EQ(exceeding(c, "seam"), 0);  // seam has no tolerance
 }
 
 TEST(CompareTextures, SmallPicturesAreComparedByColourAlone) {
-  const Comparison c = compare(discs(1, 3, 5, 40), discs(2, 3, 5, 40), {});
+  const Comparison c = compare::compare(discs(1, 3, 5, 40), discs(2, 3, 5, 40), {});
   ASSERT_EQ(c.warnings.size(), 1u);
   for (const auto& n : c.numbers) EXPECT_EQ(n.measure, "color");
   Image coarse = discs(1, 7, 115);
   coarse.pixel_size = 2;
-  EXPECT_EQ(compare(discs(1, 7, 115), coarse, {}).warnings.size(), 1u);
+  EXPECT_EQ(compare::compare(discs(1, 7, 115), coarse, {}).warnings.size(), 1u);
 }
 
 TEST(NearestPatch, OfItselfIsNearAndOfAnotherFar) {
@@ -162,14 +158,14 @@ TEST(CompareOutlines, ShapesAreToldFromNoise) {
   const Profiles a = outlines(1, 300, 0.8);
   int exceeds = 0;
   for (std::uint64_t seed = 2; seed < 22; ++seed) {
-    const Comparison c = compare(a, outlines(seed, 200, 0.8), {});
+    const Comparison c = compare::compare(a, outlines(seed, 200, 0.8), {});
     exceeds += exceeding(c, "circularity");
     EXPECT_NEAR(c.metrics.at("total_curvature_b"), 2 * M_PI, 0.02);
   }
   EXPECT_LE(exceeds, 6);  // of forty; two exceed by chance
-  EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.6), {}), "circularity"), 2);
-  EXPECT_EQ(exceeding(compare(a, outlines(2, 200, 0.8, true), {}), "circularity"), 2);
-  EXPECT_EQ(number(compare(a, a, {}), "circularity", "Kolmogorov–Smirnov distance"), 0);
+  EXPECT_EQ(exceeding(compare::compare(a, outlines(2, 200, 0.6), {}), "circularity"), 2);
+  EXPECT_EQ(exceeding(compare::compare(a, outlines(2, 200, 0.8, true), {}), "circularity"), 2);
+  EXPECT_EQ(number(compare::compare(a, a, {}), "circularity", "Kolmogorov–Smirnov distance"), 0);
 }
 
 TEST(CompareOutlines, CutProfilesDoNotCountAndNoneIsSaid) {
@@ -178,13 +174,13 @@ TEST(CompareOutlines, CutProfilesDoNotCountAndNoneIsSaid) {
     b.profiles[i].touches_border = true;
     for (Vec2& v : b.profiles[i].contour) v.y() *= 0.1;
   }
-  EXPECT_EQ(exceeding(compare(a, b, {}), "circularity"), 0);
+  EXPECT_EQ(exceeding(compare::compare(a, b, {}), "circularity"), 0);
   for (Profile& q : b.profiles) q.contour.clear();
-  Comparison c = compare(a, b, {});
+  Comparison c = compare::compare(a, b, {});
   EXPECT_EQ(c.metrics.count("circularity_a"), 0u);
   const std::size_t before = c.warnings.size();
   b.profiles[30].contour = a.profiles[30].contour;  // one outline is not a sample
-  c = compare(a, b, {});
+  c = compare::compare(a, b, {});
   EXPECT_EQ(c.warnings.size(), before + 2);
   EXPECT_EQ(c.metrics.count("circularity_a"), 0u);
 }

@@ -9,6 +9,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace contact_sheet;
 
 using test::run_node;
 
@@ -72,7 +73,7 @@ TEST(ContactSheet, LabelsGetColoursThatStayApart) {
 TEST(ContactSheet, TakesTheFirstSectionOfAStack) {
   Image stack(10, 10, 2, 1);
   for (int i = 0; i < 100; ++i) stack.pixels[i] = Vec3f(0, 1, 0), stack.pixels[100 + i] = Vec3f(1, 0, 0);
-  const Image sheet = contact_sheet({stack}, {});
+  const Image sheet = contact_sheet::contact_sheet({stack}, {});
   EXPECT_LT((sheet.at(sheet.width / 2, sheet.height / 2) - Vec3f(0, 1, 0)).norm(), 1e-3);
 }
 

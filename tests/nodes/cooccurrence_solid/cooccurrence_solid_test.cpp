@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "nodes/common/cooccurrence.h"
+#include "nodes/common/texture/cooccurrence.h"
 #include "nodes/data/volume.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"

@@ -3,9 +3,9 @@
 #include <map>
 #include <set>
 
-#include "nodes/common/color_levels.h"
-#include "nodes/common/cooccurrence.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
+#include "nodes/common/texture/color_levels.h"
+#include "nodes/common/texture/cooccurrence.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
 #include "runtime/random.h"

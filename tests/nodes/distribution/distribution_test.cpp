@@ -8,6 +8,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace distribution;
 
 double total(const SizeDistribution& d, int power) {
   // Σ N_V·E[size^power] with sizes uniform in their class.

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "nodes/common/footprint.h"
+#include "nodes/common/io/stroke_text.h"
+#include "nodes/common/texture/footprint.h"
 #include "nodes/data/image.h"
-#include "nodes/strokes/stroke_text.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/csv.h"
 #include "nodes/export/picture_file.h"
@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
 namespace fs = std::filesystem;
 using test::run_node;
 

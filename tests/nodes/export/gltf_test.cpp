@@ -10,6 +10,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
 namespace fs = std::filesystem;
 
 tinygltf::Model load(const fs::path& file) {

@@ -8,6 +8,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace grain;
 
 TEST(Grain, KeepsTheMeanAndHasTheNoiseAsked) {
   const Image in(200, 200, 1, 0.1, Vec3f::Constant(0.5f));

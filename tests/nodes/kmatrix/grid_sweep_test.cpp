@@ -5,15 +5,17 @@
 #include <cmath>
 #include <map>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/mesh_section.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/shape/solids.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
 namespace {
+using namespace shape;
+using namespace kmatrix;
 
 TEST(GridSweep, AreasAreThoseOfExactSections) {
   Mesh mesh = ellipsoid_mesh({1, .8, .6}, 3);

@@ -8,9 +8,9 @@
 #include <Eigen/LU>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/shape/solids.h"
@@ -18,6 +18,8 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
+using namespace kmatrix;
 
 using std::numbers::pi;
 

@@ -7,17 +7,19 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/common/convex_hull.h"
-#include "nodes/common/mesh_section.h"
-#include "nodes/common/profile_sweep.h"
-#include "nodes/common/shape_measures.h"
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/geometry/convex_hull.h"
+#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/profile_sweep.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/shape/solids.h"
 #include "tests/nodes/section/packing.h"
 
 namespace terrazzo {
 namespace {
+using namespace shape;
+using namespace kmatrix;
 
 using std::numbers::pi;
 

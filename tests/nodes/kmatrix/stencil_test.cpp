@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/mesh_section.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/kmatrix/stencil_slicer.h"
 #include "nodes/shape/solids.h"
@@ -15,6 +15,8 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
+using namespace kmatrix;
 
 class Stencil : public ::testing::Test {
  protected:

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <fstream>
 
-#include "nodes/common/image_file.h"
-#include "nodes/common/provenance.h"
+#include "nodes/common/io/image_file.h"
+#include "nodes/common/io/provenance.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 

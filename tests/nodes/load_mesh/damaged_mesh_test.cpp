@@ -16,6 +16,8 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
+using namespace load_mesh;
 namespace fs = std::filesystem;
 
 class DamagedMesh : public ::testing::Test {

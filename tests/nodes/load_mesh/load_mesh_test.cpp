@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/data/shapes.h"
 #include "nodes/load_mesh/fill.h"
 #include "nodes/load_mesh/read_mesh.h"
@@ -16,6 +16,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace load_mesh;
 
 namespace fs = std::filesystem;
 

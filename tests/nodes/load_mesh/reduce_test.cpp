@@ -17,6 +17,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace load_mesh;
 
 // An octahedron whose triangles are split into four repeatedly, on the unit sphere.
 Mesh sphere(int cuts) {

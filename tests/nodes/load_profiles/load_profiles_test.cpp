@@ -9,6 +9,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace load_profiles;
 
 Profiles read(const std::string& text, const std::string& unit = "mm") {
   return read_profiles(text, "t.csv", profile_unit(unit));

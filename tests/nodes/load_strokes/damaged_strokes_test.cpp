@@ -10,6 +10,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace load_profiles;
 namespace fs = std::filesystem;
 
 class DamagedStrokes : public ::testing::Test {

@@ -18,6 +18,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace exporting;
 namespace fs = std::filesystem;
 
 class DamagedVolume : public ::testing::Test {

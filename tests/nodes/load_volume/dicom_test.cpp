@@ -11,6 +11,7 @@
 #include "nodes/load_volume/scan.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
+#include "tests/nodes/load_volume/load.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
@@ -55,10 +56,6 @@ void write(const fs::path& path, const SliceFile& s) {
   ASSERT_TRUE(file.saveFile(path.c_str(), EXS_LittleEndianExplicit).good());
 }
 
-test::NodeRun load(const fs::path& glob, std::map<std::string, std::string> more = {}) {
-  more["path"] = glob.string();
-  return test::run_node("LoadVolume", {}, more);
-}
 float at(const test::NodeRun& run, int x, int y, int z) {
   return run.output<Volume>("volume").find<openvdb::FloatGrid>("density")->tree().getValue(
       openvdb::Coord(x, y, z));
@@ -70,7 +67,7 @@ TEST(LoadDicom, SlicesAreSortedByPlaceAndRescaled) {
   write(folder / "a.dcm", {.z = 7.5, .first = 300, .slope = 2, .intercept = -1000});
   write(folder / "b.dcm", {.z = 2.5, .first = 100, .slope = 2, .intercept = -1000});
   write(folder / "c.dcm", {.z = 5, .first = 200, .slope = 2, .intercept = -1000});
-  const auto run = load(folder / "*.dcm");
+  const auto run = test::load_volume(folder / "*.dcm");
   const auto g = run.output<Volume>("volume").find<openvdb::FloatGrid>("density");
   EXPECT_EQ(g->evalActiveVoxelBoundingBox().dim(), openvdb::Coord(3, 2, 3));
   EXPECT_TRUE(g->voxelSize().eq(openvdb::Vec3d(0.7, 0.8, 2.5), 1e-6)) << g->voxelSize();
@@ -86,14 +83,16 @@ TEST(LoadDicom, TurnedSlicesComeOutTheSameWayRound) {
   for (int k = 0; k < 2; ++k)
     write(folder / ("t" + std::to_string(k) + ".dcm"),
           {.z = 3.0 * k, .first = 10 * k, .slope = 2, .turned = true});
-  const auto run = load(folder / "t*.dcm");
+  const auto run = test::load_volume(folder / "t*.dcm");
   EXPECT_EQ(at(run, 0, 0, 0), 0);
   EXPECT_EQ(at(run, 2, 1, 1), 30);
 }
 
 TEST(LoadDicom, BadSeries) {
   const auto folder = test::temporary_folder();
-  const auto code = [&](const char* glob) { return test::code_of([&] { load(folder / glob); }); };
+  const auto code = [&](const char* glob) {
+    return test::code_of([&] { test::load_volume(folder / glob); });
+  };
   write(folder / "g1.dcm", {.z = 0}), write(folder / "g2.dcm", {.z = 2}), write(folder / "g3.dcm", {.z = 4}),
       write(folder / "g4.dcm", {.z = 10});
   EXPECT_EQ(code("g*.dcm"), "missing-slices");
@@ -124,7 +123,7 @@ TEST(LoadDicom, DamagedFilesNeverCrash) {
     if (k % 5 == 0) bytes.resize(132 + r.below(bytes.size() - 132));
     std::ofstream(folder / "bad.dcm", std::ios::binary) << bytes;
     try {
-      load(folder / "bad.dcm", {{"spacing", "1"}});
+      test::load_volume(folder / "bad.dcm", {{"spacing", "1"}});
     } catch (const Error& e) {
       EXPECT_GT(e.diagnostic().message.size(), 10u);
     }
@@ -143,7 +142,7 @@ TEST(LoadDicom, SequencesWithinSequencesAreBounded) {
   std::string nested;
   for (int i = 0; i < 200'000; ++i) nested += sequence + item;
   std::ofstream(folder / "deep.dcm", std::ios::binary) << bytes.substr(0, meta_end) + nested;
-  EXPECT_EQ(test::code_of([&] { load(folder / "deep.dcm"); }), "unreadable-volume");
+  EXPECT_EQ(test::code_of([&] { test::load_volume(folder / "deep.dcm"); }), "unreadable-volume");
 }
 
 TEST(LoadDicom, TheBudgetIsKept) {
@@ -161,7 +160,7 @@ TEST(LoadDicom, SaysWhereNothingTellsTheRescale) {
   for (const bool rescaled : {false, true}) {
     write(folder / "r1.dcm", {.z = 0, .first = 5, .rescaled = rescaled});
     write(folder / "r2.dcm", {.z = 2, .rescaled = rescaled});
-    const auto run = load(folder / "r*.dcm");
+    const auto run = test::load_volume(folder / "r*.dcm");
     EXPECT_EQ(run.warnings.size(), rescaled ? 0u : 1u);
     EXPECT_EQ(at(run, 2, 1, 0), 5);
   }
@@ -171,7 +170,7 @@ TEST(LoadDicom, NumbersBelowSixteenBitsKeepTheirSign) {
   const auto folder = test::temporary_folder();
   write(folder / "a.dcm", {.z = 0, .first = -7, .bits = 12}),
       write(folder / "b.dcm", {.z = 1, .first = 90, .bits = 12});
-  const auto run = load(folder / "*.dcm");
+  const auto run = test::load_volume(folder / "*.dcm");
   EXPECT_EQ(at(run, 2, 1, 0), -7);
   EXPECT_EQ(at(run, 0, 0, 1), 95);
 }

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "nodes/common/noise.h"
+#include "nodes/common/texture/noise.h"
 #include "nodes/pattern/pattern.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"

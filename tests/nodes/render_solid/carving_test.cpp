@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/image.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"
@@ -17,6 +17,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 
 Shape cube(double edge) {
   Mesh m;
@@ -79,7 +80,7 @@ TEST(Carving, ParticlesPaintRepeatsAndTurns) {
   shapes.shapes = {cube(1)};
   const Particles p = scattered(5, 12);
   const auto paint = particle_paint(p, shapes, 2);
-  const auto turned = particle_paint(p, shapes, 2, Lie::of(Vec3(0, 0, 90), Vec3(1, 0, 0)));
+  const auto turned = particle_paint(p, shapes, 2, Placement::of(Vec3(0, 0, 90), Vec3(1, 0, 0)));
   EXPECT_LT((paint->period() - Vec3f(10, 8, 12) / 12).norm(), 1e-6);
   int same = 0, turns = 0;
   for (std::uint64_t k = 0; k < 500; ++k) {
@@ -103,7 +104,7 @@ TEST(Carving, AnObliqueFaceDoesNotRepeat) {
   }
   const ColorField field(Vec3i(16, 16, 16), colors);
   const auto straight = field_paint(field, 4),
-             oblique = field_paint(field, 4, Lie::of(Vec3(20, 35, 10), Vec3::Zero()));
+             oblique = field_paint(field, 4, Placement::of(Vec3(20, 35, 10), Vec3::Zero()));
   double a = 0, b = 0;
   for (std::uint64_t k = 0; k < 400; ++k) {
     Random r(2, 2, k);

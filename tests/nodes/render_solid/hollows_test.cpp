@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/solid.h"
 #include "runtime/random.h"
@@ -13,6 +13,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 
 class Grey : public Paint {
  public:
@@ -33,10 +34,10 @@ struct Cheese {
     p.voids = {1, 1};
   }
   double repeat = 1;
-  Lie lie;
-  Voids voids() const { return {&p, &shapes, repeat, lie}; }
+  Placement placement;
+  Voids voids() const { return {&p, &shapes, repeat, placement}; }
   bool in_void(const Vec3& world) const {
-    const Vec3 mm = lie.turn.cast<double>() * world * 10 * repeat + 10 * lie.shift.cast<double>();
+    const Vec3 mm = placement.turn.cast<double>() * world * 10 * repeat + 10 * placement.shift.cast<double>();
     for (int i = 0; i < 2; ++i) {
       Vec3 d = mm - p.position[i];
       for (int a = 0; a < 3; ++a) d[a] -= 10 * std::round(d[a] / 10);
@@ -99,7 +100,7 @@ TEST(Hollows, RaysMeetWhatMarchingMeets) { expect_as_marched({}); }
 TEST(Hollows, TheMaterialsLieTurnsAndRepeatsItsHoles) {
   Cheese c;
   c.repeat = 1.7;
-  c.lie = Lie::of(Vec3(20, 35, -70), Vec3(0.3, 0, 0.9));
+  c.placement = Placement::of(Vec3(20, 35, -70), Vec3(0.3, 0, 0.9));
   expect_as_marched(c);
 }
 

@@ -12,6 +12,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 using test::run_node;
 
 ColorField uniform_field(const Vec3f& color) {

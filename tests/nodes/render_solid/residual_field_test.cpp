@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "nodes/common/color.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/volume.h"
 #include "nodes/render_solid/paint.h"
@@ -16,6 +16,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 
 Volume noise_volume(int n, double voxel, float strength = 0.1f) {
   initialize_openvdb();

@@ -6,13 +6,14 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/shapes.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 
 Image one(const Vec3f& v) {
   Image i(1, 1, 1, 1);

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/noise.h"
+#include "nodes/common/texture/noise.h"
 #include "nodes/render_volume/gl_march.h"
 
 namespace terrazzo::render_volume {
 namespace {
+using namespace render_volume;
 
 Scene scene_of(const Look& look, bool textures) {
   const Vec3i n(40, 33, 21);

@@ -11,6 +11,7 @@
 
 namespace terrazzo::render_volume {
 namespace {
+using namespace render_volume;
 
 template <class Density>
 ScanField field(const Vec3i& n, const Vec3& spacing, Density&& density) {

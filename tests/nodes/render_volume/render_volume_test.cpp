@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "nodes/common/dense_grid.h"
-#include "nodes/common/spaced_transform.h"
+#include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/spaced_transform.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
@@ -13,6 +13,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_volume;
 using render_volume::parse_tissues;
 using test::code_of;
 using test::run_node;

@@ -7,6 +7,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_volume;
 
 openvdb::FloatGrid::ConstPtr load(const std::filesystem::path& path) {
   return test::run_node("LoadVolume", {}, {{"path", path.string()}})

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/volume.h"
 #include "nodes/residual_synth/residual_image.h"
@@ -15,6 +15,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace residual_synth;
 
 using test::code_of;
 

@@ -3,15 +3,16 @@
 #include <complex>
 #include <numbers>
 
-#include "nodes/common/quantiles.h"
-#include "nodes/common/slice_family.h"
-#include "nodes/common/steerable_pyramid.h"
+#include "nodes/common/texture/quantiles.h"
+#include "nodes/common/texture/slice_family.h"
+#include "nodes/common/texture/steerable_pyramid.h"
 #include "nodes/residual_synth/exemplar.h"
 #include "nodes/residual_synth/start_field.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
 namespace {
+using namespace residual_synth;
 
 using Complex = std::complex<double>;
 

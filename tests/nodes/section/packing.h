@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/particles.h"
 #include "runtime/random.h"
 

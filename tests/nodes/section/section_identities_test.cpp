@@ -6,6 +6,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace section;
 
 using test::random_particles;
 

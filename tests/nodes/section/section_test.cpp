@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "nodes/common/mesh_section.h"
-#include "nodes/common/slice_axes.h"
+#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/slice_axes.h"
 #include "tests/nodes/section/packing.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace section;
 
 using test::apart_particles;
 using test::random_particles;

@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "nodes/common/slice_axes.h"
+#include "nodes/common/geometry/slice_axes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace section;
 
 constexpr int n = 16;
 constexpr double voxel = 0.25;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "runtime/random.h"
 

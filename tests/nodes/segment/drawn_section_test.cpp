@@ -10,6 +10,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace segment;
 
 using test::DrawnOptions;
 
@@ -31,7 +32,7 @@ TEST_P(DrawnSections, AreaFractionAndParticlesComeBack) {
     options.seed = seed;
     GetParam().set(options);
     const auto drawn = test::draw_section(options);
-    const Segmentation s = segment(drawn.image, {}, {});
+    const Segmentation s = segment::segment(drawn.image, {}, {});
     EXPECT_EQ(s.method, Method::Clusters);
     EXPECT_NEAR(s.profiles.area_fraction / drawn.area_fraction, 1, GetParam().area) << "seed " << seed;
     EXPECT_GE(test::average_precision(drawn.labels, s.labels.ids), GetParam().precision) << "seed " << seed;
@@ -80,7 +81,7 @@ TEST(Segment, SparseDiscsInGreyNoise) {
       image.pixels[i] =
           srgb_to_linear(linear_to_srgb(image.pixels[i]) +
                          Vec3f::Constant(0.02f * static_cast<float>(Random(seed, 9, i).normal())));
-    const Segmentation s = segment(image, {}, {});
+    const Segmentation s = segment::segment(image, {}, {});
     EXPECT_EQ(s.profiles.profiles.size(), discs.size());
     double area = 0;
     for (const auto& d : discs) area += std::numbers::pi * d.radius * d.radius;
@@ -93,7 +94,7 @@ TEST(Segment, ParticlesWithoutBinder) {
   DrawnOptions options;
   options.side = 96, options.gap = 0;
   try {
-    segment(test::draw_section(options).image, {}, {});
+    segment::segment(test::draw_section(options).image, {}, {});
   } catch (const std::exception& e) {
     EXPECT_NE(std::string(e.what()), "");
   }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "nodes/common/components.h"
+#include "nodes/common/geometry/components.h"
 #include "nodes/segment/clustering.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/measure.h"
@@ -19,6 +19,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace segment;
 
 TEST(SegmentParts, DistanceAgainstBruteForce) {
   Random random(3);

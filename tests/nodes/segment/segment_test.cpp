@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "nodes/data/table.h"
 #include "tests/nodes/segment/synthetic_section.h"
 #include "tests/support/code_of.h"
@@ -13,6 +13,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace segment;
 
 using test::code_of;
 
@@ -28,7 +29,7 @@ const Profile* at(const Profiles& profiles, const Disc& d, int height) {
 TEST(Segment, FindsEveryDiscWithItsAreaWithinOnePercent) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const auto discs = test::scatter(256, 256, 24, 9, 24, seed);
-    const Segmentation s = segment(test::picture(256, 256, discs), {}, {});
+    const Segmentation s = segment::segment(test::picture(256, 256, discs), {}, {});
     EXPECT_EQ(s.profiles.profiles.size(), discs.size());
     double sum = 0, truth = 0;
     for (std::size_t i = 0; i < discs.size(); ++i) {
@@ -51,7 +52,7 @@ TEST(Segment, FindsEveryDiscWithItsAreaWithinOnePercent) {
 TEST(Segment, NoiseIsNoParticle) {
   const auto discs = test::scatter(256, 256, 24, 9, 24, 4);
   for (const double noise : {0.03, 0.15}) {
-    const Segmentation s = segment(test::picture(256, 256, discs, noise), {}, {});
+    const Segmentation s = segment::segment(test::picture(256, 256, discs, noise), {}, {});
     EXPECT_EQ(s.profiles.profiles.size(), discs.size()) << noise;
     for (const auto& d : discs) {
       const Profile* p = at(s.profiles, d, 256);
@@ -67,7 +68,7 @@ TEST(Segment, DarkBinderAndUnevenLight) {
   for (const auto& d : discs) test::draw(image, d, {0.3f, 0.28f, 0.25f});
   for (int y = 0; y < 256; ++y)
     for (int x = 0; x < 256; ++x) image.at(x, y) *= 1 + 1.2f * static_cast<float>(x) / 256;
-  const Segmentation s = segment(image, {}, {});
+  const Segmentation s = segment::segment(image, {}, {});
   EXPECT_EQ(s.profiles.profiles.size(), discs.size());
   for (const auto& d : discs) EXPECT_NE(at(s.profiles, d, 256), nullptr);
 }
@@ -78,8 +79,8 @@ TEST(Segment, TouchingDiscsArePartedAtTheirNeck) {
   for (const auto& d : {a, b, other}) test::draw(image, d, {0.1f, 0.08f, 0.05f});
   SegmentOptions whole;
   whole.split.strength = 0;
-  EXPECT_EQ(segment(image, whole, {}).profiles.profiles.size(), 2u);
-  const Segmentation s = segment(image, {}, {});
+  EXPECT_EQ(segment::segment(image, whole, {}).profiles.profiles.size(), 2u);
+  const Segmentation s = segment::segment(image, {}, {});
   ASSERT_EQ(s.profiles.profiles.size(), 3u);
   EXPECT_NE(at(s.profiles, other, 160), nullptr);
   double sum = 0;
@@ -100,7 +101,7 @@ TEST(Segment, TouchingDiscsOfTwoColoursAreParted) {
   test::draw(image, {60, 80, 30}, {0.25f, 0.1f, 0.05f});
   test::draw(image, {95, 80, 14}, {0.01f, 0.01f, 0.012f});  // deep in the first one: no neck separates them
   test::draw(image, {130, 130, 14}, {0.01f, 0.01f, 0.012f});
-  const Segmentation s = segment(image, {}, {});
+  const Segmentation s = segment::segment(image, {}, {});
   ASSERT_EQ(s.profiles.profiles.size(), 3u);
   EXPECT_NE(at(s.profiles, {95, 80, 14}, 160), nullptr);
 }
@@ -114,7 +115,7 @@ TEST(Segment, HolesAreFilledAndSpecksDroppedAndCounted) {
   for (int i = 0; i < 5; ++i) test::draw(image, {120.5 + 12 * i, 30.5, 2}, {0.1f, 0.05f, 0.04f});
   SegmentOptions options;
   options.split.min_area = 20;
-  const Segmentation s = segment(image, options, {});
+  const Segmentation s = segment::segment(image, options, {});
   ASSERT_EQ(s.profiles.profiles.size(), 2u);
   EXPECT_EQ(s.specks, 5);
   const Profile* p = at(s.profiles, big, 200);
@@ -130,12 +131,12 @@ TEST(Segment, BinderHintChoosesTheSide) {
       if (y / 16 % 2) image.at(x, y) = Vec3f::Constant(0.05f);
   SegmentOptions options;
   options.binder.kind = Hint::Kind::Darkest;
-  EXPECT_GT(segment(image, options, {}).profiles.profiles[0].color[0], 0.5f);
+  EXPECT_GT(segment::segment(image, options, {}).profiles.profiles[0].color[0], 0.5f);
   options.binder.kind = Hint::Kind::Lightest;
-  EXPECT_LT(segment(image, options, {}).profiles.profiles[0].color[0], 0.1f);
+  EXPECT_LT(segment::segment(image, options, {}).profiles.profiles[0].color[0], 0.1f);
   options.binder.kind = Hint::Kind::Color;
   options.binder.color = patch_color_of_linear(Vec3f::Constant(0.55f));
-  EXPECT_LT(segment(image, options, {}).profiles.profiles[0].color[0], 0.1f);
+  EXPECT_LT(segment::segment(image, options, {}).profiles.profiles[0].color[0], 0.1f);
 }
 
 TEST(Segment, ColourClasses) {
@@ -143,7 +144,7 @@ TEST(Segment, ColourClasses) {
   const Image image = test::picture(256, 256, discs);
   SegmentOptions options;
   options.color_classes = 4;
-  const Segmentation s = segment(image, options, {});
+  const Segmentation s = segment::segment(image, options, {});
   EXPECT_EQ(s.profiles.classes, 4);
   for (const int k : {0, 1, 2, 3}) {
     int cls = -1;
@@ -155,8 +156,8 @@ TEST(Segment, ColourClasses) {
     }
   }
   options.color_classes = 0;
-  EXPECT_EQ(segment(image, options, {}).profiles.classes, 4);
-  EXPECT_EQ(segment(image, {}, {}).profiles.classes, 1);
+  EXPECT_EQ(segment::segment(image, options, {}).profiles.classes, 4);
+  EXPECT_EQ(segment::segment(image, {}, {}).profiles.classes, 1);
 }
 
 TEST(Segment, LabelsInputIsMeasured) {
@@ -192,7 +193,7 @@ TEST(Segment, StackOfSections) {
   test::draw(stack, a, {0.1f, 0.05f, 0.04f}, 0);
   test::draw(stack, b, {0.1f, 0.05f, 0.04f}, 1);
   test::draw(stack, c, {0.1f, 0.05f, 0.04f}, 1);
-  const Segmentation s = segment(stack, {}, {});
+  const Segmentation s = segment::segment(stack, {}, {});
   ASSERT_EQ(s.profiles.profiles.size(), 3u);
   EXPECT_EQ(s.profiles.profiles[0].section, 0);
   EXPECT_EQ(s.profiles.profiles[2].section, 1);
@@ -215,20 +216,25 @@ TEST(Segment, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Segment, BadInput) {
-  EXPECT_EQ(code_of([] { segment(Image(), {}, {}); }), "empty-image");
-  EXPECT_EQ(code_of([] { segment(Image(64, 64, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }), "one-colour");
-  EXPECT_EQ(code_of([] { segment(Image(1, 1, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }), "one-colour");
+  EXPECT_EQ(code_of([] { segment::segment(Image(), {}, {}); }), "empty-image");
+  EXPECT_EQ(code_of([] { segment::segment(Image(64, 64, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }),
+            "one-colour");
+  EXPECT_EQ(code_of([] { segment::segment(Image(1, 1, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }),
+            "one-colour");
   Image nan = test::picture(64, 64, {{30, 30, 12}});
   nan.at(3, 4)[2] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(code_of([&] { segment(nan, {}, {}); }), "bad-pixels");
+  EXPECT_EQ(code_of([&] { segment::segment(nan, {}, {}); }), "bad-pixels");
   SegmentOptions large;
   large.split.min_area = 1e6;
-  EXPECT_EQ(code_of([&] { segment(test::picture(64, 64, {{30, 30, 12}}), large, {}); }), "no-particles");
+  EXPECT_EQ(code_of([&] {
+              segment::segment(test::picture(64, 64, {{30, 30, 12}}), large, {});
+            }),
+            "no-particles");
   for (const auto& [w, h] :
        {std::pair{1, 50}, {50, 1}, {2, 2}, {3, 3}, {7, 5}}) {  // an error or a result, never a crash
     Image tiny(w, h, 1, 1, Vec3f::Constant(0.6f));
     tiny.at(w / 2, h / 2) = Vec3f::Constant(0.1f);
-    const std::string code = code_of([&] { segment(tiny, {}, {}); });
+    const std::string code = code_of([&] { segment::segment(tiny, {}, {}); });
     EXPECT_TRUE(code == "" || code == "no-particles" || code == "one-colour")
         << w << " × " << h << ": " << code;
   }
@@ -241,17 +247,18 @@ TEST(Segment, BadInput) {
 TEST(Segment, CancelsWhenAsked) {
   const std::atomic<bool> cancel{true};
   const Work::Report report;
-  EXPECT_THROW(segment(test::picture(128, 128, {{60, 60, 20}}), {}, Work(&cancel, &report)), Cancelled);
+  EXPECT_THROW(segment::segment(test::picture(128, 128, {{60, 60, 20}}), {}, Work(&cancel, &report)),
+               Cancelled);
 }
 
 // Real photographs with known properties. The bounds are wide: they detect failures, not small changes.
 TEST(Segment, RealPictures) {
   const auto data = test::shared_data();
   if (data.empty()) GTEST_SKIP() << "no shared data";
-  const Segmentation cermet = segment(read_image(data / "photos/cermet.png"), {}, {});
+  const Segmentation cermet = segment::segment(read_image(data / "photos/cermet.png"), {}, {});
   EXPECT_NEAR(cermet.profiles.area_fraction, 0.33, 0.033);
   EXPECT_NEAR(static_cast<double>(cermet.profiles.profiles.size()), 62, 10);
-  const Segmentation alloy = segment(read_image(data / "photos/superalloy/spot5_0d_0.png"), {}, {});
+  const Segmentation alloy = segment::segment(read_image(data / "photos/superalloy/spot5_0d_0.png"), {}, {});
   EXPECT_NEAR(alloy.profiles.area_fraction, 0.497, 0.05);
 }
 

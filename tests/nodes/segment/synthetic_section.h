@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "runtime/random.h"
 

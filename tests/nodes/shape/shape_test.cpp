@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/shapes.h"
 #include "nodes/shape/closed_form.h"
 #include "nodes/shape/rock.h"
@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 using std::numbers::pi;
 

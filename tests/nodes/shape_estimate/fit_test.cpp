@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/random_sections.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/shape/solids.h"
 #include "nodes/shape/stones.h"
 #include "nodes/shape_estimate/body_family.h"
@@ -26,6 +26,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 using namespace shape_estimate;
 namespace made = shape_estimate::test;

@@ -5,14 +5,15 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
-#include "nodes/common/mesh_section.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh_section.h"
 #include "nodes/shape_estimate/extrusions.h"
 #include "nodes/shape_estimate/method.h"
 #include "nodes/shape_estimate/morph_frame.h"
 #include "nodes/shape_estimate/self_intersections.h"
 #include "nodes/shape_estimate/silhouettes.h"
 #include "nodes/shape_estimate/spherical_harmonics.h"
+#include "tests/nodes/shape_estimate/euler.h"
 #include "tests/nodes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -26,11 +27,7 @@ namespace made = shape_estimate::test;
 using made::Contour;
 using std::numbers::pi;
 
-int euler(const Mesh& m) {
-  return static_cast<int>(m.vertices.size()) - static_cast<int>(m.triangles.size()) / 2;
-}
-
-EstimateRequest request_of(const std::vector<Contour>& contours, int subdivision = 2) {
+EstimateRequest outlines_of(const std::vector<Contour>& contours, int subdivision = 2) {
   EstimateRequest r;
   r.subdivision = subdivision;
   for (const auto& c : contours)
@@ -46,7 +43,7 @@ std::vector<Contour> stars(std::uint64_t seed, double amplitude, int n = 3) {
 }
 
 TEST(ShapeEstimateCsg, RectanglesMakeTheBox) {
-  const auto e = csg(request_of({made::rectangle(3, 2), made::rectangle(3, 1), made::rectangle(2, 1)}), {});
+  const auto e = csg(outlines_of({made::rectangle(3, 2), made::rectangle(3, 1), made::rectangle(2, 1)}), {});
   EXPECT_NEAR(mesh_volume(e.mesh), 6, 1e-4);
   EXPECT_NEAR(mesh_surface_area(e.mesh), 22, 1e-3);
   EXPECT_LT(e.deviation, 0.001);
@@ -57,7 +54,7 @@ TEST(ShapeEstimateCsg, ThreeCylindersMakeSteinmetzSolid) {
   Polygon circle = made::ellipse(1, 1, 120, {0, 0}, 0.013);
   const Mesh m = intersect_extrusions({circle, circle, circle});
   EXPECT_TRUE(mesh_faults(m).empty());
-  EXPECT_EQ(euler(m), 2);
+  EXPECT_EQ(terrazzo::test::euler(m), 2);
   EXPECT_NEAR(mesh_volume(m) / (8 * (2 - std::numbers::sqrt2)), 1, 0.003);
 }
 
@@ -87,7 +84,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
       }
       EXPECT_LT(nearest, 1e-5);
     }
-    if (euler(m) != 2) continue;
+    if (terrazzo::test::euler(m) != 2) continue;
     // Sampled volume. Only if there is one piece, because smaller pieces would be missing from the mesh.
     int inside = 0;
     constexpr int kSamples = 30000;
@@ -111,7 +108,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
 TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
-    const auto request = request_of(stars(seed, 0.2), 3);
+    const auto request = outlines_of(stars(seed, 0.2), 3);
     const auto e = csg(request, {});
     EXPECT_LT(e.deviation, 0.01);
     const auto polygons = silhouettes_of(request.chosen);
@@ -139,12 +136,12 @@ TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
       }
       EXPECT_EQ(covered, all);
     }
-    EXPECT_EQ(euler(e.mesh), 2);
+    EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
   }
 }
 
 TEST(ShapeEstimateCsg, PermutationsDiffer) {
-  const auto request = request_of(stars(3, 0.3));
+  const auto request = outlines_of(stars(3, 0.3));
   auto other = request;
   other.base = 4;
   EXPECT_GT(std::abs(mesh_volume(csg(request, {}).mesh) - mesh_volume(csg(other, {}).mesh)), 1e-6);
@@ -152,12 +149,12 @@ TEST(ShapeEstimateCsg, PermutationsDiffer) {
 
 TEST(ShapeEstimateCylinder, ACircleSweptRoundACircleIsASphere) {
   const auto c = made::ellipse(1, 1);
-  const auto e = generalized_cylinder(request_of({c, c}), {});
+  const auto e = generalized_cylinder(outlines_of({c, c}), {});
   EXPECT_NEAR(mesh_volume(e.mesh) / (4 * pi / 3), 1, 0.01);
 }
 
 TEST(ShapeEstimateCylinder, ARectangleSweptRoundASquareIsABox) {
-  const auto e = generalized_cylinder(request_of({made::rectangle(2, 2), made::rectangle(2, 1)}), {});
+  const auto e = generalized_cylinder(outlines_of({made::rectangle(2, 2), made::rectangle(2, 1)}), {});
   EXPECT_NEAR(mesh_volume(e.mesh), 4, 0.05);
 }
 
@@ -166,20 +163,20 @@ TEST(ShapeEstimateCylinder, SectionsGiveTheProfilesBack) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     auto contours = stars(seed, 0.2, 2);
-    const auto request = request_of(contours, 3);
+    const auto request = outlines_of(contours, 3);
     const auto e = generalized_cylinder(request, {});
     EXPECT_TRUE(mesh_faults(e.mesh).empty());
-    EXPECT_EQ(euler(e.mesh), 2);
+    EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
     EXPECT_LT(frame_deviation(cylinder_frame(request.chosen, "short"), e.mesh), 0.01);
   }
-  const auto e = generalized_cylinder(request_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
+  const auto e = generalized_cylinder(outlines_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
   EXPECT_TRUE(mesh_faults(e.mesh).empty());
-  EXPECT_EQ(euler(e.mesh), 2);
+  EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
 }
 
 TEST(ShapeEstimateHarmonics, CirclesMakeASphere) {
   const auto c = made::ellipse(2, 2);
-  const auto e = spherical_harmonics(request_of({c}), {});
+  const auto e = spherical_harmonics(outlines_of({c}), {});
   for (const auto& v : e.mesh.vertices) EXPECT_NEAR(v.norm(), 2, 0.02);
 }
 
@@ -204,7 +201,7 @@ TEST(ShapeEstimateHarmonics, VariancesComeBack) {
 
 // Central sections of many particles have the spectrum of the profiles.
 TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
-  const auto request = request_of(stars(2, 0.25, 12), 0);
+  const auto request = outlines_of(stars(2, 0.25, 12), 0);
   const auto want = profile_spectrum(request.chosen, kHarmonicTerms);
   std::vector<Outline> sections;
   for (int i = 0; i < 24; ++i) {
@@ -221,7 +218,7 @@ TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
 }
 
 TEST(ShapeEstimateHarmonics, ParticlesDiffer) {
-  auto a = request_of(stars(1, 0.3)), b = a;
+  auto a = outlines_of(stars(1, 0.3)), b = a;
   b.index = 1;
   EXPECT_NE(mesh_volume(spherical_harmonics(a, {}).mesh), mesh_volume(spherical_harmonics(b, {}).mesh));
 }
@@ -240,7 +237,7 @@ TEST(ShapeEstimateMethods, EachRunsInTheNode) {
     ASSERT_EQ(shapes.size(), 2u);
     for (const auto& s : shapes) {
       EXPECT_TRUE(mesh_faults(s.mesh).empty());
-      EXPECT_EQ(euler(s.mesh), 2);
+      EXPECT_EQ(terrazzo::test::euler(s.mesh), 2);
       EXPECT_GT(s.volume, 0.5);
       EXPECT_LT(s.volume, 20);
     }

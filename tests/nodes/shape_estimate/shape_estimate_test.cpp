@@ -5,7 +5,7 @@
 #include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/mesh.h"
+#include "nodes/common/geometry/mesh.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/shape_estimate/choose.h"
@@ -13,6 +13,7 @@
 #include "nodes/shape_estimate/morph_frame.h"
 #include "nodes/shape_estimate/self_intersections.h"
 #include "nodes/shape_estimate/subdivide.h"
+#include "tests/nodes/shape_estimate/euler.h"
 #include "tests/nodes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/run_node.h"
 
@@ -24,10 +25,6 @@ namespace made = shape_estimate::test;
 
 using made::Contour;
 using std::numbers::pi;
-
-int euler(const Mesh& m) {
-  return static_cast<int>(m.vertices.size()) - static_cast<int>(m.triangles.size()) / 2;
-}
 
 EstimateRequest request_of(const std::vector<Contour>& contours, int subdivision, int control = 0,
                            const std::string& axis = "short") {
@@ -116,7 +113,7 @@ TEST(ShapeEstimateMorph, AlwaysWatertightAndOfGenusZero) {
     const auto e = morph(
         request_of(contours, static_cast<int>(seed % 3), seed % 5 ? 0 : 4, seed % 2 ? "long" : "short"));
     EXPECT_TRUE(mesh_faults(e.mesh).empty());
-    EXPECT_EQ(euler(e.mesh), 2);
+    EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
     EXPECT_GT(mesh_volume(e.mesh), 0);
     EXPECT_GE(e.deviation, 0);
   }

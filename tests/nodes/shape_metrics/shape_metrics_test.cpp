@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
 #include "nodes/shape/rock.h"
@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 using std::numbers::pi;
 

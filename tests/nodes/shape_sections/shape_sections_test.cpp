@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/mesh.h"
-#include "nodes/common/shape_measures.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/data/image.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shape/solids.h"
@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 using std::numbers::pi;
 

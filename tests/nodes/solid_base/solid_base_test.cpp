@@ -1,5 +1,5 @@
 // Decoding the base from bytes: complete, truncated and damaged.
-#include "nodes/solid_base/solid_base.h"
+#include "nodes/solids/solid_base.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(SolidBase, ComesBackFromItsBytes) {
   const auto back = std::static_pointer_cast<const SolidBase>(value_type<SolidBase>().decode(r));
   EXPECT_EQ(r.left(), 0u);
   EXPECT_EQ(back->request.settings.size, Vec3i::Constant(24));
-  EXPECT_TRUE(back->request.settings.local);
+  EXPECT_TRUE(back->request.settings.method == solids::SolidMethod::Blockwise);
   EXPECT_EQ(back->request.exemplars.at(0).features.size(), 32u * 32);
   EXPECT_EQ(back->base.whole.families.size(), 3u);
   BufferWriter again;

@@ -11,20 +11,21 @@
 #include <string>
 
 #include "nodes/data/volume.h"
-#include "nodes/solid_optimize/blocks.h"
-#include "nodes/solid_optimize/weights.h"
+#include "nodes/solids/blockwise/blocks.h"
+#include "nodes/solids/matching/weights.h"
+#include "nodes/solids/optimize_solid.h"
 #include "tests/nodes/solid_optimize/exemplars.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-namespace so = solid_optimize;
+namespace so = solids;
 
 // Three levels, of which only the coarsest is made whole. Statistics of the others are measured on a corner.
 so::SolidSettings settings_of(const Vec3i& size) {
   so::SolidSettings s;
-  s.size = size, s.levels = 3, s.iterations = {2}, s.local = true, s.finish = 1;
-  s.local_limits.whole = 1, s.local_limits.probe = 20, s.local_limits.closed = 24;
+  s.size = size, s.levels = 3, s.iterations = {2}, s.method = so::SolidMethod::Blockwise, s.finish = 1;
+  s.blockwise_limits.whole = 1, s.blockwise_limits.probe = 20, s.blockwise_limits.closed = 24;
   return s;
 }
 
@@ -51,7 +52,7 @@ void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidSettings s) {
   const Vec3i size = s.size;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   ASSERT_EQ(whole.size, size);
-  const so::LocalBase base = so::solid_base({exemplar()}, s, Work());
+  const so::BlockBase base = so::solid_base({exemplar()}, s, Work());
   s.blocks = blocks;
   std::vector<int> order(static_cast<std::size_t>(blocks.prod()));
   std::iota(order.begin(), order.end(), 0);
@@ -86,7 +87,7 @@ struct Levels {
   std::vector<so::Pyramid> pyramids;
   std::vector<int> iterations;
   so::WholeLevel coarse;
-  std::unique_ptr<so::LocalLevels> made;
+  std::unique_ptr<so::BlockLevels> made;
   static constexpr int kChannels = 3;
 
   explicit Levels(const so::SolidSettings& settings) : s(settings), iterations(so::iterations_of(s, 3)) {
@@ -99,10 +100,10 @@ struct Levels {
       coarse.field.channel.push_back(v);
     }
     for (int a = 0; a < 3; ++a) coarse.families.push_back(so::random_matches(size, a, 0, pyramids[0][0], 1));
-    made = std::make_unique<so::LocalLevels>(working, pyramids, s, iterations, kChannels, coarse);
+    made = std::make_unique<so::BlockLevels>(working, pyramids, s, iterations, kChannels, coarse);
   }
-  so::LocalBox closed() const {
-    so::LocalBox box;
+  so::TorusBox closed() const {
+    so::TorusBox box;
     box.hi = s.size, box.closed = {true, true, true};
     return box;
   }
@@ -110,17 +111,17 @@ struct Levels {
 
 TEST(SolidBlocks, ATorusHasNoEdge) {
   const Levels all(settings_of(Vec3i(45, 40, 34)));
-  so::LocalLevels& levels = *all.made;
+  so::BlockLevels& levels = *all.made;
   const so::SolidSettings& s = all.s;
   EXPECT_FALSE(levels.measure(nullptr, Work()));  // the probe is a corner
-  so::LocalBox across;
+  so::TorusBox across;
   across.lo = Vec3i(-6, 33, -9), across.hi = Vec3i(7, 47, 5);
   const auto one = levels.make(all.closed(), nullptr, Work()), other = levels.make(across, nullptr, Work());
   std::size_t count = 0;
   for (int z = across.lo.z(); z < across.hi.z(); ++z)
     for (int y = across.lo.y(); y < across.hi.y(); ++y)
       for (int x = across.lo.x(); x < across.hi.x(); ++x) {
-        so::LocalBox a, b;
+        so::TorusBox a, b;
         a.lo = Vec3i(x, y, z), a.hi = a.lo + Vec3i::Ones();
         for (int k = 0; k < 3; ++k) b.lo[k] = so::wrapped(a.lo[k], s.size[k]);
         b.hi = b.lo + Vec3i::Ones();
@@ -133,7 +134,7 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
 
 TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
   so::SolidSettings s = settings_of(Vec3i(40, 33, 36));
-  s.local_limits.closed = 40, s.sources = true;
+  s.blockwise_limits.closed = 40, s.sources = true;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   EXPECT_EQ(whole.field.channel[0].size(), 40u * 33 * 36);
   EXPECT_EQ(whole.sources.texel.size(), 40u * 33 * 36);
@@ -151,7 +152,8 @@ TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {
   so::SolidSettings s;
   s.size = Vec3i::Constant(56), s.iterations = {8, 4};
   const auto sweeps = so::optimize_solid({exemplar()}, s, Work());
-  s.local = true, s.finish = 1, s.local_limits.probe = 32, s.local_limits.closed = 16;
+  s.method = so::SolidMethod::Blockwise, s.finish = 1, s.blockwise_limits.probe = 32,
+  s.blockwise_limits.closed = 16;
   const auto local = so::optimize_solid({exemplar()}, s, Work());
   for (std::size_t a = 0; a < 3; ++a) {
     EXPECT_LT(local.measures[a].patches, 1.5 * sweeps.measures[a].patches + 0.01) << a;
@@ -167,8 +169,8 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
   GTEST_SKIP() << "sanitizers keep memory of their own for every byte";
 #endif
   so::SolidSettings s = settings_of(Vec3i::Constant(192));
-  s.iterations = {1}, s.local_iterations = 1;
-  so::LocalBase base;
+  s.iterations = {1}, s.blockwise_iterations = 1;
+  so::BlockBase base;
   const auto fits = [](double used, double forecast) {
     EXPECT_LT(used, 1.1 * forecast + 8e6);  // threads and tables that do not grow with the solid
     EXPECT_GT(used, 0.5 * forecast);
@@ -191,7 +193,7 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
 
 TEST(SolidBlocks, StopWhenCancelled) {
   so::SolidSettings s = settings_of(Vec3i::Constant(40));
-  const so::LocalBase base = so::solid_base({exemplar()}, s, Work());
+  const so::BlockBase base = so::solid_base({exemplar()}, s, Work());
   s.blocks = Vec3i(2, 1, 1);
   for (const double stop : {0.2, 0.4, 0.6, 0.9}) {
     std::atomic<bool> cancel{false};
@@ -217,9 +219,9 @@ test::NodeRun base_of(Parameters p = {}) {
 }
 
 TEST(SolidBlocks, LieAtTheirPlaceInTheWhole) {
-  const auto whole =
-      test::run_node("SolidOptimize", pictures(),
-                     {{"size", "40"}, {"iterations", "[4, 2]"}, {"method", "local"}, {"sources", "true"}});
+  const auto whole = test::run_node(
+      "SolidOptimize", pictures(),
+      {{"size", "40"}, {"iterations", "[4, 2]"}, {"method", "blockwise"}, {"sources", "true"}});
   const auto block = test::run_node("SolidBlock", {{"base", base_of().outputs.at("base")}},
                                     {{"sources", "true"}, {"blocks", "[2, 1, 2]"}, {"block", "3"}});
   EXPECT_EQ(whole.metrics.count("seam_ratio"), 1u);

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "nodes/data/image.h"
-#include "nodes/solid_optimize/exemplar_levels.h"
+#include "nodes/solids/exemplar/exemplar_levels.h"
 #include "runtime/random.h"
 
 namespace terrazzo::test {
@@ -31,8 +31,8 @@ inline Image blobs(int w, int h, double cell, std::uint64_t seed) {
   return image;
 }
 
-inline solid_optimize::SolidExemplar exemplar_of(const Image& image) {
-  solid_optimize::SolidExemplar e;
+inline solids::SolidExemplar exemplar_of(const Image& image) {
+  solids::SolidExemplar e;
   e.width = image.width, e.height = image.height, e.pixels = image.pixels;
   return e;
 }

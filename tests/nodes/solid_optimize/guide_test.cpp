@@ -1,4 +1,4 @@
-#include "nodes/solid_optimize/guide.h"
+#include "nodes/solids/exemplar/guide.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 
 namespace terrazzo {
 namespace {
-namespace so = solid_optimize;
+namespace so = solids;
 
 so::SolidExemplar half_plane(int n) {
   so::SolidExemplar e;

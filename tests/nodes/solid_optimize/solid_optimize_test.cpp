@@ -8,7 +8,8 @@
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
-#include "nodes/solid_optimize/measures.h"
+#include "nodes/solids/optimize_solid.h"
+#include "nodes/solids/whole/measures.h"
 #include "runtime/random.h"
 #include "tests/nodes/solid_optimize/exemplars.h"
 #include "tests/support/run_node.h"
@@ -76,7 +77,7 @@ TEST(SolidOptimize, HasTheExemplarsColours) {
 }
 
 TEST(SolidOptimize, SectionsLookMoreLikeTheExemplarThanNoiseOfItsColours) {
-  namespace so = solid_optimize;
+  namespace so = solids;
   const Image e = blobs(64, 64, 7, 3);
   so::SolidSettings s;
   s.size = Vec3i::Constant(40), s.iterations = {8, 4};
@@ -236,7 +237,7 @@ TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "sanitizers keep memory of their own for every byte";
 #endif
-  namespace so = solid_optimize;
+  namespace so = solids;
   const Image e = blobs(64, 64, 8, 1);
   so::SolidExemplar exemplar;
   exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
@@ -259,7 +260,7 @@ TEST(SolidOptimize, GreyAndLinearAreTakenToo) {
 
 TEST(SolidOptimize, ThePapersRecipeGivesASolidOfTheExemplarsColours) {
   const auto r = solid(blobs(32, 32, 7, 13),
-                       {{"method", "papers"}, {"size", "16"}, {"iterations", "[3, 2]"}, {"levels", "2"}});
+                       {{"method", "reference"}, {"size", "16"}, {"iterations", "[3, 2]"}, {"levels", "2"}});
   Vec3 mean = Vec3::Zero();
   for (auto it = colors(r).cbeginValueOn(); it; ++it) {
     for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite((*it)[c]));

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "nodes/common/io/stroke_text.h"
 #include "nodes/data/strokes.h"
-#include "nodes/strokes/stroke_text.h"
 #include "runtime/codec.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "nodes/common/footprint.h"
-#include "nodes/common/texture_measures.h"
-#include "nodes/strokes/stroke_text.h"
+#include "nodes/common/io/stroke_text.h"
+#include "nodes/common/texture/footprint.h"
+#include "nodes/common/texture/texture_measures.h"
 #include "nodes/texture_nib/nib.h"
 #include "nodes/texture_nib/region.h"
 #include "runtime/random.h"

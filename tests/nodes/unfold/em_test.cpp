@@ -7,16 +7,18 @@
 #include <functional>
 #include <numbers>
 
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
-#include "nodes/unfold/presence.h"
-#include "nodes/unfold/smooth_poisson.h"
-#include "nodes/unfold/unfold.h"
+#include "nodes/unfolding/presence.h"
+#include "nodes/unfolding/smooth_poisson.h"
+#include "nodes/unfolding/unfold.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using namespace kmatrix;
+using namespace unfolding;
 
 KMatrix kmatrix_of(const std::string& kind) {
   const auto shapes = test::run_node("Shape", {}, {{"kind", kind}, {"size", "1"}}).outputs.at("shapes");

@@ -6,20 +6,15 @@
 #include <string>
 
 #include "nodes/kmatrix/make_kmatrix.h"
-#include "nodes/unfold/unfold.h"
+#include "nodes/unfolding/unfold.h"
 #include "runtime/random.h"
+#include "tests/nodes/unfold/spheres.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-
-const KMatrix& spheres() {
-  static const KMatrix k = [] {
-    const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
-    return make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = 20});
-  }();
-  return k;
-}
+using namespace kmatrix;
+using namespace unfolding;
 
 // Sections of spheres with diameters between 2 and 10 mm, 80 mm² per profile.
 Profiles section(std::size_t n, std::uint64_t seed) {
@@ -50,7 +45,7 @@ bool finite(const UnfoldResult& r) {
 // The result for `p`: "" for a finite distribution, otherwise the error message.
 std::string outcome(const Profiles& p, const UnfoldOptions& o) {
   try {
-    return finite(unfold(p, spheres(), o, {})) ? "" : "not finite";
+    return finite(unfold(p, test::spheres<20>(), o, {})) ? "" : "not finite";
   } catch (const Error& e) {
     return e.what();
   }

@@ -1,4 +1,4 @@
-#include "nodes/unfold/unfold.h"
+#include "nodes/unfolding/unfold.h"
 
 #include <gtest/gtest.h>
 
@@ -8,18 +8,14 @@
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/unfold/summary.h"
 #include "runtime/random.h"
+#include "tests/nodes/unfold/spheres.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-
-const KMatrix& spheres() {
-  static const KMatrix k = [] {
-    const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
-    return make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = 10});
-  }();
-  return k;
-}
+using namespace unfold;
+using namespace kmatrix;
+using namespace unfolding;
 
 // The profiles of a window of `area` mm² through spheres with diameters uniform in [lo, hi] and number
 // density `density` per mm³.
@@ -59,7 +55,7 @@ TEST(Unfold, RecoversUniformSpheres) {
   for (const auto* method : {"em", "nnls", "inverse"}) {
     UnfoldOptions o;
     o.method = method, o.d_max = 10, o.smallest_visible = 0;
-    const UnfoldResult r = unfold(p, spheres(), o, {});
+    const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), o, {});
     EXPECT_NEAR(number(r.distribution, 5, 10), 0.001, 0.00004) << method;
     EXPECT_NEAR(number(r.distribution, 0, 4), 0, 0.00008) << method;
     EXPECT_NEAR(r.distribution.volume_fraction, p.area_fraction, 0.02 * p.area_fraction) << method;
@@ -69,7 +65,7 @@ TEST(Unfold, RecoversUniformSpheres) {
 TEST(Unfold, EstimatesTheLargestSize) {
   UnfoldOptions o;
   for (const std::uint64_t seed : {1, 2, 3}) {
-    const UnfoldResult r = unfold(section(6, 10, 0.001, 60000, seed), spheres(), o, {});
+    const UnfoldResult r = unfolding::unfold(section(6, 10, 0.001, 60000, seed), test::spheres<10>(), o, {});
     EXPECT_NEAR(r.distribution.d_max, 10, 0.5);
   }
 }
@@ -77,7 +73,7 @@ TEST(Unfold, EstimatesTheLargestSize) {
 TEST(Unfold, FullnessFollowsTheAreaFractionEvenOfAFewProfiles) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const Profiles p = section(2, 10, 0.001, 10000, seed);
-    const UnfoldResult r = unfold(p, spheres(), {}, {});
+    const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {}, {});
     EXPECT_NEAR(r.distribution.volume_fraction / p.area_fraction, 1, 0.03)
         << seed << ": " << p.profiles.size() << " profiles";
     for (const auto& e : r.distribution.shapes)
@@ -90,7 +86,8 @@ TEST(Unfold, IntervalsEncloseTheEstimateAndShrink) {
   for (int k = 0; k < 2; ++k) {
     UnfoldOptions o;
     o.bootstrap = 60, o.d_max = 10, o.smallest_visible = 0;
-    const UnfoldResult r = unfold(section(5, 10, 0.001, k ? 1.6e6 : 1e5, 5), spheres(), o, {});
+    const UnfoldResult r =
+        unfolding::unfold(section(5, 10, 0.001, k ? 1.6e6 : 1e5, 5), test::spheres<10>(), o, {});
     const auto& e = r.distribution.shapes[0];
     width[k] = e.high[9] - e.low[9];
     EXPECT_LE(e.low[9], e.N_V[9]);
@@ -103,7 +100,7 @@ TEST(Unfold, ColourClassesAreUnfoldedEachOnItsOwn) {
   Profiles p = section(5, 10, 0.001, 4e5, 3);
   p.classes = 2;
   for (std::size_t i = 0; i < p.profiles.size(); ++i) p.profiles[i].cls = i % 4 == 0;
-  const UnfoldResult r = unfold(p, spheres(), {}, {});
+  const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {}, {});
   ASSERT_EQ(r.distribution.shapes.size(), 2u);
   double n[2] = {0, 0};
   for (const auto& e : r.distribution.shapes)
@@ -114,7 +111,7 @@ TEST(Unfold, ColourClassesAreUnfoldedEachOnItsOwn) {
 TEST(Unfold, BadInputIsNamed) {
   const auto code = [](const Profiles& p, UnfoldOptions o = {}, const KMatrix* k = nullptr) -> std::string {
     try {
-      unfold(p, k ? *k : spheres(), o, {});
+      unfolding::unfold(p, k ? *k : test::spheres<10>(), o, {});
     } catch (const Error& e) {
       return e.diagnostic().code;
     }
@@ -137,11 +134,11 @@ TEST(Unfold, BadInputIsNamed) {
   EXPECT_EQ(code(p), "too-few-profiles");
   EXPECT_EQ(code(good, {.smallest_visible = 100}), "no-profiles");
   EXPECT_EQ(code(good, {.d_max = 1}), "too-small");
-  KMatrix empty = spheres();
+  KMatrix empty = test::spheres<10>();
   empty.shapes.clear();
   EXPECT_EQ(code(good, {}, &empty), "bad-kmatrix");
   // A body whose sections are almost invisible: its K matrix has empty columns or is singular.
-  KMatrix blind = spheres();
+  KMatrix blind = test::spheres<10>();
   std::fill(blind.shapes[0].cdf.begin(), blind.shapes[0].cdf.end(), 1.0);
   for (const auto* method : {"em", "nnls", "inverse"})
     EXPECT_EQ(code(good, {.method = method, .smallest_visible = 2}, &blind), "bad-kmatrix") << method;
@@ -151,7 +148,9 @@ TEST(Unfold, BadInputIsNamed) {
   const auto solved = [&](int classes) {
     const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
     const KMatrix k = make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
-    return unfold(good, k, {.method = "nnls", .classes = 8, .d_max = 12}, {}).distribution.shapes[0].N_V;
+    return unfolding::unfold(good, k, {.method = "nnls", .classes = 8, .d_max = 12}, {})
+        .distribution.shapes[0]
+        .N_V;
   };
   EXPECT_EQ(solved(5), solved(8));
   Profiles equal = good;
@@ -167,7 +166,7 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
   UnfoldOptions o;
   o.method = "inverse", o.d_max = 12, o.smallest_visible = 0;
   try {
-    unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
+    unfolding::unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
     FAIL() << "a density of particles that do not fit";
   } catch (const Error& e) {
     EXPECT_EQ(e.diagnostic().code, "unstable") << e.what();
@@ -175,7 +174,7 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
   }
   for (const auto* method : {"nnls", "em"}) {
     o.method = method;
-    const UnfoldResult r = unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
+    const UnfoldResult r = unfolding::unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
     EXPECT_LT(r.distribution.volume_fraction, 1);
   }
 }
@@ -186,7 +185,7 @@ TEST(Unfold, MissingFinesAreNotTakenForNone) {
   std::erase_if(p.profiles, [](const Profile& q) { return q.area < std::numbers::pi / 4 * 9; });
   UnfoldOptions o;
   o.d_max = 10, o.smallest_visible = 3;
-  const UnfoldResult blind = unfold(p, spheres(), o, {});
+  const UnfoldResult blind = unfolding::unfold(p, test::spheres<10>(), o, {});
   EXPECT_NEAR(number(blind.distribution, 4, 10) / (0.001 * 6 / 9), 1, 0.1);
   EXPECT_EQ(number(blind.distribution, 0, 3), 0);
   EXPECT_EQ(blind.distribution.class_edges[static_cast<std::size_t>(blind.model.first)], 3);
@@ -194,10 +193,10 @@ TEST(Unfold, MissingFinesAreNotTakenForNone) {
 
 TEST(Unfold, WithoutAnAreaDensitiesAreRelative) {
   Profiles p = section(5, 10, 0.001, 1e5, 3);
-  const UnfoldResult known = unfold(p, spheres(), {.d_max = 10, .bootstrap = 10}, {});
+  const UnfoldResult known = unfolding::unfold(p, test::spheres<10>(), {.d_max = 10, .bootstrap = 10}, {});
   p.observed_area = 0, p.area_fraction = 0;
   for (const auto* method : {"em", "nnls", "inverse"}) {
-    const UnfoldResult r = unfold(p, spheres(), {.method = method, .d_max = 10}, {});
+    const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.method = method, .d_max = 10}, {});
     EXPECT_TRUE(r.observations.relative);
     double sum = 0;
     for (const double v : r.distribution.shapes[0].N_V) sum += v;
@@ -205,12 +204,14 @@ TEST(Unfold, WithoutAnAreaDensitiesAreRelative) {
     EXPECT_EQ(r.distribution.volume_fraction, 0) << method;
   }
   const auto& absolute = known.distribution.shapes[0].N_V;
-  const auto relative = unfold(p, spheres(), {.d_max = 10}, {}).distribution.shapes[0].N_V;
+  const auto relative =
+      unfolding::unfold(p, test::spheres<10>(), {.d_max = 10}, {}).distribution.shapes[0].N_V;
   double sum = 0;
   for (const double v : absolute) sum += v;
   for (std::size_t j = 0; j < absolute.size(); ++j) EXPECT_NEAR(relative[j], absolute[j] / sum, 0.01);
-  const auto warned = test::run_node(
-      "Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(spheres())}}, {{"bootstrap", "0"}});
+  const auto warned =
+      test::run_node("Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(test::spheres<10>())}},
+                     {{"bootstrap", "0"}});
   EXPECT_EQ(warned.warnings.size(), 1u);
 }
 
@@ -219,8 +220,9 @@ TEST(Unfold, FewProfilesGetFewerClassesAndAWarning) {
   p.profiles.resize(40);
   p.area_fraction = 0, p.observed_area = 1e4;
   const auto classes_and_warnings = [&](const std::string& classes) {
-    const auto run = test::run_node("Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(spheres())}},
-                                    {{"bootstrap", "0"}, {"classes", classes}, {"method", "nnls"}});
+    const auto run =
+        test::run_node("Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(test::spheres<10>())}},
+                       {{"bootstrap", "0"}, {"classes", classes}, {"method", "nnls"}});
     return std::pair(run.output<SizeDistribution>("distribution").classes(), run.warnings.size());
   };
   EXPECT_EQ(classes_and_warnings("auto"), std::pair(std::size_t{6}, std::size_t{1}));
@@ -234,17 +236,18 @@ TEST(Unfold, EqualProfilesGiveSizesNearTheirs) {
   p.profiles.resize(300);
   for (auto& q : p.profiles) q.area = std::numbers::pi / 4 * 36;
   p.area_fraction = 300 * p.profiles[0].area / p.observed_area;
-  const UnfoldResult r = unfold(p, spheres(), {.smallest_visible = 0, .d_max = 10}, {});
+  const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.smallest_visible = 0, .d_max = 10}, {});
   EXPECT_GT(number(r.distribution, 5, 8), 0.95 * number(r.distribution, 0, 10));
 }
 
 TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
-  KMatrix two = spheres();
+  KMatrix two = test::spheres<10>();
   two.shapes[0].probability = 3;
   two.shapes.push_back(two.shapes[0]);
   two.shapes[1].probability = 1;  // the same body twice: only the shares may change
   const Profiles p = section(5, 10, 0.001, 4e5, 3);
-  const UnfoldResult one = unfold(p, spheres(), {}, {}), both = unfold(p, two, {}, {});
+  const UnfoldResult one = unfolding::unfold(p, test::spheres<10>(), {}, {}),
+                     both = unfolding::unfold(p, two, {}, {});
   ASSERT_EQ(both.distribution.shapes.size(), 2u);
   for (std::size_t j = 0; j < 10; ++j) {
     EXPECT_NEAR(both.distribution.shapes[0].N_V[j], 0.75 * one.distribution.shapes[0].N_V[j], 1e-9);
@@ -254,7 +257,7 @@ TEST(Unfold, ShapesShareAClassByTheirProbabilities) {
 
 TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
   // Equation 9: class 0 has spheres, class 1 octahedra. Unfolding each separately must yield the same result.
-  KMatrix k = spheres();
+  KMatrix k = test::spheres<10>();
   const auto solid =
       test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
   k.shapes.push_back(make_kmatrix(solid.as<Shapes>(), {.orientations = 500}).shapes[0]);
@@ -264,18 +267,18 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
   p.classes = 2, p.area_fraction = 2 * one.area_fraction;
   UnfoldOptions o;
   o.d_max = 10, o.smallest_visible = 0, o.by_class = true;
-  const UnfoldResult r = unfold(p, k, o, {});
+  const UnfoldResult r = unfolding::unfold(p, k, o, {});
   ASSERT_EQ(r.distribution.shapes.size(), 2u);
   for (int s = 0; s < 2; ++s) {
     KMatrix alone = k;
     alone.shapes = {k.shapes[s]};
-    const auto expected = unfold(one, alone, o, {}).distribution.shapes[0].N_V;
+    const auto expected = unfolding::unfold(one, alone, o, {}).distribution.shapes[0].N_V;
     EXPECT_EQ(r.distribution.shapes[s].shape, s);
     EXPECT_EQ(r.distribution.shapes[s].cls, s);
     for (std::size_t j = 0; j < expected.size(); ++j)
       EXPECT_NEAR(r.distribution.shapes[s].N_V[j], expected[j], 1e-8 + 1e-3 * expected[j]);
   }
-  EXPECT_THROW(unfold(p, spheres(), o, {}), Error);  // two classes, one shape
+  EXPECT_THROW(unfolding::unfold(p, test::spheres<10>(), o, {}), Error);  // two classes, one shape
 }
 
 TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
@@ -306,7 +309,7 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   const auto n_a = [&](Border border) {
     UnfoldOptions o;
     o.border = border, o.d_max = d, o.smallest_visible = 0;
-    return unfold(p, spheres(), o, {}).fits[0].observed.sum() / (n_v * d);
+    return unfolding::unfold(p, test::spheres<10>(), o, {}).fits[0].observed.sum() / (n_v * d);
   };
   EXPECT_NEAR(n_a(Border::Weights), 1, 0.02);
   EXPECT_GT(n_a(Border::All), 1.15);
@@ -343,7 +346,7 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
 }
 
 TEST(Unfold, SameBitsOnAnyNumberOfThreads) {
-  const Value profiles = Value::of(section(3, 10, 0.001, 3e5, 9)), k = Value::of(spheres());
+  const Value profiles = Value::of(section(3, 10, 0.001, 3e5, 9)), k = Value::of(test::spheres<10>());
   const auto at = [&](int threads) {
     const auto d = test::run_node("Unfold", {{"profiles", profiles}, {"kmatrix", k}}, {}, {}, threads)
                        .output<SizeDistribution>("distribution");

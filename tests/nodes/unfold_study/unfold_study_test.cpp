@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/size_kernel.h"
+#include "nodes/common/stereology/size_kernel.h"
 #include "nodes/data/table.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/unfold_study/sample_profiles.h"
@@ -12,6 +12,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace kmatrix;
 using namespace unfold_study;
 
 const KMatrix& spheres() {

@@ -4,12 +4,13 @@
 
 #include <numbers>
 
-#include "nodes/common/color.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/voxelize/voxelize.h"
 #include "tests/nodes/voxelize/bodies.h"
 
 namespace terrazzo {
 namespace {
+using namespace voxelize;
 
 // White noise with mean 0 and variance 1 on n³ voxels of `voxel` mm.
 Volume noise(int n, double voxel) {
@@ -107,7 +108,8 @@ TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
   const Shapes shapes = test::shapes_of(test::cube_mesh());
   VoxelReport report;
   const Lattice l = choose_lattice(p.box, {16});
-  const Volume plain = voxelize(p, shapes, nullptr, l, report), grained = voxelize(p, shapes, &v, l, report);
+  const Volume plain = voxelize::voxelize(p, shapes, nullptr, l, report),
+               grained = voxelize::voxelize(p, shapes, &v, l, report);
   const auto a = plain.find<openvdb::Vec3SGrid>("Cd"), b = grained.find<openvdb::Vec3SGrid>("Cd"),
              r = v.find<openvdb::Vec3SGrid>("residual");
   EXPECT_EQ(b->activeVoxelCount(), 4096u);
@@ -131,7 +133,7 @@ TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
   const Volume v = noise(16, 0.1);
   VoxelReport report;
   const Volume made =
-      voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
+      voxelize::voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
   ASSERT_EQ(report.detail_periods, Vec3i::Constant(2));
   const auto color = made.find<openvdb::Vec3SGrid>("Cd");
   const auto id = made.find<openvdb::Int32Grid>("id");
@@ -159,7 +161,7 @@ TEST(Detail, DarkParticlesStayDark) {
   v.grids = {scaled};
   VoxelReport report;
   const Volume made =
-      voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
+      voxelize::voxelize(p, test::shapes_of(test::cube_mesh()), &v, choose_lattice(p.box, {32}), report);
   const auto density = made.find<openvdb::FloatGrid>("density");
   double dark = 0, n = 0;
   for (auto it = made.find<openvdb::Vec3SGrid>("Cd")->cbeginValueOn(); it; ++it)

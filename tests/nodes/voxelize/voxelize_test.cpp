@@ -10,6 +10,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace voxelize;
 
 using test::code_of;
 
@@ -40,7 +41,7 @@ struct Made {
 Made make(const Particles& p, const Shapes& s, std::vector<std::int64_t> n,
           const Volume* residual = nullptr) {
   Made m;
-  m.volume = voxelize(p, s, residual, choose_lattice(p.box, n), m.report);
+  m.volume = voxelize::voxelize(p, s, residual, choose_lattice(p.box, n), m.report);
   return m;
 }
 

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <thread>
 
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "runtime/files.h"
 #include "tests/runtime/studio/paint_picture.h"
 #include "tests/runtime/studio/paint_process.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "nodes/common/image_file.h"
+#include "nodes/common/io/image_file.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo::test {

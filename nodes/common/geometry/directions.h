@@ -1,0 +1,27 @@
+// Evenly spread and random directions.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "nodes/data/linear.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+
+// The i-th of n directions on the hemisphere z > 0, each representing an equal area: a Fibonacci lattice
+// (González 2010). Opposite directions have the same sections, so a hemisphere is sufficient.
+inline Vec3 half_sphere_direction(std::size_t i, std::size_t n) {
+  const double z = (static_cast<double>(i) + 0.5) / static_cast<double>(n);
+  const double r = std::sqrt(1 - z * z), phi = 2.399963229728653 * static_cast<double>(i);
+  return {r * std::cos(phi), r * std::sin(phi), z};
+}
+
+// A direction drawn uniformly from the sphere.
+inline Vec3 random_direction(Random& r) {
+  const double z = r.uniform(-1, 1), a = r.uniform(0, 2 * std::numbers::pi), s = std::sqrt(1 - z * z);
+  return {s * std::cos(a), s * std::sin(a), z};
+}
+
+}  // namespace terrazzo

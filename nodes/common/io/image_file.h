@@ -1,0 +1,25 @@
+// Image files: OpenImageIO for the formats, OpenColorIO for the color spaces.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "nodes/common/io/reading.h"
+#include "nodes/data/image.h"
+
+namespace terrazzo {
+
+// Reads an image as scene-linear Rec. 709. `colorspace` is an OpenColorIO name, or "auto": sRGB for 8 and 16
+// bit formats, scene-linear for float formats. Gray becomes three equal channels; alpha is composited over
+// black. A truncated file is an error; other complaints of the decoder are warnings. Throws Error
+// "unreadable-image", "too-large", and "bad-pixels" for NaN or infinity.
+Image read_image(const std::filesystem::path&, const std::string& colorspace = "auto", double pixel_size = 1,
+                 const Reading& = {});
+
+// Writes one section; the extension determines the format. .exr and .hdr are scene-linear floats; other
+// formats are sRGB, dithered to 8 bits (.tif: 16 bits). `provenance` is stored in the metadata if the format
+// supports it. Throws Error "empty-image", "bad-pixels" for NaN, "unwritable-image".
+void write_image(const std::filesystem::path&, const Image&, int section = 0,
+                 const std::string& provenance = {});
+
+}  // namespace terrazzo

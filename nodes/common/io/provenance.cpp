@@ -1,0 +1,59 @@
+#include "nodes/common/io/provenance.h"
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/io/picture_input.h"
+#include "nodes/common/io/reading.h"
+#include "nodes/common/io/vdb_header.h"
+#include "runtime/json_text.h"
+
+namespace terrazzo {
+namespace {
+
+// glTF 2.0, 4.4: a header of 12 bytes, then the length and type of the JSON chunk.
+std::string from_glb(const std::filesystem::path& path, const Reading& reading) {
+  constexpr int deepest = 100;     // maximum nesting kept, since it is serialized recursively
+  constexpr double per_byte = 40;  // memory of parsed JSON per byte of text
+  try {
+    const std::string data = read_whole(path, reading);
+    std::uint32_t length = 0;
+    if (data.size() < 20 || data.compare(0, 4, "glTF") != 0) return "";
+    std::memcpy(&length, data.data() + 12, sizeof length);
+    if (length > data.size() - 20) return "";
+    require_memory(per_byte * length, reading.memory, "'" + path.string() + "'");
+    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+      return depth < deepest;
+    };
+    const auto json = nlohmann::json::parse(data.data() + 20, data.data() + 20 + length, shallow, false);
+    const auto extras = nlohmann::json::json_pointer("/asset/extras");
+    return json.is_object() && json.contains(extras) ? json_text(json.at(extras)) : "";
+  } catch (const Error&) {
+    return "";
+  }
+}
+
+// The metadata is at the beginning of the file, before any grid.
+std::string from_vdb(const std::filesystem::path& path, const Reading& reading) {
+  try {
+    const std::string content = read_whole(path, reading);
+    const auto metadata = read_vdb_header(content).metadata;
+    const auto it = metadata.find("provenance");
+    return it != metadata.end() && it->second.type == "string" ? std::string(it->second.bytes) : "";
+  } catch (const Error&) {
+    return "";
+  }
+}
+
+}  // namespace
+
+std::string read_provenance(const std::filesystem::path& path) {
+  const Reading reading;
+  const std::string extension = path.extension().string();
+  if (extension == ".glb") return from_glb(path, reading);
+  if (extension == ".vdb") return from_vdb(path, reading);
+  return picture_text(path, "ImageDescription", reading);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,231 @@
+#include "nodes/common/stereology/outline_features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace terrazzo {
+
+namespace {
+
+using std::numbers::pi;
+using Points = std::vector<Vec2>;
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double turn(const Vec2& before, const Vec2& after) {
+  return std::atan2(cross(before, after), before.dot(after));
+}
+
+// Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
+Points blurred(const Points& p, double sigma_points) {
+  const int n = static_cast<int>(p.size()),
+            reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma_points)));
+  std::vector<double> weight(static_cast<std::size_t>(reach) + 1);
+  double sum = 0;
+  for (int k = 0; k <= reach; ++k) {
+    weight[k] = std::exp(-0.5 * (k / sigma_points) * (k / sigma_points));
+    sum += (k ? 2 : 1) * weight[k];
+  }
+  Points out(p.size(), Vec2::Zero());
+  for (int i = 0; i < n; ++i)
+    for (int k = -reach; k <= reach; ++k) out[i] += weight[std::abs(k)] / sum * p[(i + k + n) % n];
+  return out;
+}
+
+struct Moments {
+  double area = 0, longer = 0, shorter = 0;  // variances of the area along its principal axes
+  Vec2 center = Vec2::Zero();
+};
+
+Moments moments_of(const Points& p) {
+  Moments m;
+  Vec2 first = Vec2::Zero();
+  const Vec2 o = p[0];
+  double xx = 0, yy = 0, xy = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Vec2 a = p[i] - o, b = p[(i + 1) % p.size()] - o;
+    const double c = cross(a, b) / 2;
+    m.area += c;
+    first += c * (a + b) / 3;
+    xx += c / 6 * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x());
+    yy += c / 6 * (a.y() * a.y() + a.y() * b.y() + b.y() * b.y());
+    xy += c / 6 * (a.x() * b.y() / 2 + b.x() * a.y() / 2 + a.x() * a.y() + b.x() * b.y());
+  }
+  if (!(m.area > 0)) return m;
+  const Vec2 c = first / m.area;
+  m.center = o + c;
+  xx = xx / m.area - c.x() * c.x(), yy = yy / m.area - c.y() * c.y(), xy = xy / m.area - c.x() * c.y();
+  const double middle = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
+  m.longer = middle + spread, m.shorter = std::max(0.0, middle - spread);
+  return m;
+}
+
+double hull_area(Points p) {
+  std::sort(p.begin(), p.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
+  Points hull;
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t base = hull.size();
+    for (const Vec2& q : p) {
+      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], q - hull.back()) <= 0)
+        hull.pop_back();
+      hull.push_back(q);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  return loop_area(hull);
+}
+
+// An outline z(s) is mirror-symmetric if z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ. The rms distance for the
+// best s₀ and φ follows from the maximum of |Σ z(s) z(s₀ − s)|.
+double symmetry_of(const Points& p) {
+  constexpr std::size_t kPoints = 32;  // axes are resolved to 1/64 of the outline
+  const std::size_t n = std::min(kPoints, p.size());
+  std::array<double, kPoints> x{}, y{};
+  std::array<double, 2 * kPoints> back_x{}, back_y{};  // z(−s), over two periods
+  Vec2 mean = Vec2::Zero();
+  for (std::size_t i = 0; i < n; ++i) mean += p[i * p.size() / n] / static_cast<double>(n);
+  double square = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec2 q = p[i * p.size() / n] - mean;
+    x[i] = q.x(), y[i] = q.y();
+    square += q.squaredNorm();
+    for (const std::size_t k : {n - i, (2 * n - i) % (2 * n)}) back_x[k] = q.x(), back_y[k] = q.y();
+  }
+  double best = 0;
+  for (std::size_t s = 0; s < n; ++s) {
+    double re = 0, im = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t k = i + n - s;  // z(s − i)
+      re += x[i] * back_x[k] - y[i] * back_y[k];
+      im += x[i] * back_y[k] + y[i] * back_x[k];
+    }
+    best = std::max(best, re * re + im * im);
+  }
+  return 1 - std::sqrt(std::max(0.0, 2 - 2 * std::sqrt(best) / square));
+}
+
+double anisotropy_of(const Points& p) {
+  double xx = 0, yy = 0, xy = 0, length = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Vec2 d = p[(i + 1) % p.size()] - p[i];
+    const double l = d.norm();
+    if (l == 0) continue;
+    xx += d.x() * d.x() / l, yy += d.y() * d.y() / l, xy += d.x() * d.y() / l;
+    length += l;
+  }
+  return length > 0 ? 2 * std::hypot((xx - yy) / 2, xy) / length : 0;
+}
+
+double quantile(std::vector<double>& v, double q) {
+  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1) + 0.5);
+  std::nth_element(v.begin(), v.begin() + k, v.end());
+  return v[static_cast<std::size_t>(k)];
+}
+
+// Turning angle of the outline over `arms` steps on either side of each point.
+std::vector<double> turns_over(const Points& p, std::size_t arms) {
+  const std::size_t n = p.size();
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = turn(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
+  return out;
+}
+
+void add_corners(OutlineFeatures& f, const Points& p, const std::vector<double>& turns) {
+  const std::size_t n = p.size(), arc = std::max<std::size_t>(1, (n + 12) / 24);
+  std::vector<double> within(n, 0);
+  double sum = 0;
+  for (std::size_t k = 0; k < arc; ++k) sum += turns[k];
+  for (std::size_t i = 0; i < n; ++i) {
+    within[i] = sum;
+    sum += turns[(i + arc) % n] - turns[i];
+  }
+  const double share = static_cast<double>(n) / 24 / static_cast<double>(arc);  // arcs are whole steps
+  double most = 0;
+  int corners = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double w = std::abs(within[i]) * share;
+    most = std::max(most, w);
+    if (w < pi / 6) continue;
+    bool peak = true;
+    for (std::size_t k = 1; peak && k < arc; ++k)
+      peak = std::abs(within[(i + n - k) % n]) < std::abs(within[i]) &&
+             std::abs(within[(i + k) % n]) <= std::abs(within[i]);
+    corners += peak;
+  }
+  f.values[static_cast<std::size_t>(OutlineFeature::Corner)] = most * 180 / pi;
+  f.values[static_cast<std::size_t>(OutlineFeature::Corners)] = corners;
+}
+
+}  // namespace
+
+const std::array<std::string, kOutlineFeatures>& outline_feature_names() {
+  static const std::array<std::string, kOutlineFeatures> names{"area/perimeter²",
+                                                               "total curvature rad",
+                                                               "aspect",
+                                                               "convexity",
+                                                               "sharpest corner degrees",
+                                                               "corners",
+                                                               "symmetry",
+                                                               "anisotropy",
+                                                               "curvature 10%",
+                                                               "curvature median",
+                                                               "curvature 90%"};
+  return names;
+}
+
+std::vector<Vec2> resampled_loop(const Loop& loop, int points) {
+  const std::size_t n = loop.size();
+  std::vector<double> at(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) at[i + 1] = at[i] + (loop[(i + 1) % n] - loop[i]).norm();
+  Points out(static_cast<std::size_t>(points), n ? loop[0] : Vec2(0, 0));
+  if (!(at[n] > 0)) return out;
+  std::size_t i = 0;
+  for (int k = 0; k < points; ++k) {
+    const double s = at[n] * k / points;
+    while (i + 1 < n && at[i + 1] <= s) ++i;
+    const double step = at[i + 1] - at[i], t = step > 0 ? (s - at[i]) / step : 0;
+    out[static_cast<std::size_t>(k)] = (1 - t) * loop[i] + t * loop[(i + 1) % n];
+  }
+  return out;
+}
+
+std::vector<double> outline_curvature(const std::vector<Vec2>& p) {
+  const std::size_t arms = std::max<std::size_t>(1, p.size() / 32);
+  auto turns = turns_over(p, arms);
+  // A circle turns by 2π·arms/n.
+  for (double& t : turns) t *= static_cast<double>(p.size()) / (2 * pi * static_cast<double>(arms));
+  return turns;
+}
+
+OutlineFeatures outline_features(const Loop& loop, const OutlineMeasuring& how) {
+  OutlineFeatures f;
+  if (loop.size() < 3) return f;
+  Points p = resampled_loop(loop, how.points);
+  if (how.blur > 0) p = blurred(p, how.blur * how.points);
+  const Moments m = moments_of(p);
+  if (!(m.area > 0) || !(m.longer > 0)) return f;
+  double length = 0;
+  for (std::size_t i = 0; i < p.size(); ++i) length += (p[(i + 1) % p.size()] - p[i]).norm();
+  const auto set = [&](OutlineFeature k, double v) { f.values[static_cast<std::size_t>(k)] = v; };
+  set(OutlineFeature::Circularity, m.area / (length * length));
+  const auto turns = turns_over(p, 1);
+  double total = 0;
+  for (const double t : turns) total += std::abs(t);
+  set(OutlineFeature::TotalCurvature, total);
+  set(OutlineFeature::Aspect, std::sqrt(m.shorter / m.longer));
+  set(OutlineFeature::Convexity, std::min(1.0, m.area / hull_area(p)));
+  add_corners(f, p, turns);
+  set(OutlineFeature::Symmetry, symmetry_of(p));
+  set(OutlineFeature::Anisotropy, anisotropy_of(p));
+  auto curvature = outline_curvature(p);
+  set(OutlineFeature::CurvatureLow, quantile(curvature, 0.1));
+  set(OutlineFeature::CurvatureMedian, quantile(curvature, 0.5));
+  set(OutlineFeature::CurvatureHigh, quantile(curvature, 0.9));
+  return f;
+}
+
+}  // namespace terrazzo

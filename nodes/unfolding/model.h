@@ -1,0 +1,40 @@
+// The linear model of unfolding: the profile densities that a size distribution shows.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "nodes/data/kmatrix.h"
+
+namespace terrazzo::unfolding {
+
+// Sizes and profiles in equal classes of [0, d_max], shapes mixed by their probabilities (Jagnow et al. 2004,
+// eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left out.
+struct UnfoldModel {
+  std::vector<double> edges;          // n + 1, mm; edge `first` is raised to smallest_visible
+  int first = 0;                      // first visible class
+  std::vector<double> profile_edges;  // of the visible classes, mm; the first ≥ smallest_visible
+  Eigen::MatrixXd matrix;             // visible classes: N_A (per mm²) = matrix (mm) · N_V (per mm³)
+  Eigen::VectorXd volume;             // mean volume of a particle of each visible class, mm³
+  bool upper_edge = false;            // sizes at the upper edge of their class rather than uniform
+
+  int classes() const { return static_cast<int>(edges.size()) - 1; }
+  int visible() const { return classes() - first; }
+};
+
+// Throws Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
+UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible);
+
+// The model matrix for other classes: a row per profile class, a column per size class.
+Eigen::MatrixXd model_matrix(const KMatrix&, const std::vector<double>& profile_edges,
+                             const std::vector<double>& size_edges, bool upper_edge);
+
+// Weighted counts of sizes in the classes between `edges`; sizes outside are ignored.
+struct Counts {
+  Eigen::VectorXd sum, squares;  // Σw and Σw² per class
+};
+Counts count(const std::vector<double>& sizes, const std::vector<double>& weights,
+             const std::vector<double>& edges);
+
+}  // namespace terrazzo::unfolding

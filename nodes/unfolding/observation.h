@@ -1,0 +1,39 @@
+// The input of unfolding: profile sizes and weights per color class.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nodes/data/profiles.h"
+
+namespace terrazzo::unfolding {
+
+enum class Border {
+  Weights,  // each profile has Profile::weight: zero for those cut by the border, more for larger ones
+  All,      // every profile has weight 1, cut ones with their visible area
+  Inside    // profiles that the border does not cut have weight 1, the others 0
+};
+
+struct Observation {           // one color class
+  std::vector<double> size;    // √(4·A/π), mm, of each profile used
+  std::vector<double> weight;  // number of profiles that it represents, > 0
+  std::vector<int> section;    // index of its section
+  double area_fraction = 0;    // share of the section's area, cut profiles included
+};
+
+struct Observations {
+  double area = 0;        // mm² observed
+  bool relative = false;  // the area is unknown and set arbitrarily: only ratios of densities are meaningful
+  int sections = 1;
+  std::vector<Observation> classes;
+  // Number of profiles used, left out at the border, and below the smallest visible size.
+  std::size_t used = 0, cut = 0, hidden = 0;
+  double largest = 0;  // size of the largest profile used, mm
+};
+
+// `area_fraction` (0: unknown) overrides that of the profiles. If observed_area is
+// unknown, the area is Σ areas / area_fraction; if neither is known, densities are
+// relative. Throws Error "no-profiles", "bad-profiles".
+Observations observe(const Profiles&, Border, double smallest_visible, double area_fraction);
+
+}  // namespace terrazzo::unfolding
