@@ -90,6 +90,7 @@ ComputeResult compute_node(ComputeRequest request) {
   try {
     NodeContext context(std::move(request));
     context.work().check();
+    if (type.check) type.check(context);
     type.compute(context);
     context.work().check();
     for (const auto& port : type.outputs)

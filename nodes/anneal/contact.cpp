@@ -8,7 +8,7 @@
 namespace terrazzo::anneal {
 namespace {
 
-constexpr float kAlongCentres = 0.15f;  // share of the push along the line between the centers
+constexpr float kAlongCenters = 0.15f;  // share of the push along the line between the centers
 
 // Contacts of one body's elements in the field of the other: points in the field's frame and unit.
 struct Probe {
@@ -294,7 +294,7 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
                                       b.scale * static_cast<float>(b.shape->gyration));
   const float distance = offset.norm();
   if (distance > 1e-12f) {
-    const float mix = std::clamp(contact.depth / deep - 1, kAlongCentres, 0.95f);
+    const float mix = std::clamp(contact.depth / deep - 1, kAlongCenters, 0.95f);
     const float weight = contact.weight * mix / (1 - mix), depth = contact.depth;
     const Vec3f n = -offset / distance;
     contact.a.add(n, Vec3f::Zero(), depth, weight), contact.b.add(-n, Vec3f::Zero(), depth, weight);

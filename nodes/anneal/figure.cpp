@@ -21,7 +21,7 @@ Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sectio
   by_size.series = {requested, achieved};
 
   Plot pairs;
-  pairs.title = "Pair correlation of the centres", pairs.x_label = "distance, mm", pairs.y_label = "g";
+  pairs.title = "Pair correlation of the centers", pairs.x_label = "distance, mm", pairs.y_label = "g";
   PlotSeries g;
   for (const auto& row : correlation.rows) g.x.push_back(number(row[0])), g.y.push_back(number(row[1]));
   pairs.series = {g};

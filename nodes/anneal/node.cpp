@@ -55,7 +55,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  return NodeType("Anneal", 6)
+  return NodeType("Anneal", 7)
       .doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "

@@ -88,7 +88,7 @@ void Relaxation::rebuild(const Work& work) {
     list_spheres();
     return;
   }
-  neighbours_.clear(), first_neighbour_.clear();
+  neighbors_.clear(), first_neighbor_.clear();
   incidence_ = incidence_of(n, pairs_);
   extra_.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -107,7 +107,7 @@ void Relaxation::rebuild(const Work& work) {
 
 Overlap Relaxation::find_contacts(const Work& work) {
   if (stale_) rebuild(work);
-  if (!first_neighbour_.empty()) return find_sphere_contacts(work);
+  if (!first_neighbor_.empty()) return find_sphere_contacts(work);
   const auto combine = [](Overlap x, const Overlap& y) {
     x.worst = std::max(x.worst, y.worst);
     x.energy += y.energy;
@@ -250,7 +250,7 @@ Overlap Relaxation::step(double enough, const Work& work) {
   const Overlap found = find_contacts(work);
   ++steps_since_;
   if (found.worst > enough) {
-    if (first_neighbour_.empty())
+    if (first_neighbor_.empty())
       move(work);
     else
       move_spheres(work);
@@ -260,7 +260,7 @@ Overlap Relaxation::step(double enough, const Work& work) {
 
 Overlap Relaxation::measure(const Work& work) {
   const Overlap found = find_contacts(work);
-  if (!first_neighbour_.empty()) return found;
+  if (!first_neighbor_.empty()) return found;
   for (std::size_t i = 0; i < packing_.count(); ++i) {
     float deepest = 0;
     for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e)

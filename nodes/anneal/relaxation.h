@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "nodes/anneal/contact.h"
-#include "nodes/anneal/neighbours.h"
+#include "nodes/anneal/neighbors.h"
 
 namespace terrazzo::anneal {
 
@@ -93,13 +93,13 @@ class Relaxation {
   bool stale_ = true;
 
   // Packings of only spheres need no contacts: each body visits its neighbors directly.
-  struct Neighbour {
+  struct Neighbor {
     std::int32_t other;
     std::int32_t image;  // of 27; the central one is 13
   };
   bool spheres_ = false;
-  std::vector<std::int32_t> first_neighbour_;  // n + 1
-  std::vector<Neighbour> neighbours_;
+  std::vector<std::int32_t> first_neighbor_;  // n + 1
+  std::vector<Neighbor> neighbors_;
   std::vector<double> radius_;  // at shrink 1
   std::vector<Vec3> wish_;
 

@@ -26,15 +26,15 @@ Vec3 solve(const double* m, const Vec3& r) {
 
 void Relaxation::list_spheres() {
   const std::size_t n = packing_.count();
-  first_neighbour_.assign(n + 1, 0);
-  for (const auto& p : pairs_) ++first_neighbour_[p.a + 1], ++first_neighbour_[p.b + 1];
-  for (std::size_t i = 0; i < n; ++i) first_neighbour_[i + 1] += first_neighbour_[i];
-  neighbours_.resize(2 * pairs_.size());
-  std::vector<std::int32_t> at(first_neighbour_.begin(), first_neighbour_.end() - 1);
+  first_neighbor_.assign(n + 1, 0);
+  for (const auto& p : pairs_) ++first_neighbor_[p.a + 1], ++first_neighbor_[p.b + 1];
+  for (std::size_t i = 0; i < n; ++i) first_neighbor_[i + 1] += first_neighbor_[i];
+  neighbors_.resize(2 * pairs_.size());
+  std::vector<std::int32_t> at(first_neighbor_.begin(), first_neighbor_.end() - 1);
   for (const auto& p : pairs_) {
     const int image = 13 + p.image[0] + 3 * p.image[1] + 9 * p.image[2];
-    neighbours_[at[p.a]++] = {p.b, image};
-    neighbours_[at[p.b]++] = {p.a, 26 - image};
+    neighbors_[at[p.a]++] = {p.b, image};
+    neighbors_[at[p.b]++] = {p.a, 26 - image};
   }
   pairs_ = {};
   radius_.resize(n);
@@ -58,8 +58,8 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
           const double radius = radius_[i], size = packing_.size[i];
           double m[6] = {}, deepest = 0;
           Vec3 side = Vec3::Zero();
-          for (std::int32_t k = first_neighbour_[i]; k < first_neighbour_[i + 1]; ++k) {
-            const Neighbour& near = neighbours_[k];
+          for (std::int32_t k = first_neighbor_[i]; k < first_neighbor_[i + 1]; ++k) {
+            const Neighbor& near = neighbors_[k];
             const double smaller = std::min(size, packing_.size[near.other]);
             const double required = packing_.shrink * (1 + allowance) * (radius + radius_[near.other]) +
                                     binder_gap_ + extra.all * smaller;

@@ -61,7 +61,7 @@ Plot pair_of(const ComparedNumber& n, const std::string& title, const std::strin
 Image swatches_of(const Comparison& c, const std::string& name_a, const std::string& name_b) {
   Image image(300, height, 1, 1, Vec3f::Ones());
   Coverage title(image.width, image.height);
-  add_text(title, 16, 12, "Mean colours", 19, Turn::None, 1.25);  // matches the titles of the adjacent plots
+  add_text(title, 16, 12, "Mean colors", 19, Turn::None, 1.25);  // matches the titles of the adjacent plots
   title.paint(image, ink);
   draw_text(image, 24, 48, name_a, 15, ink);
   draw_text(image, 150, 48, name_b, 15, ink);

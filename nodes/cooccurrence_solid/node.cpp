@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/one_or_three.h"
@@ -12,6 +13,14 @@ namespace {
 
 using namespace cooccurrence_solid;
 
+void check(const NodeParameters& p) {
+  const Vec3i size = one_or_three(p, "size");
+  if (size.cast<double>().prod() > 1 << 30)
+    throw Error("too-large", fmt::format("{} × {} × {} voxels are too many", size.x(), size.y(), size.z()),
+                "make the solid smaller: it tiles")
+        .parameter("size");
+}
+
 void compute(Context& c) {
   const Image& image = c.input<Image>("image");
   std::array<const Image*, 3> pictures = {&image, &image, &image};
@@ -22,12 +31,6 @@ void compute(Context& c) {
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
   s.space = c.text("space"), s.from_noise = c.text("start") == "noise", s.seed = c.seed();
   s.size = one_or_three(c, "size");
-  const double voxels = s.size.cast<double>().prod();
-  if (voxels > 1 << 30)
-    throw Error("too-large",
-                fmt::format("{} × {} × {} voxels are too many", s.size.x(), s.size.y(), s.size.z()),
-                "make the solid smaller: it tiles")
-        .parameter("size");
   const SolidFieldResult r = synthesize_solid(pictures, s, c.work().part(0, 0.95));
 
   c.metric("error_start", r.noise_error);
@@ -89,6 +92,7 @@ NodeType cooccurrence_solid_node() {
                      .unit_("voxels")
                      .doc_("Edge length, or one length per axis"))
       .parameter(Parameter::seed())
+      .check_(check)
       .compute_(compute);
 }
 

@@ -18,7 +18,8 @@ struct Mesh {
   std::vector<Triangle> triangles;  // counterclockwise seen from outside
 };
 
-// A mesh with its measures at scale 1, computed by `measure_shape` (nodes/common/geometry/shape_measures.h).
+// A mesh with its measures at scale 1, computed by `measure_shape`
+// (nodes/common/stereology/shape_measures.h).
 struct Shape {
   std::string name;
   double probability = 1;       // by number; the probabilities of a set sum to 1

@@ -5,9 +5,28 @@
 
 namespace terrazzo {
 
+namespace {
+
+// Columns of earlier versions with their present names. Readers that ask for either find the other, since
+// tables may come from a cache or a file of another version.
+constexpr const char* kFormerColumns[][2] = {
+    {"told %", "accuracy %"}, {"told by", "main feature"}, {"share of the volume", "volume share"},
+    {"of", "quantity"},       {"centre", "center"},
+};
+
+}  // namespace
+
 int Table::column(const std::string& name) const {
-  const auto it = std::find(columns.begin(), columns.end(), name);
-  return it == columns.end() ? -1 : static_cast<int>(it - columns.begin());
+  const auto find = [&](const std::string& n) {
+    const auto it = std::find(columns.begin(), columns.end(), n);
+    return it == columns.end() ? -1 : static_cast<int>(it - columns.begin());
+  };
+  int found = find(name);
+  for (const auto& [former, present] : kFormerColumns) {
+    if (found < 0 && name == former) found = find(present);
+    if (found < 0 && name == present) found = find(former);
+  }
+  return found;
 }
 
 double Table::number(std::size_t row, const std::string& name) const {

@@ -14,7 +14,8 @@ struct Table {
   std::vector<std::string> columns;  // with the unit in the name: "area mm²"
   std::vector<std::vector<Cell>> rows;
 
-  int column(const std::string& name) const;  // −1 if there is none
+  // −1 if there is none. A column that was renamed is found by either name.
+  int column(const std::string& name) const;
   double number(std::size_t row,
                 const std::string& name) const;  // throws Error "no-column", "no-row", "not-a-number"
 };

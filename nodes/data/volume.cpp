@@ -24,12 +24,12 @@ bool with_one_of(const std::string& type, Op& op) {
 template <class Op>
 bool with_grid_type(const std::string& type, Op&& op) {
   return with_one_of<openvdb::FloatGrid, openvdb::Vec3SGrid, openvdb::Int32Grid, openvdb::DoubleGrid,
-                     openvdb::BoolGrid>(type, op);
+                     openvdb::BoolGrid, openvdb::Vec3IGrid>(type, op);
 }
 
 Error unsupported(const std::string& name, const std::string& type) {
   return Error("unsupported-grid", "grid '" + name + "' has the unsupported type " + type,
-               "convert it to float, double, vec3s, int32 or bool");
+               "convert it to float, double, vec3s, vec3i, int32 or bool");
 }
 
 // --- metadata, except OpenVDB's own metadata about a file

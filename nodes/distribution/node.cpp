@@ -1,3 +1,4 @@
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/distribution/size_laws.h"
 #include "runtime/context.h"
@@ -6,7 +7,7 @@ namespace terrazzo {
 namespace {
 using namespace distribution;
 
-void compute(Context& c) {
+SizeLaw law_of(const NodeParameters& c) {
   SizeLaw law;
   law.kind = c.text("kind");
   law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
@@ -19,7 +20,13 @@ void compute(Context& c) {
   if (const auto v = c.optional_number("volume_fraction")) law.volume_fraction = *v;
   if (const auto v = c.optional_number("number_density")) law.number_density = *v;
   law.by_class = c.text("types") == "by_class";
-  SizeDistribution d = make_distribution(law, c.optional<Shapes>("shapes"));
+  return law;
+}
+
+void check(const NodeParameters& p) { check_law(law_of(p)); }
+
+void compute(Context& c) {
+  SizeDistribution d = make_distribution(law_of(c), c.optional<Shapes>("shapes"));
   double number = 0;
   for (const auto& e : d.shapes)
     for (const double v : e.N_V) number += v;
@@ -82,6 +89,7 @@ NodeType distribution_node() {
       .parameter(Parameter::choice("types", "mixed", {"mixed", "by_class"})
                      .doc_("mixed: particles of any shape, by the shapes' probabilities. by_class: each "
                            "shape is a separate class, which sections and Unfold distinguish."))
+      .check_(check)
       .compute_(compute);
 }
 

@@ -77,18 +77,22 @@ double law_cdf(const SizeLaw& law, double d) {
   return normal_cdf((std::log(d / law.mean) + s2 / 2) / std::sqrt(s2));
 }
 
-SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
+void check_law(const SizeLaw& law) {
   if (law.volume_fraction >= 0 && law.number_density >= 0)
     throw Error("both-given", "volume_fraction and number_density are both set", "set only one of them")
         .parameter("number_density");
   if (law.volume_fraction >= 1)
     throw Error("too-full", fmt::format("volume_fraction must be below 1; it is {}", law.volume_fraction))
         .parameter("volume_fraction");
+  law.kind == "classes" ? check_classes(law) : static_cast<void>(law_edges(law));
+}
+
+SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
+  check_law(law);
   SizeDistribution out;
   SizeDistribution::Entry e;
   e.shape = -1;
   if (law.kind == "classes") {
-    check_classes(law);
     out.class_edges = law.class_edges;
     e.N_V = law.N_V;
   } else {

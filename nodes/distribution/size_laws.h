@@ -27,6 +27,9 @@ struct SizeLaw {
 // Share of the law below a size, in closed form.
 double law_cdf(const SizeLaw&, double size);
 
+// Throws Error "bad-classes", "bad-range", "both-given", "too-full" for a law that no shapes can satisfy.
+void check_law(const SizeLaw&);
+
 // Divides the law into classes of equal width between min and max. `shapes` determine the volume of a
 // particle of a given size (null: spheres). If neither volume_fraction nor number_density is set, a law has
 // volume fraction 0.3, and kind "classes" keeps its N_V. Throws Error "bad-classes", "bad-range",

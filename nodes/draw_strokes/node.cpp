@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/texture/footprint.h"
 #include "nodes/data/image.h"
@@ -15,6 +16,10 @@ Vec3f parse_color(const std::string& text) {
   if (!v) throw Error("bad-color", why).parameter("colors");
   const auto& rgb = std::get<std::vector<double>>(*v);
   return Vec3(rgb[0], rgb[1], rgb[2]).cast<float>();
+}
+
+void check(const NodeParameters& p) {
+  for (const auto& text : p.texts("colors")) parse_color(text);
 }
 
 void compute(Context& c) {
@@ -50,6 +55,7 @@ NodeType draw_strokes_node() {
                      .count(1, 4096)
                      .doc_("Colors of the strokes in turn, \"#rrggbb\" in sRGB. The last one applies to all "
                            "remaining strokes."))
+      .check_(check)
       .compute_(compute);
 }
 

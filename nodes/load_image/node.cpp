@@ -28,7 +28,7 @@ void compute(Context& c) {
       stack.pixels.reserve(stack.pixels.size() * files.size());
     } else {
       if (section.width != stack.width || section.height != stack.height)
-        throw Error("unequal-sections",
+        throw Error("size-mismatch",
                     "'" + files[i].string() + "' is " + std::to_string(section.width) + " × " +
                         std::to_string(section.height) + " pixels, but '" + files[0].string() + "' " +
                         std::to_string(stack.width) + " × " + std::to_string(stack.height),

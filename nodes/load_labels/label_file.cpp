@@ -40,7 +40,7 @@ Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
   labels.pixel_size = pixel_size;
   for (const auto& m : masks)
     if (m.width != labels.width || m.height != labels.height)
-      throw Error("unequal-sections",
+      throw Error("size-mismatch",
                   "the masks of one stack are " + std::to_string(m.width) + " × " + std::to_string(m.height) +
                       " and " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
                       " pixels",
@@ -68,7 +68,7 @@ RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
   if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
     throw in.unreadable("it is not a plain 2D image");
   const bool alpha = s.alpha_channel >= 0 && s.nchannels > 1;
-  const int colours = s.nchannels - (alpha ? 1 : 0);
+  const int colors = s.nchannels - (alpha ? 1 : 0);
 
   std::vector<std::uint32_t> samples;
   if (s.format == OIIO::TypeDesc::UINT8)
@@ -89,7 +89,7 @@ RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
   for (std::size_t p = 0; p < mask.values.size(); ++p) {
     const std::uint32_t* v = &samples[p * s.nchannels];
     if (alpha && v[s.alpha_channel] == 0) continue;
-    if (colours < 3 || (v[0] == v[1] && v[1] == v[2])) {
+    if (colors < 3 || (v[0] == v[1] && v[1] == v[2])) {
       mask.values[p] = v[0];
     } else {
       if (s.format != OIIO::TypeDesc::UINT8)

@@ -21,11 +21,11 @@ struct RawMask {
 RawMask read_mask(const std::filesystem::path&, const Reading& = {});
 
 // Each value is one profile of its section, connected or not. Profiles are numbered by section, then by
-// increasing value. Throws Error "unequal-sections", "no-particles".
+// increasing value. Throws Error "size-mismatch", "no-particles".
 Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 
 // Each value is a class; its 8-connected components are the profiles. Classes are numbered by increasing
-// value over all sections. Throws Error "unequal-sections", "no-particles", and "too-many-classes" above 64
+// value over all sections. Throws Error "size-mismatch", "no-particles", and "too-many-classes" above 64
 // classes: such a mask contains instances, or was blurred.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 

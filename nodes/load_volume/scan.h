@@ -49,7 +49,7 @@ bool is_dicom(const std::filesystem::path&);
 LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
 // Reads gray images of equal size in file name order, or the pages of one file. Rows are stored from the
-// bottom up; numbers are kept as stored. Throws Error "unreadable-image", "unequal-sections", "not-a-volume"
+// bottom up; numbers are kept as stored. Throws Error "unreadable-image", "size-mismatch", "not-a-volume"
 // (colors), "too-large".
 LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 

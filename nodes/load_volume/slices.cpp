@@ -41,7 +41,7 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     const OIIO::ImageSpec spec = in.spec();
     if (scan.size.z() == 0) scan.size = Vec3i(spec.width, spec.height, 0);
     if (spec.width != scan.size.x() || spec.height != scan.size.y())
-      throw Error("unequal-sections",
+      throw Error("size-mismatch",
                   fmt::format("'{}' is {} × {} pixels, the first image {} × {}", path.string(), spec.width,
                               spec.height, scan.size.x(), scan.size.y()),
                   "all slices of a volume must have the same size");

@@ -172,7 +172,7 @@ bool walk_one_of(ByteCursor& in, VdbGrid& grid) {
 void read_grid(ByteCursor& in, VdbGrid& grid) {
   using namespace openvdb;
   for (const auto& type : {FloatGrid::gridType(), DoubleGrid::gridType(), Vec3SGrid::gridType(),
-                           Int32Grid::gridType(), BoolGrid::gridType()})
+                           Int32Grid::gridType(), BoolGrid::gridType(), Vec3IGrid::gridType()})
     grid.known = grid.known || type == grid.type;
   if (!grid.known) return;
   grid.compression = in.take<std::uint32_t>();
@@ -186,7 +186,8 @@ void read_grid(ByteCursor& in, VdbGrid& grid) {
                 "resample it to uniform voxels");
   in.take(8 * doubles);
   grid.tree_at = in.at();
-  if (grid.parent.empty()) walk_one_of<FloatGrid, DoubleGrid, Vec3SGrid, Int32Grid, BoolGrid>(in, grid);
+  if (grid.parent.empty())
+    walk_one_of<FloatGrid, DoubleGrid, Vec3SGrid, Int32Grid, BoolGrid, Vec3IGrid>(in, grid);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 
 namespace terrazzo::mix_shapes {
 
@@ -22,13 +22,13 @@ Shapes mix(const std::vector<const Shapes*>& sets, const std::vector<double>& sh
                   "correct the share")
           .parameter("shares");
     Shapes set = *sets[i];
-    normalise_probabilities(set);
+    normalize_probabilities(set);
     for (Shape& s : set.shapes) {
       s.probability *= shares[i];
       out.shapes.push_back(std::move(s));
     }
   }
-  normalise_probabilities(out);
+  normalize_probabilities(out);
   return out;
 }
 

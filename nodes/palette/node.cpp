@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/data/profiles.h"
 #include "runtime/context.h"
@@ -15,14 +16,20 @@ Vec3f parse(const std::string& text) {
   return Vec3f(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
 }
 
+void check(const NodeParameters& p) {
+  const auto colors = p.texts("colors");
+  const std::size_t shares = p.numbers("shares").size();
+  if (shares != 1 && shares != colors.size())
+    throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colors but " +
+                                  std::to_string(shares) + " shares")
+        .parameter("shares");
+  for (const auto& color : colors) parse(color);
+}
+
 void compute(Context& c) {
   const auto colors = c.texts("colors");
   auto shares = c.numbers("shares");
   if (shares.size() == 1) shares.assign(colors.size(), 1.0);
-  if (shares.size() != colors.size())
-    throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colors but " +
-                                  std::to_string(shares.size()) + " shares")
-        .parameter("shares");
   Profiles out;
   const auto binder = c.numbers("binder");
   out.binder_color =
@@ -52,6 +59,7 @@ NodeType palette_node() {
                      .count(1, 256)
                      .doc_("Relative frequency of each color. A single number makes all equal."))
       .parameter(Parameter::color("binder", 0.75, 0.72, 0.66).doc_("Binder color"))
+      .check_(check)
       .compute_(compute);
 }
 

@@ -30,9 +30,9 @@ Vec3f wood(std::uint64_t seed, const Vec3& p) {
       std::hypot(p.x() + 6.3, p.y() + 4.1) + 0.5 * noise(seed, slow) + 0.12 * noise(seed + 1, 3 * slow);
   const double ring = r - std::floor(r);
   const double late = std::pow(ring, 2.5) * (1 - step(0.93, 1, ring));
-  const double fibre = turbulence(seed + 2, Vec3(p.x() * 9, p.y() * 9, p.z() * 0.5), 3);
+  const double fiber = turbulence(seed + 2, Vec3(p.x() * 9, p.y() * 9, p.z() * 0.5), 3);
   const double pore = step(0.45, 0.6, noise(seed + 5, Vec3(p.x() * 7, p.y() * 7, p.z() * 0.35)));
-  const double shade = 0.95 * late + 0.18 * fibre + 0.35 * pore * (1 - ring);
+  const double shade = 0.95 * late + 0.18 * fiber + 0.35 * pore * (1 - ring);
   return mix(mix(hex(0xd9b382), hex(0x7a4a24), shade), hex(0x9c6a3c), 0.3 + 0.3 * noise(seed + 6, slow));
 }
 
@@ -51,12 +51,12 @@ Vec3f marble(std::uint64_t seed, const Vec3& p) {
 Vec3f muscle(std::uint64_t seed, const Vec3& p) {
   const Vec3 sway(p.x() + 0.25 * noise(seed, 0.4 * p), p.y() + 0.25 * noise(seed + 1, 0.4 * p), 0.22 * p.z());
   const Cell bundle = cellular(seed + 2, sway);
-  const Cell fibre = cellular(seed + 3, Vec3(4.5 * sway.x(), 4.5 * sway.y(), 1.2 * sway.z()));
-  const double sheath = 1 - step(0.03, 0.16, bundle.edge), thread = 1 - step(0, 0.25, fibre.edge);
+  const Cell fiber = cellular(seed + 3, Vec3(4.5 * sway.x(), 4.5 * sway.y(), 1.2 * sway.z()));
+  const double sheath = 1 - step(0.03, 0.16, bundle.edge), thread = 1 - step(0, 0.25, fiber.edge);
   const double marbling =
       step(0.16, 0.34, turbulence(seed + 4, Vec3(0.9 * p.x(), 0.9 * p.y(), 0.2 * p.z()), 3));
   Vec3f red = mix(hex(0x9c2f33), hex(0x6e1b22), bundle.shade);
-  red = mix(red, hex(0xb85a58), 0.4 * thread + 0.2 * (fibre.shade - 0.5));
+  red = mix(red, hex(0xb85a58), 0.4 * thread + 0.2 * (fiber.shade - 0.5));
   red = mix(red, hex(0xd9a49a), 0.75 * sheath);
   return mix(red, hex(0xf0ddcb), 0.9 * marbling);
 }

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/spaced_transform.h"
@@ -9,15 +10,18 @@
 namespace terrazzo {
 namespace {
 
+void check(const NodeParameters& p) {
+  if (p.ints("resolution").size() == 2)
+    throw Error("bad-resolution", "resolution must be one number, or three numbers for x, y and z",
+                "write 1 or 3 numbers")
+        .parameter("resolution");
+}
+
 void compute(Context& c) {
   phantom::LimbChoice limb;
   limb.length = c.number("length"), limb.noise = c.number("noise");
   limb.seed = c.seed();
   const auto r = c.ints("resolution");
-  if (r.size() == 2)
-    throw Error("bad-resolution", "resolution must be one number, or three numbers for x, y and z",
-                "write 1 or 3 numbers")
-        .parameter("resolution");
   if (r.size() == 3)
     limb.resolution = Vec3i(static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]));
   else
@@ -54,6 +58,7 @@ NodeType phantom_node() {
                      .range(0, 1000)
                      .doc_("Standard deviation of each voxel in Hounsfield units"))
       .parameter(Parameter::seed())
+      .check_(check)
       .compute_(compute);
 }
 

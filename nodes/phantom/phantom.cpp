@@ -76,10 +76,10 @@ class Limb {
     const Vec3 sway(p.x() + 3 * terrazzo::noise(seed_ + 5, p * 0.05),
                     p.y() + 3 * terrazzo::noise(seed_ + 6, p * 0.05), p.z());
     const Cell belly = cellular(seed_ + 7, Vec3(sway.x() / 26, sway.y() / 26, sway.z() / 170));
-    const double fibres = turbulence(seed_ + 8, Vec3(sway.x() * 0.25, sway.y() * 0.25, sway.z() * 0.03), 3);
+    const double fibers = turbulence(seed_ + 8, Vec3(sway.x() * 0.25, sway.y() * 0.25, sway.z() * 0.03), 3);
     const double marbling =
         ramp(0.28, 0.5, turbulence(seed_ + 9, Vec3(p.x() * 0.11, p.y() * 0.11, p.z() * 0.03), 3));
-    const double meat = kMuscle + 22 * (belly.shade - 0.5) + 16 * fibres;
+    const double meat = kMuscle + 22 * (belly.shade - 0.5) + 16 * fibers;
     // The distance between two Voronoi neighbors' surfaces is twice the distance to their border.
     const double sheath = std::clamp((1.1 - belly.edge * 26 / 2) / 0.8, 0.0, 1.0);
     return mix(mix(meat, -60, 0.8 * marbling), kSheath, sheath);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/color_config.h"
 #include "nodes/data/volume.h"
@@ -33,7 +34,7 @@ void need(const Context& c, const std::string& what, const std::string& input) {
                 input == "volume" ? "connect a volume with colors, for example from Voxelize" : "connect it");
 }
 
-Placement placement_of(const Context& c) {
+Placement placement_of(const NodeParameters& c) {
   const auto three = [&](const char* name) {
     const auto v = c.numbers(name);
     if (v.size() != 3)
@@ -133,6 +134,8 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m
   take_residual(c, m);
   return particle_solid(particles, shapes, m.residual.get());
 }
+
+void check(const NodeParameters& p) { placement_of(p); }
 
 void compute(Context& c) {
   const std::string mode = resolved_mode(c);
@@ -256,6 +259,7 @@ NodeType render_solid_node() {
                      .range(0, 1)
                      .doc_("Strength of reflections: 0 is matte, 1 is polished stone"))
       .parameter(Parameter::seed())
+      .check_(check)
       .compute_(compute);
 }
 

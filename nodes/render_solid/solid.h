@@ -61,7 +61,7 @@ std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
 
 // A block broken across by a rough face at `level` (fraction of the height, with an amplitude of
 // `roughness`). Particles whose center is below the face stay whole and stick out; the others are removed and
-// leave sockets (Singh, McAllister and others 2008, figure 1b). The block is one period of the packing.
+// leave sockets (Jagnow, Dorsey and Rushmeier 2008, figure 1b). The block is one period of the packing.
 // `paint` provides all colors except those of whole particles' surfaces. Throws the errors of particle_solid.
 std::unique_ptr<Solid> fracture_solid(const Paint&, const Particles&, const Shapes&, double level,
                                       double roughness, std::uint64_t seed,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/one_or_three.h"
@@ -18,7 +19,7 @@ namespace terrazzo {
 namespace {
 using namespace residual_synth;
 
-Vec3i volume_size(const Context& c) {
+Vec3i volume_size(const NodeParameters& c) {
   const Vec3i size = one_or_three(c, "size");
   if (size.cast<double>().prod() > 5.4e8)
     throw Error("too-large", fmt::format("{} × {} × {} voxels are too many", size.x(), size.y(), size.z()),
@@ -70,10 +71,10 @@ Measured measure_pictures(Context& c) {
     Labels none;
     none.width = image.width, none.height = image.height, none.sections = image.sections;
     none.pixel_size = image.pixel_size;
-    const bool labelled = c.has(labels_port);
-    if (!labelled) none.ids.assign(image.pixels.size(), 0);
+    const bool labeled = c.has(labels_port);
+    if (!labeled) none.ids.assign(image.pixels.size(), 0);
     const ResidualImage residual = residual_image(as_displayed(image, c.work().part(0, 0)),
-                                                  labelled ? c.input<Labels>(labels_port) : none, edge,
+                                                  labeled ? c.input<Labels>(labels_port) : none, edge,
                                                   c.number("specks"), c.work().part(0.01, 0.05));
     if (residual.edge < edge)
       c.warn(
@@ -92,6 +93,8 @@ Measured measure_pictures(Context& c) {
   out.specks /= static_cast<double>(out.residuals.size());
   return out;
 }
+
+void check(const NodeParameters& p) { volume_size(p); }
 
 void compute(Context& c) {
   const auto& image = c.input<Image>("image");
@@ -192,6 +195,7 @@ NodeType residual_synth_node() {
                     "are particles missed by the labels and are filled like outlines. 0 keeps them."))
       .parameter(Parameter::boolean("preview", false)
                      .doc_("Also writes the grid Cd for viewing: the residual plus the binder's mean color"))
+      .check_(check)
       .compute_(compute);
 }
 

@@ -106,9 +106,9 @@ std::vector<double> slice_deviations(const Exemplar& exemplar, const Vec3i& size
   SliceFamily::Workspace space;
   std::vector<float> channel(voxels.size());
   for (int c = 0; c < exemplar.channels; ++c) {
-    const Vec3f colour_axis = exemplar.axes.col(c).cast<float>();
+    const Vec3f color_axis = exemplar.axes.col(c).cast<float>();
     work.quiet().parallel(voxels.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) channel[i] = colour_axis.dot(voxels[i]);
+      for (std::size_t i = begin; i < end; ++i) channel[i] = color_axis.dot(voxels[i]);
     });
     for (int axis = 0; axis < 3; ++axis) {
       const SliceFamily family(size, axis, exemplar.scales);

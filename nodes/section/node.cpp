@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/section/cut.h"
 #include "nodes/section/section.h"
@@ -11,17 +12,14 @@ namespace terrazzo {
 namespace {
 using namespace section;
 
-double number_or_auto(const Context& c, const std::string& name) {
-  return c.keyword(name).empty() ? c.number(name) : 0;
-}
-
-SectionChoice choice_of(const Context& c) {
+SectionChoice choice_of(const NodeParameters& c) {
   SectionChoice choice;
   choice.planes = static_cast<int>(c.integer("planes"));
   choice.axis = c.text("axis");
   if (c.keyword("offsets").empty()) choice.offsets = c.numbers("offsets");
-  choice.width = number_or_auto(c, "width"), choice.height = number_or_auto(c, "height");
-  choice.pixel_size = number_or_auto(c, "pixel_size");
+  choice.width = c.optional_number("width").value_or(0);
+  choice.height = c.optional_number("height").value_or(0);
+  choice.pixel_size = c.optional_number("pixel_size").value_or(0);
   choice.seed = c.seed();
   if (choice.axis != "random" && (choice.width > 0 || choice.height > 0))
     throw Error(
@@ -29,8 +27,14 @@ SectionChoice choice_of(const Context& c) {
         "width and height apply only to random planes; planes across an axis show a whole face of the box",
         "set axis to random, or set width and height to auto")
         .parameter(choice.width > 0 ? "width" : "height");
+  if (choice.offsets.size() == 1 && choice.planes > 1)
+    throw Error("planes-and-offsets", fmt::format("planes is {}, but there is one offset", choice.planes),
+                "set one offset per plane, or leave planes at 1")
+        .parameter("planes");
   return choice;
 }
+
+void check(const NodeParameters& p) { choice_of(p); }
 
 Section section_of_particles(Context& c) {
   const Particles* particles = c.optional<Particles>("particles");
@@ -135,6 +139,7 @@ NodeType section_node() {
               .doc_("Edge of a pixel, rounded so that whole pixels fill the width. auto: the box's longest "
                     "edge / 512, or a volume's voxel, and coarser if the stack would exceed 64 megapixels."))
       .parameter(Parameter::seed().doc_("Random seed of the planes' positions and orientations."))
+      .check_(check)
       .compute_(compute);
 }
 

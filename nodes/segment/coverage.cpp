@@ -96,7 +96,7 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
   work.parallel(light.pixels.size(), 1 << 14, [&](std::size_t b, std::size_t e) {
     for (std::size_t i = b; i < e; ++i) {
       light.pixels[i] = linear_of_patch_color(light.pixels[i]);
-      if (m.grey) light.pixels[i] = linear_to_srgb(light.pixels[i]);
+      if (m.gray) light.pixels[i] = linear_to_srgb(light.pixels[i]);
     }
   });
   // Remove noise by a blur, which preserves the position of the half level of a straight edge. Edge-stopping
@@ -120,7 +120,7 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
     share[i] = particles[i] ? 1.0f : 0.0f;
     if (!near[i] || !in.known(i) || !out.known(i)) continue;
     const Vec3f b = out.at(i), f = in.at(i) - b;
-    const auto seen = [&](const Vec3f& c) { return patch_color_of_linear(m.grey ? srgb_to_linear(c) : c); };
+    const auto seen = [&](const Vec3f& c) { return patch_color_of_linear(m.gray ? srgb_to_linear(c) : c); };
     if ((seen(in.at(i)) - seen(b)).norm() < least) continue;
     share[i] = std::clamp((light.pixels[i] - b).dot(f) / f.squaredNorm(), 0.0f, 1.0f);
     read[i] = 1;

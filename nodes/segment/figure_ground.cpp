@@ -101,8 +101,7 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
   }
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)
-    throw Error("one-colour",
-                "the image has only one color, so particles cannot be separated from the binder",
+    throw Error("one-color", "the image has only one color, so particles cannot be separated from the binder",
                 "check the image, or connect labels");
   std::vector<Coarse> coarse;
   for (const auto& m : sections) coarse.push_back(coarse_copy(m, ground.clusters));

@@ -26,7 +26,7 @@ struct Ground {
 // set of clusters whose complement, split at its necks, consists of the most convex pieces with the largest
 // share of outline on the binder. The set grows from the best single cluster (or the hinted one) as long as
 // the score improves. So interstitial pores join the binder and round pores stay particles. `even_light` also
-// removes uneven light. Throws Error "one-colour" if there are fewer than two clusters.
+// removes uneven light. Throws Error "one-color" if there are fewer than two clusters.
 Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, bool even_light,
                    std::uint64_t seed, const Work&);
 

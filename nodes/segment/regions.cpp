@@ -84,7 +84,7 @@ Mosaic make_mosaic(const Image& source, int section, const Work& work) {
   m.width = source.width, m.height = source.height;
   m.image = lab_section(source, section, work);
   m.noise = noise_of(m.image);
-  m.grey = std::all_of(m.image.pixels.begin(), m.image.pixels.end(),
+  m.gray = std::all_of(m.image.pixels.begin(), m.image.pixels.end(),
                        [](const Vec3f& p) { return std::abs(p[1]) < 1e-3f && std::abs(p[2]) < 1e-3f; });
   for (auto& p : m.image.pixels) p = patch_color(p);
   m.spread = spread_of(m.image);

@@ -21,7 +21,7 @@ struct Mosaic {
   int width = 0, height = 0;
   LabImage image;                     // patch colors of the pixels, not denoised
   LabImage smooth;                    // denoised
-  bool grey = false;                  // the image has no color
+  bool gray = false;                  // the image has no color
   float noise = 0;                    // of lightness
   float spread = 0;                   // standard deviation of the pixels' patch colors
   float contrast = 0;                 // usual color difference over four pixels: noise and texture

@@ -115,7 +115,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
                             const Work& work) {
   check_image(image);
   if (labels.width != image.width || labels.height != image.height || labels.sections != image.sections)
-    throw Error("unequal-size",
+    throw Error("size-mismatch",
                 "the labels have " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
                     " pixels in " + std::to_string(labels.sections) + " sections, but the image has " +
                     std::to_string(image.width) + " × " + std::to_string(image.height) + " pixels in " +

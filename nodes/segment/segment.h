@@ -30,9 +30,9 @@ struct Segmentation {
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
 };
 
-// Throws Error "empty-image", "bad-pixels", "one-colour", "no-particles".
+// Throws Error "empty-image", "bad-pixels", "one-color", "no-particles".
 Segmentation segment(const Image&, const SegmentOptions&, const Work&);
-// Measures existing labels. Throws Error "unequal-size" if they do not match the image, "empty-image",
+// Measures existing labels. Throws Error "size-mismatch" if they do not match the image, "empty-image",
 // "bad-pixels", "bad-labels", "no-particles".
 Segmentation measure_labels(const Image&, const Labels&, const SegmentOptions&, const Work&);
 

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int levels = 4096;
 
-std::vector<std::uint16_t> quantised(const std::vector<float>& relief) {
+std::vector<std::uint16_t> quantized(const std::vector<float>& relief) {
   const auto [low, high] = std::minmax_element(relief.begin(), relief.end());
   const float base = *low, scale = *high > *low ? (levels - 1) / (*high - *low) : 0.0f;
   std::vector<std::uint16_t> q(relief.size());
@@ -16,7 +16,7 @@ std::vector<std::uint16_t> quantised(const std::vector<float>& relief) {
 }
 
 template <class Visit>
-void neighbours(int i, int width, int height, Visit&& visit) {
+void neighbors(int i, int width, int height, Visit&& visit) {
   const int x = i % width, y = i / width;
   if (x > 0) visit(i - 1);
   if (x + 1 < width) visit(i + 1);
@@ -36,7 +36,7 @@ std::vector<std::int32_t> minima(const std::vector<std::uint16_t>& q, int width,
     seen[i] = 1;
     bool minimum = true;
     for (std::size_t k = 0; k < plateau.size(); ++k)
-      neighbours(plateau[k], width, height, [&](int j) {
+      neighbors(plateau[k], width, height, [&](int j) {
         if (q[j] < q[i])
           minimum = false;
         else if (q[j] == q[i] && !seen[j])
@@ -56,14 +56,14 @@ std::vector<std::int32_t> flood(const std::vector<std::uint16_t>& q, int width, 
   for (int i = 0; i < static_cast<int>(q.size()); ++i) {
     if (labels[i] == 0) continue;
     bool edge = false;
-    neighbours(i, width, height, [&](int j) { edge = edge || labels[j] == 0; });
+    neighbors(i, width, height, [&](int j) { edge = edge || labels[j] == 0; });
     if (edge) queue[q[i]].push_back(i);
   }
   for (int level = 0; level < levels; ++level) {
     if (level % 64 == 0) work.check();
     for (std::size_t k = 0; k < queue[level].size(); ++k) {
       const int i = queue[level][k];
-      neighbours(i, width, height, [&](int j) {
+      neighbors(i, width, height, [&](int j) {
         if (labels[j] != 0 || (mask && !mask[j])) return;
         labels[j] = labels[i];
         queue[std::max<int>(level, q[j])].push_back(j);
@@ -79,7 +79,7 @@ std::vector<std::int32_t> flood(const std::vector<std::uint16_t>& q, int width, 
 std::vector<std::int32_t> watershed(const std::vector<float>& relief, int width, int height,
                                     const Work& work) {
   if (relief.empty()) return {};
-  const auto q = quantised(relief);
+  const auto q = quantized(relief);
   return flood(q, width, height, minima(q, width, height), nullptr, work);
 }
 
@@ -87,7 +87,7 @@ std::vector<std::int32_t> watershed(const std::vector<float>& relief, int width,
                                     const std::vector<std::int32_t>& seeds,
                                     const std::vector<std::uint8_t>& mask, const Work& work) {
   if (relief.empty()) return {};
-  return flood(quantised(relief), width, height, seeds, mask.data(), work);
+  return flood(quantized(relief), width, height, seeds, mask.data(), work);
 }
 
 }  // namespace terrazzo::segment

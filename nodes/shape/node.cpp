@@ -3,8 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/closed_form.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
@@ -16,6 +17,10 @@ namespace terrazzo {
 namespace {
 using namespace shape;
 
+bool is_stone(const std::string& kind) {
+  return kind == "rock" || kind == "pebble" || kind == "shard" || kind == "clinker";
+}
+
 // A solid of arbitrary scale with its exact measures.
 struct Solid {
   Mesh mesh;
@@ -23,7 +28,7 @@ struct Solid {
   bool smooth = false;
 };
 
-Vec3 axes_of(const Context& c) {
+Vec3 axes_of(const NodeParameters& c) {
   const auto a = c.numbers("axes");
   const Vec3 axes(a[0], a[1], a[2]);
   if (axes.maxCoeff() > 1000 * axes.minCoeff())
@@ -39,11 +44,7 @@ Solid solid(const Context& c, const std::string& kind) {
   const Vec3 axes = axes_of(c);
   const int detail = static_cast<int>(c.integer("detail"));
   const bool equal = axes.minCoeff() == axes.maxCoeff();
-  if (kind == "sphere") {
-    if (!equal)
-      throw Error("bad-axes", "the axes of a sphere must be equal", "use kind: ellipsoid").parameter("axes");
-    return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
-  }
+  if (kind == "sphere") return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
   if (kind == "ellipsoid") return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
   if (kind == "box") return {box_mesh(axes), box_closed_form(axes), false};
   if (kind == "cylinder") return {cylinder_mesh(axes, detail), cylinder_closed_form(axes), false};
@@ -75,6 +76,17 @@ Shape sized(std::string name, Solid s, double size, double probability, const Wo
   return shape;
 }
 
+void check(const NodeParameters& p) {
+  const std::string kind = p.text("kind");
+  const Vec3 axes = axes_of(p);
+  if (kind == "sphere" && axes.minCoeff() != axes.maxCoeff())
+    throw Error("bad-axes", "the axes of a sphere must be equal", "use kind: ellipsoid").parameter("axes");
+  if (!is_stone(kind) && p.integer("count") != 1)
+    throw Error("bad-count", fmt::format("count must be 1 for kind {}; it is {}", kind, p.integer("count")),
+                "set count to 1, or kind to a stone (rock, pebble, shard, clinker)")
+        .parameter("count");
+}
+
 void compute(Context& c) {
   const std::string kind = c.text("kind");
   const double size = c.number("size");
@@ -94,7 +106,7 @@ void compute(Context& c) {
       shapes.shapes.push_back(sized(count > 1 ? fmt::format("rock {}", i + 1) : "rock",
                                     {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
     }
-  } else if (kind == "pebble" || kind == "shard" || kind == "clinker") {
+  } else if (is_stone(kind)) {
     StoneOptions o;
     o.kind = kind;
     o.seed = c.seed();
@@ -108,10 +120,6 @@ void compute(Context& c) {
                                     {stone_mesh(o, part), {}, kind != "shard"}, size, 1.0 / count, part));
     }
   } else {
-    if (c.integer("count") != 1)
-      throw Error("bad-count", fmt::format("count must be 1 for kind {}; it is {}", kind, c.integer("count")),
-                  "set count to 1, or kind to a stone (rock, pebble, shard, clinker)")
-          .parameter("count");
     shapes.shapes.push_back(sized(kind, solid(c, kind), size, 1, c.work()));
   }
   double triangles = 0, volume = 0, caliper = 0;
@@ -170,6 +178,7 @@ NodeType shape_node() {
                      .range(0, 6)
                      .doc_("Tessellation level: 20·4^detail triangles for a sphere and for pebble, shard and "
                            "clinker, about 60·2^detail for a rock"))
+      .check_(check)
       .compute_(compute);
 }
 

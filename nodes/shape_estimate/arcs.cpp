@@ -42,7 +42,7 @@ Crossing outermost(const Outline& o, const Vec2& center, double angle) {
 
 }  // namespace
 
-void Arc::parametrise() {
+void Arc::parametrize() {
   t.assign(points.size(), 0);
   for (std::size_t i = 1; i < points.size(); ++i) t[i] = t[i - 1] + (points[i] - points[i - 1]).norm();
   const double total = t.back();
@@ -102,7 +102,7 @@ std::vector<Arc> cut(const Outline& o, const Vec2& center, const std::vector<dou
       }
     arc.points.push_back(point(to, angles[(k + 1) % angles.size()]));
     arc.corner.push_back(0);
-    arc.parametrise();
+    arc.parametrize();
   }
   return arcs;
 }

@@ -14,7 +14,7 @@ struct Arc {
   // Normalized arc length ∫√(x′² + y′²) of each point, 0 to 1 (errata 6 in docs/errata.md).
   std::vector<double> t;
 
-  void parametrise();  // fills t from the points
+  void parametrize();  // fills t from the points
   void scale(double x, double y);
   void reverse();
   Vec2 at(double t) const;

@@ -87,7 +87,7 @@ std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
 }
 
 // Moves the centroid to the origin, aligns the principal axes, and scales to the volume of the unit sphere.
-void normalise(Mesh& m) {
+void normalize(Mesh& m) {
   transform(m, Mat3::Identity(), -mesh_centroid(m));
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(m));
   Mat3 axes = principal_axes(solver);
@@ -104,7 +104,7 @@ class Deformed : public BodyFamily {
  public:
   Deformed(Mesh start, std::uint64_t seed)
       : body_(std::move(start)), planes_(spread_directions(seed, kFamilyPlanes)) {
-    normalise(body_);
+    normalize(body_);
     split_edges(body_, 0.12);
     const auto soft = smoothed(body_, 6);
     const std::size_t n = body_.vertices.size();
@@ -165,7 +165,7 @@ class Deformed : public BodyFamily {
 class Cut : public BodyFamily {
  public:
   Cut(Mesh start, std::uint64_t seed) : planes_(spread_directions(seed, kCuts)), fields_(seed) {
-    normalise(start);
+    normalize(start);
     for (const Vec3& n : planes_) {
       double high = 0;
       for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));

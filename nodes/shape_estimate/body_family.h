@@ -38,6 +38,6 @@ std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed);
 // too, stretched, tapered, and with its long axis bent into an arc, so that the body need not be
 // star-shaped. 0 is element `guess` of a low-discrepancy sequence of such bodies: bent or straight,
 // flat-sided or round, elongated, flat, lumpy.
-std::unique_ptr<BodyFamily> modelled_bodies(std::uint64_t seed, int guess);
+std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess);
 
 }  // namespace terrazzo::shape_estimate

@@ -67,9 +67,9 @@ void bend(Mesh& mesh, double turn, double to) {
   }
 }
 
-class Modelled : public BodyFamily {
+class Modeled : public BodyFamily {
  public:
-  Modelled(std::uint64_t seed, int guess)
+  Modeled(std::uint64_t seed, int guess)
       : fields_(seed), ball_(fields_), planes_(spread_directions(seed, kPlanes)) {
     const auto u = [&](int k) { return spread(guess, k); };
     const auto half = [&](int k) { return std::max(0.0, 2 * u(k) - 1); };  // zero for half of the bodies
@@ -139,8 +139,8 @@ class Modelled : public BodyFamily {
 
 }  // namespace
 
-std::unique_ptr<BodyFamily> modelled_bodies(std::uint64_t seed, int guess) {
-  return std::make_unique<Modelled>(seed, guess);
+std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess) {
+  return std::make_unique<Modeled>(seed, guess);
 }
 
 }  // namespace terrazzo::shape_estimate

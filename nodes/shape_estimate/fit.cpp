@@ -171,7 +171,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   std::vector<FeatureSample> guesses(kGuesses);
   work.part(0.08, 0.15).parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto family = modelled_bodies(request.seed, static_cast<int>(i));
+      const auto family = modeled_bodies(request.seed, static_cast<int>(i));
       guesses[i] = sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
     }
   });
@@ -181,7 +181,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   std::vector<Mesh> bodies;
   FeatureSample before;
   const int count = request.count;
-  enum class Kind { Deformed, Cut, Modelled } kind = Kind::Deformed;  // family that won for the first body
+  enum class Kind { Deformed, Cut, Modeled } kind = Kind::Deformed;  // family that won for the first body
   for (int k = 0; k < count; ++k) {
     const double from = 0.15 + 0.83 * k / count;
     const Work part = work.part(from, from + 0.83 / count);
@@ -216,7 +216,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     const auto polyhedron = [&](std::size_t i) {
       runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from + ", cut", Kind::Cut, {}, -1});
     };
-    const auto modelled = [&](std::size_t most) {
+    const auto modeled = [&](std::size_t most) {
       std::vector<std::pair<double, int>> order;
       for (std::size_t g = 0; g < kGuesses; ++g)
         if (!guesses[g].features.empty())
@@ -224,19 +224,19 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
       std::sort(order.begin(), order.end());
       for (std::size_t i = 0; i < std::min(most, order.size()); ++i)
         runs.push_back(
-            {modelled_bodies(request.seed, order[i].second), "a ball", Kind::Modelled, {}, order[i].second});
+            {modeled_bodies(request.seed, order[i].second), "a ball", Kind::Modeled, {}, order[i].second});
     };
     const auto i = static_cast<std::size_t>(k);
     if (k == 0) {
       for (std::size_t s = 0; s < std::min<std::size_t>(n, 3); ++s) deformed(s);
       polyhedron(0);
-      modelled(2);
+      modeled(2);
     } else if (kind == Kind::Deformed) {
-      deformed(i), deformed(i + 1), modelled(1);
+      deformed(i), deformed(i + 1), modeled(1);
     } else if (kind == Kind::Cut) {
-      polyhedron(i), polyhedron(i + 1), modelled(1);
+      polyhedron(i), polyhedron(i + 1), modeled(1);
     } else {
-      modelled(3);
+      modeled(3);
     }
     const auto go = [&](Run& run, int rounds, double step, const Work& w) {
       LeastSquaresOptions options;

@@ -63,7 +63,7 @@ MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis
     Arc upper = sweep.upper, lower = sweep.lower;
     for (Arc* arc : {&upper, &lower}) {
       arc->scale(scale, scale);
-      arc->parametrise();  // by the sweep curve's own length: the same knots all around
+      arc->parametrize();  // by the sweep curve's own length: the same knots all around
       arc->scale(radius / frame.radius[0], 1);
     }
     frame.upper.push_back(std::move(upper));

@@ -88,7 +88,7 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     q[1].scale(-left, up);
     q[2].scale(-left, down), q[2].reverse();
     q[3].scale(right, down);
-    for (auto& arc : q) arc.parametrise();
+    for (auto& arc : q) arc.parametrize();
     frame.upper[k] = q[0], frame.upper[k + morphs] = q[1];
     frame.lower[k] = q[3], frame.lower[k + morphs] = q[2];
   }

@@ -4,7 +4,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shape_estimate/choose.h"
 #include "nodes/shape_estimate/fit.h"

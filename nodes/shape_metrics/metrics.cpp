@@ -48,7 +48,7 @@ const SectionSummary& of(const MetricsRow& row, bool central) { return central ?
 
 Plot bars(const std::vector<MetricsRow>& rows, std::size_t feature, bool central) {
   Plot p;
-  p.title = central ? "through the centre" : "random";
+  p.title = central ? "through the center" : "random";
   p.y_label = outline_feature_names()[feature];
   PlotSeries s;
   s.kind = PlotSeries::Kind::Bars;
@@ -66,7 +66,7 @@ Plot bars(const std::vector<MetricsRow>& rows, std::size_t feature, bool central
 
 Plot curvatures(const std::vector<MetricsRow>& rows, bool central) {
   Plot p;
-  p.title = central ? "curvature, through the centre" : "curvature, random";
+  p.title = central ? "curvature, through the center" : "curvature, random";
   p.x_label = "curvature in units of the circle's of equal length";
   p.y_label = "share of the outline";
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -84,7 +84,7 @@ Plot curvatures(const std::vector<MetricsRow>& rows, bool central) {
 
 }  // namespace
 
-SectionSummary summarise(const Shapes& shapes, SectionKind kind, const MetricsChoice& choice,
+SectionSummary summarize(const Shapes& shapes, SectionKind kind, const MetricsChoice& choice,
                          const Work& work) {
   Sums all;
   for (std::size_t first = 0; first < choice.sections; first += kBatch) {

@@ -32,7 +32,7 @@ struct MetricsChoice {
 };
 
 // Throws Error "no-profile" if no section has an area.
-SectionSummary summarise(const Shapes&, SectionKind, const MetricsChoice&, const Work& = {});
+SectionSummary summarize(const Shapes&, SectionKind, const MetricsChoice&, const Work& = {});
 
 struct MetricsRow {
   std::string name;

@@ -65,8 +65,8 @@ void compute(Context& c) {
     const double from = static_cast<double>(i) / n;
     rows.push_back(
         {all[i].name,
-         summarise(all[i].shapes, SectionKind::Central, choice, c.work().part(from, from + 0.5 / n)),
-         summarise(all[i].shapes, SectionKind::Random, choice, c.work().part(from + 0.5 / n, from + 1 / n))});
+         summarize(all[i].shapes, SectionKind::Central, choice, c.work().part(from, from + 0.5 / n)),
+         summarize(all[i].shapes, SectionKind::Random, choice, c.work().part(from + 0.5 / n, from + 1 / n))});
   }
   c.metric("shapes", n);
   c.metric("circularity_central", rows[0].central.mean[0]);
@@ -80,7 +80,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_metrics_node() {
-  return NodeType("ShapeMetrics", 1)
+  return NodeType("ShapeMetrics", 2)
       .doc_(
           "Describes the sections of shapes: mean and standard deviation of area/perimeter² and total "
           "curvature over central and random sections, and of curvature along the outline, symmetry, "

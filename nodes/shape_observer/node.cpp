@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/plot/plot.h"
 #include "nodes/data/table.h"
@@ -9,6 +10,15 @@
 namespace terrazzo {
 
 namespace {
+
+void check(const NodeParameters& p) {
+  if (static_cast<double>(p.integer("profiles")) * static_cast<double>(p.integer("views")) > 5e6)
+    throw Error("too-many-profiles",
+                fmt::format("views × profiles must be at most 5 million; there are {} views of {} profiles",
+                            p.integer("views"), p.integer("profiles")),
+                "lower views or profiles")
+        .parameter("views");
+}
 
 void compute(Context& c) {
   const auto& wires = c.list("shapes");
@@ -33,14 +43,8 @@ void compute(Context& c) {
   choice.views = static_cast<int>(c.integer("views"));
   choice.eyesight = c.number("eyesight");
   choice.seed = c.seed();
-  if (static_cast<double>(choice.profiles) * choice.views > 5e6)
-    throw Error("too-many-profiles",
-                fmt::format("views × profiles must be at most 5 million; there are {} views of {} profiles",
-                            choice.views, choice.profiles),
-                "lower views or profiles")
-        .parameter("views");
   Table t;
-  t.columns = {"name", "told %", "standard error %", "told by"};
+  t.columns = {"name", "accuracy %", "standard error %", "main feature"};
   Plot plot;
   plot.title = fmt::format("decoys found among pairs of views of {} profile{}", choice.profiles,
                            choice.profiles == 1 ? "" : "s");
@@ -66,7 +70,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_observer_node() {
-  return NodeType("ShapeObserver", 3)
+  return NodeType("ShapeObserver", 4)
       .doc_(
           "Simulates a human observer: how accurately a cross-validated classifier on section features "
           "distinguishes a view of a decoy from a view of the original. 50 % is chance.")
@@ -91,6 +95,7 @@ NodeType shape_observer_node() {
       .parameter(Parameter::integer("seed", 1).range(0, 4503599627370495).doc_("Random seed of the sections"))
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "names", "auto")
                      .doc_("Names of the original and the decoys"))
+      .check_(check)
       .compute_(compute);
 }
 

@@ -72,15 +72,15 @@ Image views_of(const Shapes& shapes, int cell, const Work& work) {
   work.parallel(static_cast<std::size_t>(rows) * 3, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Shape& s = shapes.shapes[i / 3];
-      Shape centred = s;
-      transform(centred.mesh, Mat3::Identity(), -mesh_centroid(s.mesh));
+      Shape centerd = s;
+      transform(centerd.mesh, Mat3::Identity(), -mesh_centroid(s.mesh));
       const Mat3 axes = volume_axes(s.mesh);
       const int side = static_cast<int>(i % 3);
       Mat3 view;
       view.col(2) = axes.col(2 - side);
       view.col(0) = side < 2 ? Vec3(axes.col(0)) : Vec3(axes.col(1));
       view.col(1) = view.col(2).cross(view.col(0));
-      draw_view(render_mesh(centred), view, scale, cell, side * cell, static_cast<int>(i / 3) * cell, image,
+      draw_view(render_mesh(centerd), view, scale, cell, side * cell, static_cast<int>(i / 3) * cell, image,
                 work);
     }
   });

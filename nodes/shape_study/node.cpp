@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/image_file.h"
 #include "nodes/data/image.h"
@@ -47,17 +48,23 @@ std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
   std::vector<shape_study::Stimulus> out;
   for (std::size_t i = 0; i < wires.size(); ++i) {
     const auto slash = names[i].find('/');
-    if (slash == std::string::npos || slash == 0 || slash + 1 == names[i].size() ||
-        names[i].find_first_of(",\"\n") != std::string::npos)
-      throw Error("bad-names", fmt::format("names must have the form shape/method; one is '{}'", names[i]),
-                  "use names such as smooth/original or smooth/csg, without commas and quotes")
-          .parameter("names");
     const auto& image = wires[i].as<Image>();
     if (image.width <= 0 || image.height <= 0 || image.sections <= 0)
       throw Error("empty-image", fmt::format("the images of {} have no pixels", names[i]));
     out.push_back({names[i].substr(0, slash), names[i].substr(slash + 1), image.sections});
   }
   return out;
+}
+
+void check(const NodeParameters& p) {
+  for (const std::string& name : p.texts("names")) {
+    const auto slash = name.find('/');
+    if (slash == std::string::npos || slash == 0 || slash + 1 == name.size() ||
+        name.find_first_of(",\"\n") != std::string::npos)
+      throw Error("bad-names", fmt::format("names must have the form shape/method; one is '{}'", name),
+                  "use names such as smooth/original or smooth/csg, without commas and quotes")
+          .parameter("names");
+  }
 }
 
 void compute(Context& c) {
@@ -96,7 +103,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_study_node() {
-  return NodeType("ShapeStudy", 1)
+  return NodeType("ShapeStudy", 2)
       .doc_(
           "Creates a study with people that runs from a folder: a page with screens of three images, where "
           "the center and one side show the original and the other side a decoy, and the key to the answers.")
@@ -119,6 +126,7 @@ NodeType shape_study_node() {
                      .range(0, 1000)
                      .doc_("Number of training screens before the test"))
       .parameter(Parameter::seed().doc_("Random seed of the screens"))
+      .check_(check)
       .compute_(compute);
 }
 

@@ -34,7 +34,7 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repea
         for (const int taken : {std::min(a, b), std::max(a, b)}) c += c >= taken;
         Screen s;
         s.shape = shape, s.method = stimuli[i].method;
-        s.centre = {original, a};
+        s.center = {original, a};
         Screen::Shown same{original, b}, other{original, c};
         const bool left = r.below(2) == 0;
         if (static_cast<int>(i) != original) {
@@ -54,13 +54,13 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repea
 
 Table key_of(const std::vector<Screen>& screens, const std::vector<std::vector<std::string>>& names) {
   Table t;
-  t.columns = {"screen", "shape", "method", "decoy", "left", "centre", "right"};
+  t.columns = {"screen", "shape", "method", "decoy", "left", "center", "right"};
   const auto name = [&](const Screen::Shown& s) {
     return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
   };
   for (std::size_t i = 0; i < screens.size(); ++i) {
     const Screen& s = screens[i];
-    t.rows.push_back({static_cast<double>(i + 1), s.shape, s.method, s.decoy, name(s.left), name(s.centre),
+    t.rows.push_back({static_cast<double>(i + 1), s.shape, s.method, s.decoy, name(s.left), name(s.center),
                       name(s.right)});
   }
   return t;
@@ -73,7 +73,7 @@ std::string page_of(const std::vector<Screen>& screens, const std::vector<std::v
     return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
   };
   for (std::size_t i = 0; i < screens.size(); ++i)
-    list += fmt::format("[{},\"{}\",\"{}\",\"{}\"],\n", i + 1, name(screens[i].left), name(screens[i].centre),
+    list += fmt::format("[{},\"{}\",\"{}\",\"{}\"],\n", i + 1, name(screens[i].left), name(screens[i].center),
                         name(screens[i].right));
   std::string page = R"html(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Which one is least similar?</title><style>

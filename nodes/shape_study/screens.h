@@ -22,7 +22,7 @@ struct Screen {
   std::string decoy;          // "left", "right" or "none"
   struct Shown {
     int stimulus, section;
-  } left, centre, right;
+  } left, center, right;
 };
 
 // `repeats` screens per shape and decoy, and as many per shape without a decoy. Images of the
@@ -30,7 +30,7 @@ struct Screen {
 // original with at least three sections.
 std::vector<Screen> make_screens(const std::vector<Stimulus>&, int repeats, std::uint64_t seed);
 
-// Columns: screen (1…), shape, method, decoy, left, centre, right (image names).
+// Columns: screen (1…), shape, method, decoy, left, center, right (image names).
 Table key_of(const std::vector<Screen>&, const std::vector<std::vector<std::string>>& names);
 
 // A self-contained page: instructions, `training` screens, then all screens, shuffled for each participant

@@ -1,3 +1,4 @@
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/solids/solid_base.h"
 

@@ -53,7 +53,7 @@ void compute(Context& c) {
     fooled.push_back(wrong), method.push_back(a.method), shape.push_back(a.shape);
   }
   Table t;
-  t.columns = {"of", "effect", "sum of squares", "degrees of freedom", "F", "p"};
+  t.columns = {"quantity", "effect", "sum of squares", "degrees of freedom", "F", "p"};
   if (!fooled.empty()) add_effects(t, "fooled", fooled, method, shape);
   add_effects(t, "log seconds", seconds, timed_method, timed_shape);
   Table summary;
@@ -83,7 +83,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType study_anova_node() {
-  return NodeType("StudyAnova", 1)
+  return NodeType("StudyAnova", 2)
       .doc_(
           "Evaluates the answers of ShapeStudy: how often each method's decoys were taken for the original, "
           "how long people looked, and, by analysis of variance, whether method, shape or their interaction "

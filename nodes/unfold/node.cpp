@@ -15,8 +15,8 @@ using namespace unfold;
 
 Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
   Table t;
-  t.columns = {"class",    "from mm",      "to mm",         "N_A observed mm⁻²",   "N_A refitted mm⁻²",
-               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³", "share of the volume", "volume passing"};
+  t.columns = {"class",    "from mm",      "to mm",         "N_A observed mm⁻²", "N_A refitted mm⁻²",
+               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³", "volume share",      "volume passing"};
   for (std::size_t c = 0; c < r.fits.size(); ++c)
     for (int j = 0; j < r.model.visible(); ++j) {
       const auto k = static_cast<std::size_t>(r.model.first + j);
@@ -55,7 +55,7 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
   areas.series = {observed, refitted};
   volumes.series = {density};
   sieve.title = "Sieve curve", sieve.x_label = "size of the particle, mm",
-  sieve.y_label = "share of the volume that passes";
+  sieve.y_label = "share of volume that passes";
   PlotSeries passing{PlotSeries::Kind::Line, "", {}, {}, {}, {}, 2};
   for (std::size_t k = static_cast<std::size_t>(r.model.first); k <= summary.volume_passing.size(); ++k)
     passing.x.push_back(r.model.edges[k]), passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
@@ -111,7 +111,7 @@ void compute(Context& c) {
   c.metric("goodness_of_fit", r.distribution.goodness_of_fit);
   c.metric("condition", r.condition);
   c.metric("negative", negative);
-  const SizeSummary summary = summarise(r.distribution);
+  const SizeSummary summary = summarize(r.distribution);
   if (!r.observations.relative) c.metric("N_V", summary.N_V);
   c.metric("mean_size", summary.mean);
   c.metric("median_size", summary.median);
@@ -127,7 +127,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 5)
+  return NodeType("Unfold", 6)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")
@@ -138,7 +138,7 @@ NodeType unfold_node() {
               "Particles per mm³ by size class, for each color class and shape")
       .output("table", "Table",
               "N_A observed and refitted, and N_V with its interval, by size class; over all colors, the "
-              "share of the volume and the cumulative share (the sieve curve)")
+              "volume share and the cumulative share (the sieve curve)")
       .output("figure", "Image", "Bar charts of profiles and particles, and the sieve curve")
       .parameter(Parameter::choice("method", "em", {"em", "nnls", "inverse"})
                      .doc_("em: maximum likelihood of the counts; the counts choose how smooth the density "

@@ -37,7 +37,7 @@ LogMoments log_moments(double a, double b) {
 
 }  // namespace
 
-SizeSummary summarise(const SizeDistribution& d) {
+SizeSummary summarize(const SizeDistribution& d) {
   SizeSummary s;
   const std::size_t n = d.classes();
   std::vector<double> number(n, 0.0);

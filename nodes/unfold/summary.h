@@ -19,6 +19,6 @@ struct SizeSummary {
 
 // Over all shapes and color classes. Sizes are uniform within their class; volume is proportional to size³.
 // All zeros if there are no particles.
-SizeSummary summarise(const SizeDistribution&);
+SizeSummary summarize(const SizeDistribution&);
 
 }  // namespace terrazzo::unfold

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/plot/plot.h"
 #include "nodes/data/table.h"
@@ -41,13 +42,16 @@ Plot panel(const std::string& name, const TrueSizes& truth, const std::vector<Me
   return plot;
 }
 
-void compute(Context& c) {
-  unfold_study::StudyOptions o;
-  o.methods = c.texts("methods");
-  for (const auto& m : o.methods)
+void check(const NodeParameters& p) {
+  for (const auto& m : p.texts("methods"))
     if (m != "em" && m != "nnls" && m != "inverse" && m != "equation 4")
       throw Error("unknown-method", "unknown method \"" + m + "\"", "use em, nnls, inverse or equation 4")
           .parameter("methods");
+}
+
+void compute(Context& c) {
+  unfold_study::StudyOptions o;
+  o.methods = c.texts("methods");
   o.repetitions = static_cast<int>(c.integer("repetitions"));
   o.profiles = static_cast<double>(c.integer("profiles"));
   o.sections = static_cast<int>(c.integer("sections"));
@@ -138,6 +142,7 @@ NodeType unfold_study_node() {
       .parameter(
           Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Names of the distributions"))
       .parameter(Parameter::seed().doc_("Random seed of the profiles"))
+      .check_(check)
       .compute_(compute);
 }
 

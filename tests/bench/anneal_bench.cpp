@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "nodes/anneal/packing.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
 #include "nodes/shape/stones.h"

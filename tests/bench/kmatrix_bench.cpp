@@ -8,7 +8,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh_section.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/kmatrix/stencil_slicer.h"
 #include "nodes/shape/solids.h"

@@ -2,9 +2,9 @@
 // `fit` on 200 profiles. Also measured sections per second, against sections without measuring.
 #include <benchmark/benchmark.h>
 
-#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/common/stereology/outline_features.h"
 #include "nodes/common/stereology/random_sections.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape_estimate/choose.h"
 #include "nodes/shape_estimate/fit.h"

@@ -119,7 +119,7 @@ void solid_residual(benchmark::State& state) {
       if (std::abs(d - 1) > std::abs(worst - 1)) worst = d;
     state.ResumeTiming();
   }
-  state.counters["worst_band"] = worst, state.counters["colour_axes"] = exemplar.channels;
+  state.counters["worst_band"] = worst, state.counters["color_axes"] = exemplar.channels;
 }
 BENCHMARK(solid_residual)->Arg(64)->Arg(128)->Iterations(1)->UseRealTime()->Unit(benchmark::kSecond);
 

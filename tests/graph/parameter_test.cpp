@@ -41,7 +41,7 @@ TEST(Parameter, KeywordsStandBesideValues) {
   EXPECT_FALSE(read(p, {"atuo"}));
 }
 
-TEST(Parameter, ColoursAreLinear) {
+TEST(Parameter, ColorsAreLinear) {
   const Parameter p = Parameter::color("c", 0, 0, 0);
   const auto hex = std::get<std::vector<double>>(*read(p, {"#ff8000"}));
   EXPECT_DOUBLE_EQ(hex[0], 1);

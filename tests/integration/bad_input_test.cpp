@@ -60,9 +60,9 @@ TEST_F(BadInput, ACorruptPicture) {
   EXPECT_SAYS(run(segment_graph("broken.png")), 1, "segment.yaml:5:20: error: photo.path:");
 }
 
-TEST_F(BadInput, APictureOfOneColour) {
-  write_image(folder / "grey.png", Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one 8-bit step
-  EXPECT_SAYS(run(segment_graph("grey.png")), 1, "error: segment");
+TEST_F(BadInput, APictureOfOneColor) {
+  write_image(folder / "gray.png", Image(64, 64, 1, 1, Vec3f::Constant(0.3f)));  // dithered by one 8-bit step
+  EXPECT_SAYS(run(segment_graph("gray.png")), 1, "error: segment");
 }
 
 TEST_F(BadInput, AMeshWithHoles) {

@@ -137,7 +137,7 @@ TEST(ExportedVdb, OpensInPython) {
             "'\ndensity, color = vdb.read(f, 'density'), vdb.read(f, 'Cd')\n"
             "print(json.dumps(dict(meta=vdb.readMetadata(f), active=density.activeVoxelCount(), "
             "fog=density.gridClass, size=list(color.transform.voxelSize()), "
-            "centre=list(color.transform.indexToWorld((0, 0, 0))), "
+            "center=list(color.transform.indexToWorld((0, 0, 0))), "
             "color=list(color.getConstAccessor().getValue((3, 4, 5))))))\n\" 2>&1");
   ASSERT_EQ(run.exit_code, 0) << run.out;
   const auto j = nlohmann::json::parse(run.out, nullptr, false);
@@ -147,7 +147,7 @@ TEST(ExportedVdb, OpensInPython) {
   EXPECT_EQ(j["fog"], "fog volume");
   EXPECT_EQ(j["active"], 1000);
   EXPECT_EQ(j["size"], nlohmann::json({0.25, 0.25, 0.25}));
-  EXPECT_EQ(j["centre"], nlohmann::json({0.125, 0.125, 0.125}));
+  EXPECT_EQ(j["center"], nlohmann::json({0.125, 0.125, 0.125}));
   EXPECT_EQ(j["color"], nlohmann::json({0.5, 0.25, 0.125}));
 }
 

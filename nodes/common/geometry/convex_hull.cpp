@@ -17,7 +17,7 @@ using Vec = Eigen::Matrix<Real, 3, 1>;
 
 struct Face {
   std::array<int, 3> vertex;
-  std::array<int, 3> neighbour;  // across the edge from vertex k to vertex k + 1
+  std::array<int, 3> neighbor;  // across the edge from vertex k to vertex k + 1
   Vec normal;
   Real offset = 0;
   std::vector<int> outside;  // points above this face, each in the list of one face only
@@ -45,7 +45,7 @@ class Quickhull {
   int make_face(int a, int b, int c) {
     Face f;
     f.vertex = {a, b, c};
-    f.neighbour = {-1, -1, -1};
+    f.neighbor = {-1, -1, -1};
     f.normal = (at(b) - at(a)).cross(at(c) - at(a));
     const Real n = f.normal.norm();
     if (n > 0) f.normal /= n;
@@ -83,8 +83,8 @@ class Quickhull {
     make_face(base[0], base[1], base[2]);
     for (int k = 0; k < 3; ++k) make_face(base[(k + 1) % 3], base[k], d);
     for (int k = 0; k < 3; ++k) {
-      faces_[0].neighbour[k] = k + 1;
-      faces_[k + 1].neighbour = {0, 1 + (k + 2) % 3, 1 + (k + 1) % 3};
+      faces_[0].neighbor[k] = k + 1;
+      faces_[k + 1].neighbor = {0, 1 + (k + 2) % 3, 1 + (k + 1) % 3};
     }
     std::vector<int> all(n);
     for (int i = 0; i < n; ++i) all[i] = i;
@@ -117,7 +117,7 @@ class Quickhull {
     for (std::size_t i = 0; i < patch.size(); ++i) {
       const int f = patch[i];
       for (int k = 0; k < 3; ++k) {
-        const int g = faces_[f].neighbour[k];
+        const int g = faces_[f].neighbor[k];
         if (!faces_[g].alive) continue;
         if (height(faces_[g], top) > tolerance_) {
           faces_[g].alive = false;
@@ -127,7 +127,7 @@ class Quickhull {
     }
     for (int f : patch) {
       for (int k = 0; k < 3; ++k) {
-        const int g = faces_[f].neighbour[k];
+        const int g = faces_[f].neighbor[k];
         if (!faces_[g].alive) continue;
         const int from = faces_[f].vertex[k], to = faces_[f].vertex[(k + 1) % 3];
         int side = 0;
@@ -146,16 +146,16 @@ class Quickhull {
     const std::size_t first = faces_.size();
     for (const Rim& r : rim) {
       const int f = make_face(r.from, r.to, top);
-      faces_[f].neighbour[0] = r.face;
-      faces_[r.face].neighbour[r.side] = f;
+      faces_[f].neighbor[0] = r.face;
+      faces_[r.face].neighbor[r.side] = f;
     }
     for (std::size_t i = 0; i < rim.size(); ++i) {
       const auto next =
           std::lower_bound(rim.begin(), rim.end(), rim[i].to, [](const Rim& r, int v) { return r.from < v; });
       if (next == rim.end() || next->from != rim[i].to) return false;
       const int g = static_cast<int>(first + (next - rim.begin()));
-      faces_[first + i].neighbour[1] = g;
-      faces_[g].neighbour[2] = static_cast<int>(first + i);
+      faces_[first + i].neighbor[1] = g;
+      faces_[g].neighbor[2] = static_cast<int>(first + i);
     }
     distribute(orphans, first);
     return true;

@@ -4,13 +4,13 @@
 #include <string>
 
 #include "graph/diagnostic.h"
+#include "graph/node_parameters.h"
 #include "nodes/data/linear.h"
-#include "runtime/context.h"
 
 namespace terrazzo {
 
 // Throws Error "bad-value" for two numbers.
-inline Vec3i one_or_three(const Context& c, const std::string& parameter) {
+inline Vec3i one_or_three(const NodeParameters& c, const std::string& parameter) {
   const auto written = c.ints(parameter);
   if (written.size() == 2)
     throw Error("bad-value", "the value has two numbers", "write one number, or three for x, y and z")

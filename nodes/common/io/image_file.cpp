@@ -31,8 +31,8 @@ Channels channels_of(const OIIO::ImageSpec& spec) {
   if (found[0] >= 0 && found[1] >= 0 && found[2] >= 0) {
     std::copy(found, found + 3, c.rgb);
   } else {
-    const int colours = spec.nchannels - (c.alpha >= 0 ? 1 : 0);
-    for (int k = 0; k < 3; ++k) c.rgb[k] = colours >= 3 ? k : 0;
+    const int colors = spec.nchannels - (c.alpha >= 0 ? 1 : 0);
+    for (int k = 0; k < 3; ++k) c.rgb[k] = colors >= 3 ? k : 0;
   }
   return c;
 }

@@ -26,7 +26,7 @@ float dither(std::size_t sample) {
 }
 
 template <class T>
-std::vector<T> quantise(const Vec3f* pixels, std::size_t count, float top, bool dithered) {
+std::vector<T> quantize(const Vec3f* pixels, std::size_t count, float top, bool dithered) {
   std::vector<T> out(count * 3);
   for (std::size_t p = 0; p < count; ++p) {
     const Vec3f v = linear_to_srgb(pixels[p].cwiseMax(0.0f).cwiseMin(1.0f)) * top;
@@ -85,10 +85,10 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
     written = out->write_image(OIIO::TypeDesc::FLOAT, pixels);
   else if (deep)
     written =
-        out->write_image(OIIO::TypeDesc::UINT16, quantise<std::uint16_t>(pixels, count, 65535, false).data());
+        out->write_image(OIIO::TypeDesc::UINT16, quantize<std::uint16_t>(pixels, count, 65535, false).data());
   else
     written =
-        out->write_image(OIIO::TypeDesc::UINT8, quantise<std::uint8_t>(pixels, count, 255, true).data());
+        out->write_image(OIIO::TypeDesc::UINT8, quantize<std::uint8_t>(pixels, count, 255, true).data());
   if (!written) throw unwritable(path, out->geterror());
   if (!out->close()) throw unwritable(path, out->geterror());
   if (!in_memory) return;

@@ -2,7 +2,7 @@
 
 #include "nodes/anneal/audit.h"
 #include "nodes/anneal/mesh_distance.h"
-#include "nodes/anneal/neighbours.h"
+#include "nodes/anneal/neighbors.h"
 #include "nodes/anneal/polytope_contact.h"
 #include "nodes/anneal/triangle_overlap.h"
 #include "runtime/random.h"
@@ -163,7 +163,7 @@ TEST(AnnealAudit, SignedDistanceOfACube) {
   }
 }
 
-TEST(AnnealNeighbours, FindsAllPairsOfMixedSizes) {
+TEST(AnnealNeighbors, FindsAllPairsOfMixedSizes) {
   for (int trial = 0; trial < 6; ++trial) {
     Random random(2, 0, trial);
     const Vec3 box(3 + 4 * random.uniform(), 3, 5);

@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"

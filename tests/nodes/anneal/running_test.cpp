@@ -72,7 +72,7 @@ TEST(Anneal, SameBitsOfDenseSpheresForAnyNumberOfThreads) {
     EXPECT_EQ(one, bytes(pack(shapes, d, {{"count", "300"}}, threads).output<Particles>("particles")));
 }
 
-TEST(Anneal, SpatialOrderKeepsNeighboursTogether) {
+TEST(Anneal, SpatialOrderKeepsNeighborsTogether) {
   std::vector<Vec3> points;
   for (std::uint64_t i = 0; i < 4096; ++i) {
     Random r(1, 0, i);

@@ -73,7 +73,7 @@ TEST(CompareTextures, OneTextureTwiceStaysWithinItsHalves) {
   EXPECT_EQ(same.metrics.at("band_ratio_least"), 1);
 }
 
-TEST(CompareTextures, LargerGrainsOfTheSameColoursAreFoundOut) {
+TEST(CompareTextures, LargerGrainsOfTheSameColorsAreFoundOut) {
   const Comparison c = compare::compare(discs(1, 5, 900, 320), discs(2, 12, 156, 320), {});
   EXPECT_GT(exceeding(c, "bands"), 2);
   EXPECT_EQ(exceeding(c, "lineal_path"), 1);
@@ -111,7 +111,7 @@ TEST(CompareTextures, SeamsAreWhereThePictureDoesNotTile) {
   EXPECT_EQ(exceeding(c, "seam"), 0);  // seam has no tolerance
 }
 
-TEST(CompareTextures, SmallPicturesAreComparedByColourAlone) {
+TEST(CompareTextures, SmallPicturesAreComparedByColorAlone) {
   const Comparison c = compare::compare(discs(1, 3, 5, 40), discs(2, 3, 5, 40), {});
   ASSERT_EQ(c.warnings.size(), 1u);
   for (const auto& n : c.numbers) EXPECT_EQ(n.measure, "color");

@@ -53,7 +53,7 @@ TEST(ContactSheet, CaptionsTakeARowBelow) {
   EXPECT_LT(right, b.width - 20);
 }
 
-TEST(ContactSheet, LabelsGetColoursThatStayApart) {
+TEST(ContactSheet, LabelsGetColorsThatStayApart) {
   std::set<std::tuple<float, float, float>> seen;
   for (int id = 1; id <= 2000; ++id) {
     const Vec3f c = label_color(id), next = label_color(id + 1);

@@ -9,7 +9,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/kmatrix/section_statistics.h"
@@ -156,7 +156,7 @@ TEST(KMatrix, HolesAreTakenOff) {
   EXPECT_NEAR(mean_area(e), s.volume / 1.5, 1e-3);
 }
 
-TEST(KMatrix, ProbabilitiesAreNormalised) {
+TEST(KMatrix, ProbabilitiesAreNormalized) {
   Shapes shapes = one(measure_shape("cube", cube(), 3));
   shapes.shapes.push_back(measure_shape("tetrahedron", platonic_mesh("tetrahedron"), 1));
   const KMatrix k = make_kmatrix(shapes, {.orientations = 16});

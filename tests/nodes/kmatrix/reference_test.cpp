@@ -9,8 +9,8 @@
 
 #include "nodes/common/geometry/convex_hull.h"
 #include "nodes/common/geometry/mesh_section.h"
-#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/common/stereology/profile_sweep.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/common/stereology/size_kernel.h"
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "nodes/shape/solids.h"

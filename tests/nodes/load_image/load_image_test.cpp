@@ -33,7 +33,7 @@ TEST(LoadImage, Errors) {
   EXPECT_EQ(code_of([&] {
               test::run_node("LoadImage", {}, {{"path", (folder / "a*.png").string()}});
             }),
-            "unequal-sections");
+            "size-mismatch");
   const std::string one = (folder / "a1.png").string();
   EXPECT_EQ(code_of([&] {
               test::run_node("LoadImage", {}, {{"path", one}, {"colorspace", "nonsense"}});

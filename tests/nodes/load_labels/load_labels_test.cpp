@@ -52,7 +52,7 @@ TEST(LoadLabels, ClassesAreTheirConnectedComponents) {
   EXPECT_EQ(l.ids[0], l.ids[8]);
 }
 
-TEST(LoadLabels, ColoursAreClassesAndBlackIsBackground) {
+TEST(LoadLabels, ColorsAreClassesAndBlackIsBackground) {
   const auto folder = test::temporary_folder();
   const std::vector<std::uint8_t> data = {255, 0, 0, 0, 0, 0, 0, 0, 255, 255, 0, 0};
   const Labels l = load(write(folder / "c.png", 4, 1, 3, data, OIIO::TypeDesc::UINT8), "classes");
@@ -85,7 +85,7 @@ TEST(LoadLabels, Errors) {
   EXPECT_EQ(load(blurred, "instances").count(), 99);
   write(folder / "u1.png", 2, 1, 1, std::vector<std::uint8_t>{1, 0}, OIIO::TypeDesc::UINT8);
   write(folder / "u2.png", 1, 2, 1, std::vector<std::uint8_t>{1, 0}, OIIO::TypeDesc::UINT8);
-  EXPECT_EQ(code_of([&] { load((folder / "u*.png").string(), "classes"); }), "unequal-sections");
+  EXPECT_EQ(code_of([&] { load((folder / "u*.png").string(), "classes"); }), "size-mismatch");
 }
 
 TEST(LoadLabels, RealMasks) {

@@ -172,7 +172,7 @@ TEST(LoadVolume, PicturesAreSlicesFromBelow) {
   EXPECT_EQ(test::load_volume(folder / "s_*.png", {{"spacing", "1"}}).warnings.size(), 1u)
       << "no rescale in the file";
   slice(folder / "s_3.png", 1, OIIO::TypeDesc::UINT16, {1, 2}, 1, 2);
-  EXPECT_EQ(code_of([&] { test::load_volume(folder / "s_*.png", {{"spacing", "1"}}); }), "unequal-sections");
+  EXPECT_EQ(code_of([&] { test::load_volume(folder / "s_*.png", {{"spacing", "1"}}); }), "size-mismatch");
   slice(folder / "c.png", 3, OIIO::TypeDesc::UINT16, {1, 2, 3}, 1, 1);
   EXPECT_EQ(code_of([&] { test::load_volume(folder / "c.png", {{"spacing", "1"}}); }), "not-a-volume");
   std::ofstream(folder / "text.dat") << "no picture";

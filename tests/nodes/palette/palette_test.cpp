@@ -6,7 +6,7 @@
 namespace terrazzo {
 namespace {
 
-TEST(Palette, GivesColoursSharesAndBinder) {
+TEST(Palette, GivesColorsSharesAndBinder) {
   const auto run = test::run_node(
       "Palette", {}, {{"colors", "[\"#ffffff\", \"#000000\"]"}, {"shares", "[3, 1]"}, {"binder", "#ff0000"}});
   const Profiles& p = run.output<Profiles>("profiles");
@@ -17,7 +17,7 @@ TEST(Palette, GivesColoursSharesAndBinder) {
   EXPECT_EQ(p.binder_color, Vec3f(1, 0, 0));
 }
 
-TEST(Palette, RefusesWhatIsNoColour) {
+TEST(Palette, RefusesWhatIsNoColor) {
   EXPECT_THROW(test::run_node("Palette", {}, {{"colors", "[red]"}}), Error);
   EXPECT_THROW(
       test::run_node("Palette", {}, {{"colors", "[\"#ffffff\", \"#000000\"]"}, {"shares", "[1, 2, 3]"}}),

@@ -46,7 +46,7 @@ TEST(Pattern, SectionsBelongToOneBody) {
   }
 }
 
-TEST(Pattern, FibresRunAlongZ) {
+TEST(Pattern, FibersRunAlongZ) {
   for (const char* kind : {"wood", "muscle"}) {
     const auto r = test::run_node("Pattern", {}, {{"kind", kind}, {"axis", "x"}});
     const Image& image = r.output<Image>("image");

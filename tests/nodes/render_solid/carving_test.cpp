@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/image.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/solid.h"
 #include "runtime/random.h"
@@ -15,7 +15,7 @@ namespace terrazzo {
 namespace {
 using namespace render_solid;
 
-class Grey : public Paint {
+class Gray : public Paint {
  public:
   Vec3f at(const Vec3f&, const Vec3f&, bool) const override { return Vec3f::Constant(0.5f); }
   Vec3f period() const override { return Vec3f::Ones(); }
@@ -57,7 +57,7 @@ std::optional<double> march(const Cheese& c, const Vec3& o, const Vec3& d) {
 }
 
 void expect_as_marched(const Cheese& c) {
-  const Grey paint;
+  const Gray paint;
   const auto solid = block_solid(paint, 0, 0.008, c.voids());
   int seen = 0, grazed = 0, walls = 0;
   for (std::uint64_t k = 0; k < 500; ++k) {
@@ -110,7 +110,7 @@ TEST(Hollows, ABodyWithinOneVoidIsNotThere) {
   c.p.scale[0] = 9;
   c.p.voids = {1, 0};
   c.repeat = 0.2;
-  const Grey paint;
+  const Gray paint;
   const auto solid = block_solid(paint, 0, 0.008, c.voids());
   SurfacePoint s;
   EXPECT_FALSE(solid->nearest(Vec3f(0.5f, 0.5f, 3), Vec3f(0, 0, -1), s));
@@ -119,7 +119,7 @@ TEST(Hollows, ABodyWithinOneVoidIsNotThere) {
 TEST(Hollows, WithoutVoidsNothingChanges) {
   Cheese c;
   c.p.voids.clear();
-  const Grey paint;
+  const Gray paint;
   const auto solid = block_solid(paint, 0.5, 0.008, c.voids()), plain = block_solid(paint);
   for (std::uint64_t k = 0; k < 200; ++k) {
     Random r(7, 2, k);
@@ -137,7 +137,7 @@ TEST(Hollows, WithoutVoidsNothingChanges) {
 TEST(Hollows, TooManyAreRefused) {
   Cheese c;
   c.repeat = 2000;
-  const Grey paint;
+  const Gray paint;
   EXPECT_EQ(test::code_of([&] { block_solid(paint, 0, 0.008, c.voids()); }), "too-many-particles");
 }
 

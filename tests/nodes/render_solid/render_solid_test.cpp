@@ -187,10 +187,10 @@ TEST(RenderSolid, RepeatTilesTheVolume) {
 
 // In the studio: neutral light keeps a color's ratios, and a white top is about 1.
 TEST(RenderSolid, LightIsNeutralAndWhiteIsWhite) {
-  const ColorField grey = uniform_field(Vec3f::Constant(0.5f)), white = uniform_field(Vec3f::Ones());
+  const ColorField gray = uniform_field(Vec3f::Constant(0.5f)), white = uniform_field(Vec3f::Ones());
   const Studio studio({});
   EXPECT_NEAR(studio.irradiance(Vec3f::UnitZ()), 1, 0.01);
-  const auto a = block(grey), b = block(white);
+  const auto a = block(gray), b = block(white);
   const Camera camera = Camera::framing(a->bounds(), -0.7f, 0.5f, 64, 64);
   const Image dark = render(*a, studio, camera, plain(64, 8)),
               light = render(*b, studio, camera, plain(64, 8));
@@ -356,7 +356,7 @@ TEST(RenderSolid, BadInput) {
   EXPECT_EQ(failure({{"volume", Value::of(open)}}), "");
 }
 
-TEST(RenderSolid, WarnsOfColoursThatNoSurfaceHas) {
+TEST(RenderSolid, WarnsOfColorsThatNoSurfaceHas) {
   const auto run = run_node("RenderSolid", {{"volume", Value::of(volume_of(4, Vec3f(1.5f, 0.5f, 0.5f)))}},
                             {{"width", "8"}, {"height", "8"}, {"samples", "1"}});
   EXPECT_EQ(run.warnings.size(), 1u);

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/volume.h"

@@ -261,7 +261,7 @@ TEST(ResidualSynth, OddAndSmallPicturesAndSizesWork) {
   }
 }
 
-TEST(ResidualSynth, GreyStaysGreyAndFlatStaysFlat) {
+TEST(ResidualSynth, GrayStaysGreyAndFlatStaysFlat) {
   Picture p = discs(64, 64, 0.05);
   for (auto& v : p.image.pixels) v = Vec3f::Constant(v.x());
   for (const auto& v : voxels_of(run(p, {{"size", "16"}})))

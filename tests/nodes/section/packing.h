@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/particles.h"
 #include "runtime/random.h"
 

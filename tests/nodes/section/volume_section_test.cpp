@@ -48,7 +48,7 @@ VolumeSection cut(const Volume& v, const std::string& axis, double offset, doubl
   return cut_volume(v, choose_planes(choice, box.size, box.periodic, pixel));
 }
 
-TEST(SectionOfVolume, ReadsVoxelsAtTheirCentres) {
+TEST(SectionOfVolume, ReadsVoxelsAtTheirCenters) {
   const Volume v = block_volume({2, 2, 2});
   const VolumeSection s = cut(v, "z", 3.5 * voxel, voxel);
   ASSERT_EQ(s.image.width, n);
@@ -150,7 +150,7 @@ TEST(SectionOfVolume, NodeTakesAVolumeAndOnlyThat) {
 }
 
 // A solid texture has no particles, so there is no warning about missing ones.
-TEST(SectionOfVolume, OfColoursAloneThereIsNothingToWarnOf) {
+TEST(SectionOfVolume, OfColorsAloneThereIsNothingToWarnOf) {
   Volume v = block_volume({2, 2, 2});
   v.grids.resize(1);
   const auto run = test::run_node("Section", {{"volume", Value::of(v)}});

@@ -135,11 +135,11 @@ inline DrawnSection draw_section(const DrawnOptions& o) {
   for (std::size_t i = 0; i < out.image.pixels.size(); ++i) {
     Random noise(o.seed, 33, i);
     Vec3f shown = o.signal ? out.image.pixels[i] : linear_to_srgb(out.image.pixels[i]);
-    const bool grey = (o.binder.array() == o.binder[0]).all();
+    const bool gray = (o.binder.array() == o.binder[0]).all();
     float n = static_cast<float>(noise.normal());
     for (int k = 0; k < 3; ++k) {
       shown[k] = std::clamp(shown[k] + o.noise * n, 0.0f, 1.0f);
-      if (!grey) n = static_cast<float>(noise.normal());
+      if (!gray) n = static_cast<float>(noise.normal());
     }
     out.image.pixels[i] = srgb_to_linear(shown);
   }

@@ -43,7 +43,7 @@ const std::vector<Vec3f> seven = {{0.1f, 0.05f, 0.03f}, {0.45f, 0.2f, 0.05f}, {0
                                   {0.93f, 0.92f, 0.9f}, {0.3f, 0.3f, 0.28f},  {0.2f, 0.3f, 0.2f},
                                   {0.6f, 0.35f, 0.05f}};
 
-void grey(DrawnOptions& o, float particle, float binder) {
+void gray(DrawnOptions& o, float particle, float binder) {
   o.palette = {Vec3f::Constant(particle)};
   o.binder = Vec3f::Constant(binder);
   o.signal = true;
@@ -60,14 +60,14 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"small", [](DrawnOptions& o) { o.spacing = 22, o.gap = 5; }},
         Case{"tiny_and_dense", [](DrawnOptions& o) { o.spacing = 14, o.gap = 4; }, 0.04},
         Case{"tiny_and_sparse", [](DrawnOptions& o) { o.spacing = 14, o.gap = 4, o.keep = 0.4; }, 0.04},
-        Case{"seven_colours_one_near_the_binder", [](DrawnOptions& o) { o.palette = seven, o.keep = 0.6; }},
-        Case{"seven_colours_mottled",
+        Case{"seven_colors_one_near_the_binder", [](DrawnOptions& o) { o.palette = seven, o.keep = 0.6; }},
+        Case{"seven_colors_mottled",
              [](DrawnOptions& o) { o.palette = seven, o.keep = 0.6, o.mottle = 0.05f, o.noise = 0.01f; }},
-        Case{"grey_of_low_contrast", [](DrawnOptions& o) { grey(o, 0.3f, 0.2f), o.mottle = 0.02f; }},
-        Case{"grey_of_low_contrast_noisy", [](DrawnOptions& o) { grey(o, 0.3f, 0.2f), o.noise = 0.02f; }},
-        Case{"light_in_dark_blurred", [](DrawnOptions& o) { grey(o, 0.5f, 0.03f), o.blur = 1.5f; }, 0.04,
+        Case{"gray_of_low_contrast", [](DrawnOptions& o) { gray(o, 0.3f, 0.2f), o.mottle = 0.02f; }},
+        Case{"gray_of_low_contrast_noisy", [](DrawnOptions& o) { gray(o, 0.3f, 0.2f), o.noise = 0.02f; }},
+        Case{"light_in_dark_blurred", [](DrawnOptions& o) { gray(o, 0.5f, 0.03f), o.blur = 1.5f; }, 0.04,
              0.9},
-        Case{"dark_in_light_thin", [](DrawnOptions& o) { grey(o, 0.04f, 0.6f), o.gap = 3.5; }},
+        Case{"dark_in_light_thin", [](DrawnOptions& o) { gray(o, 0.04f, 0.6f), o.gap = 3.5; }},
         Case{"uneven_light", [](DrawnOptions& o) { o.light = 0.5f, o.keep = 0.7; }}),
     [](const testing::TestParamInfo<Case>& info) { return std::string(info.param.name); });
 

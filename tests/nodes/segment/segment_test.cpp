@@ -96,7 +96,7 @@ TEST(Segment, TouchingDiscsArePartedAtTheirNeck) {
   EXPECT_NEAR(sum, truth, 0.01 * truth);
 }
 
-TEST(Segment, TouchingDiscsOfTwoColoursAreParted) {
+TEST(Segment, TouchingDiscsOfTwoColorsAreParted) {
   Image image(160, 160, 1, 1, test::binder_light);
   test::draw(image, {60, 80, 30}, {0.25f, 0.1f, 0.05f});
   test::draw(image, {95, 80, 14}, {0.01f, 0.01f, 0.012f});  // deep in the first one: no neck separates them
@@ -139,7 +139,7 @@ TEST(Segment, BinderHintChoosesTheSide) {
   EXPECT_LT(segment::segment(image, options, {}).profiles.profiles[0].color[0], 0.1f);
 }
 
-TEST(Segment, ColourClasses) {
+TEST(Segment, ColorClasses) {
   const auto discs = test::scatter(256, 256, 24, 9, 20, 9);
   const Image image = test::picture(256, 256, discs);
   SegmentOptions options;
@@ -184,7 +184,7 @@ TEST(Segment, LabelsInputIsMeasured) {
   EXPECT_DOUBLE_EQ(profiles.observed_area, 80 * 64 * 0.25);
   EXPECT_EQ(run.output<Table>("binder").rows.size(), 1u);
   labels.width = 64, labels.height = 80;
-  EXPECT_EQ(code_of([&] { measure_labels(image, labels, {}, {}); }), "unequal-size");
+  EXPECT_EQ(code_of([&] { measure_labels(image, labels, {}, {}); }), "size-mismatch");
 }
 
 TEST(Segment, StackOfSections) {
@@ -218,9 +218,8 @@ TEST(Segment, SameBitsForAnyNumberOfThreads) {
 TEST(Segment, BadInput) {
   EXPECT_EQ(code_of([] { segment::segment(Image(), {}, {}); }), "empty-image");
   EXPECT_EQ(code_of([] { segment::segment(Image(64, 64, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }),
-            "one-colour");
-  EXPECT_EQ(code_of([] { segment::segment(Image(1, 1, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }),
-            "one-colour");
+            "one-color");
+  EXPECT_EQ(code_of([] { segment::segment(Image(1, 1, 1, 1, Vec3f::Constant(0.4f)), {}, {}); }), "one-color");
   Image nan = test::picture(64, 64, {{30, 30, 12}});
   nan.at(3, 4)[2] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(code_of([&] { segment::segment(nan, {}, {}); }), "bad-pixels");
@@ -235,7 +234,7 @@ TEST(Segment, BadInput) {
     Image tiny(w, h, 1, 1, Vec3f::Constant(0.6f));
     tiny.at(w / 2, h / 2) = Vec3f::Constant(0.1f);
     const std::string code = code_of([&] { segment::segment(tiny, {}, {}); });
-    EXPECT_TRUE(code == "" || code == "no-particles" || code == "one-colour")
+    EXPECT_TRUE(code == "" || code == "no-particles" || code == "one-color")
         << w << " × " << h << ": " << code;
   }
   Labels none;

@@ -5,7 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/shapes.h"
 #include "nodes/shape/closed_form.h"
 #include "nodes/shape/rock.h"

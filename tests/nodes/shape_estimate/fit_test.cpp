@@ -8,8 +8,8 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/common/stereology/random_sections.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/solids.h"
 #include "nodes/shape/stones.h"
 #include "nodes/shape_estimate/body_family.h"
@@ -106,7 +106,7 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   for (int kind = 0; kind < 3; ++kind) {
     const auto family = kind == 0   ? deformed_bodies(start, 1)
                         : kind == 1 ? cut_bodies(start, 1)
-                                    : modelled_bodies(1, 7);
+                                    : modeled_bodies(1, 7);
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       Random r(seed, 4);
       Eigen::VectorXd x(family->dimensions());
@@ -122,9 +122,9 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   }
 }
 
-TEST(ShapeEstimateFit, ModelledBodiesDoNotPassThroughThemselves) {
+TEST(ShapeEstimateFit, ModeledBodiesDoNotPassThroughThemselves) {
   for (int guess = 0; guess < 24; ++guess) {
-    const auto family = modelled_bodies(1, guess);
+    const auto family = modeled_bodies(1, guess);
     const Mesh m = family->body(Eigen::VectorXd::Zero(family->dimensions()));
     EXPECT_EQ(self_intersections(m), 0) << guess;
     EXPECT_NEAR(mesh_volume(m), 4 * std::numbers::pi / 3, 1e-9);
@@ -132,8 +132,8 @@ TEST(ShapeEstimateFit, ModelledBodiesDoNotPassThroughThemselves) {
 }
 
 // A body with triangles that face its centroid is not star-shaped about it.
-TEST(ShapeEstimateFit, ModelledBodiesBendBeyondStars) {
-  const auto family = modelled_bodies(1, 0);
+TEST(ShapeEstimateFit, ModeledBodiesBendBeyondStars) {
+  const auto family = modeled_bodies(1, 0);
   for (const double turn : {0.0, 8.0}) {
     Eigen::VectorXd x = Eigen::VectorXd::Zero(family->dimensions());
     x[0] = 4, x[x.size() - 2] = turn;  // elongated, with its long axis bent

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
 #include "nodes/shape/rock.h"
@@ -44,15 +44,15 @@ TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     RockOptions o;
     o.seed = seed, o.roughness = 0, o.chips = 0;
-    const auto s = shape_metrics::summarise(one(rock_mesh(o)), SectionKind::Random, {300, seed, {}});
+    const auto s = shape_metrics::summarize(one(rock_mesh(o)), SectionKind::Random, {300, seed, {}});
     EXPECT_NEAR(s.mean[1], 2 * pi, 0.02);
     EXPECT_GT(s.mean[static_cast<std::size_t>(OutlineFeature::Convexity)], 0.999);
   }
 }
 
-TEST(ShapeMetrics, SectionsOfACubeThroughItsCentre) {
+TEST(ShapeMetrics, SectionsOfACubeThroughItsCenter) {
   // Squares, rectangles up to 1 × √2, and hexagons in between.
-  const auto s = shape_metrics::summarise(one(box_mesh({1, 1, 1})), SectionKind::Central, {4000, 1, {}});
+  const auto s = shape_metrics::summarize(one(box_mesh({1, 1, 1})), SectionKind::Central, {4000, 1, {}});
   EXPECT_GT(s.mean[0], 1.0 / 17.5);
   EXPECT_LT(s.mean[0], std::sqrt(3.0) / 24);
   EXPECT_NEAR(s.mean[6], 1, 0.3);

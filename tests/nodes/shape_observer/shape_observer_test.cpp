@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/table.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/image.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shape/solids.h"

@@ -23,15 +23,15 @@ TEST(ShapeStudy, ScreensAreAsThePaperHasThem) {
   std::map<std::string, int> count;
   for (const auto& s : screens) {
     ++count[s.shape + "/" + s.method + "/" + s.decoy];
-    const auto& original = kStimuli[static_cast<std::size_t>(s.centre.stimulus)];
+    const auto& original = kStimuli[static_cast<std::size_t>(s.center.stimulus)];
     EXPECT_EQ(original.method, "original");
     EXPECT_EQ(original.shape, s.shape);
     const auto& same = s.decoy == "left" ? s.right : s.left;
-    EXPECT_EQ(same.stimulus, s.centre.stimulus);
-    EXPECT_NE(same.section, s.centre.section);
+    EXPECT_EQ(same.stimulus, s.center.stimulus);
+    EXPECT_NE(same.section, s.center.section);
     if (s.decoy == "none") {
-      EXPECT_EQ(s.right.stimulus, s.centre.stimulus);
-      EXPECT_NE(s.right.section, s.centre.section);
+      EXPECT_EQ(s.right.stimulus, s.center.stimulus);
+      EXPECT_NE(s.right.section, s.center.section);
       EXPECT_NE(s.right.section, s.left.section);
     } else {
       const auto& decoy = s.decoy == "left" ? s.left : s.right;
@@ -71,7 +71,7 @@ TEST(ShapeStudy, WritesAFolder) {
   std::ifstream in(folder / "study/key.csv");
   std::string line;
   std::getline(in, line);
-  EXPECT_EQ(line, "screen,shape,method,decoy,left,centre,right");
+  EXPECT_EQ(line, "screen,shape,method,decoy,left,center,right");
 }
 
 TEST(ShapeStudy, BadInputIsNamed) {

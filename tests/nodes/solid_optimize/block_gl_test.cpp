@@ -82,14 +82,14 @@ TEST_F(SolidGl, MakesTheSameBlocks) {
 TEST_F(SolidGl, TakesTwoExemplarsMasksAndGreyAndKeepsSources) {
   so::SolidSettings s = small(Vec3i(32, 32, 32));
   s.sources = true, s.plane = {0, -1, 1};
-  Image grey = test::blobs(48, 48, 7, 12), other = test::blobs(64, 56, 7, 3);
-  for (auto* image : {&grey, &other})
+  Image gray = test::blobs(48, 48, 7, 12), other = test::blobs(64, 56, 7, 3);
+  for (auto* image : {&gray, &other})
     for (auto& p : image->pixels) p = Vec3f::Constant(p.mean());
   so::SolidExemplar masked = test::exemplar_of(other);
   masked.usable.assign(masked.pixels.size(), 1);
   for (int i = 0; i < 56; ++i)
     for (int x = 45; x < 64; ++x) masked.usable[static_cast<std::size_t>(i) * 64 + x] = 0;
-  EXPECT_LT(difference({test::exemplar_of(grey), masked}, s), 0.01);
+  EXPECT_LT(difference({test::exemplar_of(gray), masked}, s), 0.01);
 }
 
 TEST_F(SolidGl, StopsWhenCancelled) {

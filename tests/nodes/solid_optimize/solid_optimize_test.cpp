@@ -61,7 +61,7 @@ TEST(SolidOptimize, GivesAVoxelForEachPixelOfAnySize) {
     for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite((*it)[c]) && (*it)[c] >= 0);
 }
 
-TEST(SolidOptimize, HasTheExemplarsColours) {
+TEST(SolidOptimize, HasTheExemplarsColors) {
   const Image e = blobs(64, 64, 9, 2);
   const auto r = solid(e);
   Vec3 mean = Vec3::Zero(), wanted = Vec3::Zero(), square = Vec3::Zero(), wanted_square = Vec3::Zero();
@@ -76,7 +76,7 @@ TEST(SolidOptimize, HasTheExemplarsColours) {
   EXPECT_LT(r.metrics.at("histogram_distance"), 0.05);
 }
 
-TEST(SolidOptimize, SectionsLookMoreLikeTheExemplarThanNoiseOfItsColours) {
+TEST(SolidOptimize, SectionsLookMoreLikeTheExemplarThanNoiseOfItsColors) {
   namespace so = solids;
   const Image e = blobs(64, 64, 7, 3);
   so::SolidSettings s;
@@ -251,14 +251,14 @@ TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
   EXPECT_GT(used, 0.5 * forecast);
 }
 
-TEST(SolidOptimize, GreyAndLinearAreTakenToo) {
-  Image grey = blobs(48, 48, 7, 12);
-  for (auto& p : grey.pixels) p = Vec3f::Constant(p.mean());
-  const auto r = solid(grey, {{"size", "24"}, {"color", "linear"}});
+TEST(SolidOptimize, GrayAndLinearAreTakenToo) {
+  Image gray = blobs(48, 48, 7, 12);
+  for (auto& p : gray.pixels) p = Vec3f::Constant(p.mean());
+  const auto r = solid(gray, {{"size", "24"}, {"color", "linear"}});
   for (auto it = colors(r).cbeginValueOn(); it; ++it) ASSERT_NEAR((*it)[0], (*it)[2], 1e-3);
 }
 
-TEST(SolidOptimize, ThePapersRecipeGivesASolidOfTheExemplarsColours) {
+TEST(SolidOptimize, ThePapersRecipeGivesASolidOfTheExemplarsColors) {
   const auto r = solid(blobs(32, 32, 7, 13),
                        {{"method", "reference"}, {"size", "16"}, {"iterations", "[3, 2]"}, {"levels", "2"}});
   Vec3 mean = Vec3::Zero();

@@ -48,7 +48,7 @@ std::set<std::uint32_t> pixels(const std::vector<std::uint32_t>& v) {
   return out;
 }
 
-TEST(Footprint, IsWhatItsCentresSay) {
+TEST(Footprint, IsWhatItsCentersSay) {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     Random r(seed, 5);
     const Vec2 a(r.uniform(-5, 35), r.uniform(-5, 25)),
@@ -115,7 +115,7 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
 }
 
 // Painted pixels encode to the levels counted in the matrix; their colors are the region's.
-TEST(TextureNib, PaintedColoursHaveTheirLevel) {
+TEST(TextureNib, PaintedColorsHaveTheirLevel) {
   const Image picture = pattern("marble", 64);
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches}) {
     Nib nib = nib_on(picture, {0, 0, 64, 30}, finish);

@@ -70,7 +70,7 @@ TEST(UnfoldFewProfiles, GiveADistributionOrSayHowManyAreNeeded) {
 }
 
 // Two colors, one of them with only two profiles; profiles of equal size; the other methods.
-TEST(UnfoldFewProfiles, MayBeOfOneSizeOrOfSeveralColours) {
+TEST(UnfoldFewProfiles, MayBeOfOneSizeOrOfSeveralColors) {
   for (const std::size_t n : {3u, 5u, 17u})
     for (std::uint64_t seed = 1; seed <= 2; ++seed)
       for (const char* method : {"em", "nnls"}) {

@@ -96,7 +96,7 @@ TEST(Unfold, IntervalsEncloseTheEstimateAndShrink) {
   EXPECT_LT(width[1], 0.5 * width[0]);
 }
 
-TEST(Unfold, ColourClassesAreUnfoldedEachOnItsOwn) {
+TEST(Unfold, ColorClassesAreUnfoldedEachOnItsOwn) {
   Profiles p = section(5, 10, 0.001, 4e5, 3);
   p.classes = 2;
   for (std::size_t i = 0; i < p.profiles.size(); ++i) p.profiles[i].cls = i % 4 == 0;
@@ -321,7 +321,7 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
   d.class_edges = {1, 2, 4};
   d.shapes.resize(2);
   d.shapes[0].N_V = {2, 0}, d.shapes[1].N_V = {1, 1};
-  const SizeSummary s = summarise(d);
+  const SizeSummary s = summarize(d);
   EXPECT_NEAR(s.N_V, 4, 1e-12);
   EXPECT_NEAR(s.mean, (3 * 1.5 + 3) / 4, 1e-12);
   EXPECT_NEAR(s.median, 1 + 2.0 / 3, 1e-12);
@@ -338,11 +338,11 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
     const double x = (i + 0.5) * 0.01;
     d.shapes[0].N_V.push_back(std::exp(-0.5 * std::pow(std::log(x / 3) / 0.4, 2)) / x);
   }
-  const SizeSummary l = summarise(d);
+  const SizeSummary l = summarize(d);
   EXPECT_NEAR(l.geometric_mean, 3, 0.005);
   EXPECT_NEAR(std::log(l.geometric_sd), 0.4, 0.002);
   EXPECT_NEAR(l.d50, 3 * std::exp(3 * 0.16), 0.03);  // Hatch and Choate 1929
-  EXPECT_EQ(summarise({}).N_V, 0);
+  EXPECT_EQ(summarize({}).N_V, 0);
 }
 
 TEST(Unfold, SameBitsOnAnyNumberOfThreads) {

@@ -102,7 +102,7 @@ TEST(Detail, TilesInTheBox) {
   EXPECT_GT(inside, 0.1);
 }
 
-TEST(Detail, IsAddedEverywhereAndMakesColoursDense) {
+TEST(Detail, IsAddedEverywhereAndMakesColorsDense) {
   const Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 0.8);
   const Volume v = noise(16, 0.1);
   const Shapes shapes = test::shapes_of(test::cube_mesh());

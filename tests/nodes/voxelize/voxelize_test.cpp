@@ -148,7 +148,7 @@ TEST(Voxelize, SurfaceIsTheDistance) {
   }
 }
 
-TEST(Voxelize, ColoursMixByCoverage) {
+TEST(Voxelize, ColorsMixByCoverage) {
   const Particles p = one_particle(Vec3::Constant(2), Vec3(1, 1, 1), 1.05);
   const Made m = make(p, shapes_of(cube_mesh()), {20});
   const auto density = m.values<FloatGrid>("density");

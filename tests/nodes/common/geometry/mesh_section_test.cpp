@@ -8,8 +8,8 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/convex_hull.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/common/geometry/shape_measures.h"
 #include "nodes/common/stereology/profile_sweep.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -274,7 +274,7 @@ TEST(MaxSection, NoSliceIsLarger) {
   }
 }
 
-TEST(MeasureShape, CentresAndRefuses) {
+TEST(MeasureShape, CentersAndRefuses) {
   const Shape s = measure_shape("cube", unit_cube(), 0.5);
   EXPECT_NEAR(mesh_centroid(s.mesh).norm(), 0, 1e-12);
   EXPECT_EQ(s.probability, 0.5);
@@ -299,12 +299,12 @@ TEST(MeasureShape, ProbabilitiesSumToOne) {
   Shapes shapes;
   shapes.shapes.resize(2);
   shapes.shapes[0].probability = 3, shapes.shapes[1].probability = 1;
-  normalise_probabilities(shapes);
+  normalize_probabilities(shapes);
   EXPECT_DOUBLE_EQ(shapes.shapes[0].probability, 0.75);
   shapes.shapes[0].probability = -1;
-  EXPECT_THROW(normalise_probabilities(shapes), Error);
+  EXPECT_THROW(normalize_probabilities(shapes), Error);
   shapes.shapes[0].probability = shapes.shapes[1].probability = 0;
-  EXPECT_THROW(normalise_probabilities(shapes), Error);
+  EXPECT_THROW(normalize_probabilities(shapes), Error);
 }
 
 }  // namespace

@@ -107,10 +107,10 @@ TEST(ImageFile, DitherKeepsTheMeanBetweenLevels) {
   EXPECT_NEAR(sum / (64 * 64) * 255, 100.3, 0.03);
 }
 
-TEST(ImageFile, GreyAlphaAndOrientation) {
+TEST(ImageFile, GrayAlphaAndOrientation) {
   const auto folder = test::temporary_folder();
-  write_raw(folder / "grey.png", 2, 1, 1, {0, 255});
-  EXPECT_EQ(read_image(folder / "grey.png").at(1, 0), Vec3f(1, 1, 1));
+  write_raw(folder / "gray.png", 2, 1, 1, {0, 255});
+  EXPECT_EQ(read_image(folder / "gray.png").at(1, 0), Vec3f(1, 1, 1));
   write_raw(folder / "alpha.png", 1, 1, 4, {255, 128, 0, 51});
   const Vec3f over_black = read_image(folder / "alpha.png").at(0, 0);
   EXPECT_NEAR(over_black[0], 0.2, 1e-6);

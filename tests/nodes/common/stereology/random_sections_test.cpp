@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
 #include "runtime/random.h"

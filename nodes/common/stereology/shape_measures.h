@@ -17,6 +17,6 @@ Shape measure_shape(std::string name, Mesh mesh, double probability = 1, const W
 
 // Divides the probabilities by their sum. Throws Error "bad-probabilities" if one is negative or all are
 // zero.
-void normalise_probabilities(Shapes&);
+void normalize_probabilities(Shapes&);
 
 }  // namespace terrazzo

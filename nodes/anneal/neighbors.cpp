@@ -1,4 +1,4 @@
-#include "nodes/anneal/neighbours.h"
+#include "nodes/anneal/neighbors.h"
 
 #include <algorithm>
 #include <cmath>

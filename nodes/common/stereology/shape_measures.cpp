@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/shape_measures.h"
+#include "nodes/common/stereology/shape_measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -115,7 +115,7 @@ Shape measure_shape(std::string name, Mesh mesh, double probability, const Work&
   return shape;
 }
 
-void normalise_probabilities(Shapes& shapes) {
+void normalize_probabilities(Shapes& shapes) {
   double sum = 0;
   for (const Shape& s : shapes.shapes) {
     if (!(s.probability >= 0) || !std::isfinite(s.probability))
