@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include "graph/raw_document.h"
+#include "runtime/codec.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
 #include "tests/support/all_nodes.h"
@@ -53,7 +54,7 @@ NodeRun run_node(const std::string& type_name, const std::multimap<std::string, 
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] { result = compute_node(std::move(request)); });
   for (const auto& [port, value] : result.outputs) {  // as every run does, to hash it
-    Writer bytes;
+    BufferWriter bytes;
     value.type().encode(value.data(), bytes);
   }
   return {std::move(result.outputs), std::move(result.metrics), std::move(result.warnings)};
