@@ -1,5 +1,6 @@
 #include "graph/registry.h"
 
+#include <algorithm>
 #include <set>
 
 #include "graph/diagnostic.h"
@@ -30,6 +31,14 @@ void check_declaration(const NodeType& t) {
   for (const auto& p : t.parameters) {
     demand(parameters.insert(p.name).second && !p.doc.empty(), t,
            "parameter '" + p.name + "' is duplicate or undocumented");
+    const auto is_word = [&](const std::string& w) {
+      return std::count(p.choices.begin(), p.choices.end(), w) +
+                 std::count(p.keywords.begin(), p.keywords.end(), w) >
+             0;
+    };
+    for (const auto& [former, word] : p.former_words)
+      demand(is_word(word) && !is_word(former), t,
+             "parameter '" + p.name + "' replaces '" + former + "' by '" + word + "', which is not possible");
     std::string why;
     if (p.value && p.kind != ParameterKind::Color) {
       WrittenValue w;

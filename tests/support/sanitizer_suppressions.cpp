@@ -9,6 +9,7 @@ extern "C" const char* __tsan_default_suppressions() {
          "race:libembree\n"
          "race:libopenvdb\n"
          "race:libOpenImageIO\n"
+         "race:libOpenEXR\n"
          "race:libtbb\n"
          "race:swrast_dri\n";
 }
