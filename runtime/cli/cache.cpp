@@ -7,6 +7,7 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/report.h"
 
 namespace terrazzo::cli {
@@ -73,8 +74,12 @@ void add_cache(CLI::App& app, const Program& program, int& exit_code) {
       add("verify",
           "Check every entry, recompute a random sample and compare; remove damaged or differing entries",
           [o, &program, &exit_code](const fs::path& folder) { exit_code = verify(program, folder, *o); });
-  sub->add_option("--sample", o->sample, "Number of entries to recompute")->capture_default_str();
-  sub->add_option("--seed", o->seed, "Random seed of the sample")->capture_default_str();
+  sub->add_option("--sample", o->sample, "Number of entries to recompute")
+      ->type_name(placeholder::number)
+      ->capture_default_str();
+  sub->add_option("--seed", o->seed, "Random seed of the sample")
+      ->type_name(placeholder::number)
+      ->capture_default_str();
   add("gc", "Remove leftover files and, above --cache-limit, the least valuable entries",
       [o](const fs::path& folder) { print_collected(collect_cache(folder, o->cache_limit)); });
   add("clear", "Remove all entries", [](const fs::path& folder) { clear_cache(folder); });

@@ -7,8 +7,10 @@
 
 namespace terrazzo::cli {
 
-// Adds GRAPH and the options that several commands share.
-void add_graph_options(CLI::App&, GraphOptions&);
+// Adds GRAPH and the options that several commands share. Returns GRAPH, which is required.
+CLI::Option* add_graph_options(CLI::App&, GraphOptions&);
+// NODE.PARAM=VALUE, repeatable.
+void add_set_option(CLI::App&, GraphOptions&);
 void add_cache_options(CLI::App&, GraphOptions&);
 void add_run_options(CLI::App&, GraphOptions&);  // cache options, --out, --threads, --memory
 
@@ -23,6 +25,8 @@ void add_schema(CLI::App&, const Program&, int& exit_code);
 void add_sweep(CLI::App&, const Program&, int& exit_code);
 void add_cache(CLI::App&, const Program&, int& exit_code);
 void add_reproduce(CLI::App&, const Program&, int& exit_code);
+void add_completion(CLI::App&);
+void add_manual(CLI::App&);  // of this app
 
 // Prints the plan of a run; shared by `explain` and `run --dry-run`.
 void print_plan(Session&, const GraphOptions&, bool reasons);

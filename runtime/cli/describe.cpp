@@ -10,6 +10,7 @@
 
 #include "graph/nearest.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/reference.h"
 
 namespace terrazzo::cli {
@@ -22,6 +23,7 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
   auto o = std::make_shared<Options>();
   add_graph_options(*command, *o);
   command->add_option("--format", o->format, "Output format: dot, svg or mermaid")
+      ->type_name("FORMAT")
       ->check(CLI::IsMember({"dot", "svg", "mermaid"}))
       ->capture_default_str();
   command->callback([o, &program, &exit_code] {
@@ -94,14 +96,16 @@ int nodes(const Program& program, const NodesCommand& o) {
 void add_nodes(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand("nodes", "List all node types, or describe a node type or a graph file");
   auto o = std::make_shared<NodesCommand>();
-  command->add_option("type", o->type, "Node type or graph file to describe");
+  command->add_option("type", o->type, "Node type or graph file to describe")
+      ->type_name(placeholder::node_type);
   auto* json = command->add_flag("--json", o->json, "Print JSON");
   command->add_flag("--markdown", o->markdown, "Print Markdown")->excludes(json);
-  auto* out =
-      command->add_option("--out", o->out, "Write a reference page for each node type to this folder");
+  auto* out = command->add_option("--out", o->out, "Write a reference page for each node type to this folder")
+                  ->type_name(placeholder::folder);
   command
       ->add_option("--examples", o->examples,
                    "Folder with a subfolder per node type that contains its example.yaml")
+      ->type_name(placeholder::folder)
       ->needs(out);
   command->add_flag("--pictures", o->pictures, "Run the examples and write their pictures")->needs(out);
   command->callback([o, &program, &exit_code] { exit_code = nodes(program, *o); });

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/report.h"
 
 namespace terrazzo::cli {
@@ -63,6 +64,7 @@ void add_explain(CLI::App& app, const Program& program, int& exit_code) {
       ->add_option("--target", o->targets,
                    "Node to explain: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
                    "nodes that write files, and nodes without consumers)")
+      ->type_name(placeholder::target)
       ->take_all()
       ->expected(1);
   command->callback([o, &program, &exit_code] {

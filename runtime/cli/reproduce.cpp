@@ -11,6 +11,7 @@
 #include "graph/raw_document.h"
 #include "graph/write_graph.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
@@ -248,15 +249,16 @@ void add_reproduce(CLI::App& app, const Program& program, int& exit_code) {
       "Show the graph that made a file and the files it reads and writes, and rerun it after confirmation");
   auto o = std::make_shared<ReproduceCommand>();
   o->out = "reproduced";
-  command->add_option("file", o->file, "A file that terrazzo wrote, or its report.json")->required();
-  command->add_option("--set", o->set, "Override a node's parameter: NODE.PARAM=VALUE (repeatable)")
-      ->take_all()
-      ->expected(1);
+  command->add_option("file", o->file, "A file that terrazzo wrote, or its report.json")
+      ->type_name(placeholder::file)
+      ->required();
+  add_set_option(*command, *o);
   add_run_options(*command, *o);
   command
       ->add_option("--allow-read", o->allow_read,
                    "Folder whose files the graph may read, in addition to files with the recorded content "
                    "(repeatable)")
+      ->type_name(placeholder::folder)
       ->take_all()
       ->expected(1);
   command->add_flag("--yes", o->yes, "Run without asking for confirmation");

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/default_graph.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
@@ -29,6 +31,14 @@ void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResu
     const Value v = evaluator.value(graph, result, o.wire);
     std::cout << '\n' << o.name << ":\n" << readable("Table", v.type().describe(v.data()));
   }
+}
+
+void choose_default_graph(RunCommand& o) {
+  o.graph = default_graph().string();
+  if (o.graph.empty())
+    throw Error("usage", "no graph is given, and the default graph is not installed with this program",
+                "name a graph file: terrazzo run GRAPH");
+  if (!o.quiet) std::cout << "no graph given: using " << o.graph << "; output folder: " << o.out << std::endl;
 }
 
 int run(const Program& program, const RunCommand& o) {
@@ -75,21 +85,31 @@ int run(const Program& program, const RunCommand& o) {
 void add_run(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand("run", "Evaluate a graph");
   auto o = std::make_shared<RunCommand>();
-  add_graph_options(*command, *o);
+  auto* graph =
+      add_graph_options(*command, *o)
+          ->required(false)
+          ->description(
+              "Graph file (YAML; default: the terrazzo material that is installed with the program)");
   add_run_options(*command, *o);
   command
       ->add_option("--target", o->targets,
                    "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
                    "nodes that write files, and nodes without consumers)")
+      ->type_name(placeholder::target)
       ->take_all()
       ->expected(1);
-  command->add_option("--report", o->report,
-                      "Write a JSON report to this file (default: report.json in the output folder, if the "
-                      "run wrote files there)");
+  command
+      ->add_option("--report", o->report,
+                   "Write a JSON report to this file (default: report.json in the output folder, if the "
+                   "run wrote files there)")
+      ->type_name(placeholder::file);
   command->add_flag("--dry-run", o->dry_run,
                     "Show which nodes would run and how long they took before, without running them");
   command->add_flag("--quiet", o->quiet, "Print errors only");
-  command->callback([o, &program, &exit_code] { exit_code = run(program, *o); });
+  command->callback([o, graph, &program, &exit_code] {
+    if (graph->count() == 0) choose_default_graph(*o);
+    exit_code = run(program, *o);
+  });
 }
 
 }  // namespace terrazzo::cli

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/cli/write_value.h"
@@ -67,11 +68,14 @@ void add_show(CLI::App& app, const Program& program, int& exit_code) {
   auto* command = app.add_subcommand("show", "Evaluate one output and print its value");
   auto o = std::make_shared<ShowOptions>();
   add_graph_options(*command, *o);
-  command->add_option("output", o->target, "NODE.PORT or a graph output")->required();
+  command->add_option("output", o->target, "NODE.PORT or a graph output")
+      ->type_name(placeholder::output)
+      ->required();
   add_run_options(*command, *o);
   command->add_flag("--json", o->json, "Print JSON");
   command->add_flag("--quiet", o->quiet, "Print errors only");
-  command->add_option("-o,--output", o->file, "Write the value to this file instead of printing it");
+  command->add_option("-o,--output", o->file, "Write the value to this file instead of printing it")
+      ->type_name(placeholder::file);
   command->callback([o, &program, &exit_code] { exit_code = show(program, *o); });
 }
 

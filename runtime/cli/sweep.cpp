@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
 #include "runtime/cli/report.h"
 #include "runtime/cli/write_value.h"
 #include "runtime/files.h"
@@ -211,6 +212,7 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
           "--vary", o->vary,
           "Values of a parameter: NODE.PARAM=A,B,C or NODE.PARAM=LO:HI:STEP, or NAME=... for a graph "
           "parameter (repeatable)")
+      ->type_name(placeholder::varied_setting)
       ->required()
       ->take_all()
       ->expected(1);
@@ -219,15 +221,19 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
       ->add_option("--target", o->targets,
                    "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
                    "nodes that write files, and nodes without consumers)")
+      ->type_name(placeholder::target)
       ->take_all()
       ->expected(1);
   command->add_option("--jobs", o->jobs, "Number of points to run at a time; they share the threads")
+      ->type_name(placeholder::number)
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_option("--executor", o->executor, "Executor that runs the points")
+      ->type_name("EXECUTOR")
       ->check(CLI::IsMember({"local"}))
       ->capture_default_str();
   command->add_option("--preview", o->preview, "Output file of each point to show on the contact sheet")
+      ->type_name(placeholder::file)
       ->capture_default_str();
   command->add_flag("--quiet", o->quiet, "Print errors only");
   command->callback([o, &program, &exit_code] { exit_code = sweep(program, *o); });
