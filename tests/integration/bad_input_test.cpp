@@ -128,7 +128,7 @@ TEST_F(BadInput, CtrlCAtAnyMomentLeavesNothingHalfWritten) {
 TEST_F(BadInput, WrongCommandLines) {
   EXPECT_EQ(run_program({}).exit_code, 2);
   EXPECT_EQ(run_program({"rnu"}).exit_code, 2);
-  EXPECT_EQ(run_program({"run"}).exit_code, 2);
+  EXPECT_EQ(run_program({"check"}).exit_code, 2);
   EXPECT_EQ(run_program({"run", "nowhere.yaml"}).exit_code, 2);
   const auto graph = write("g.yaml", export_graph);
   EXPECT_SAYS(run(graph, {"--set", "rock.sede=3"}), 2, "did you mean 'seed'");

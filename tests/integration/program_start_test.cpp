@@ -28,7 +28,7 @@ TEST(ProgramStart, HelpAndUsageErrorsLoadNoNodes) {
                                                                           {{"paint", "--help"}, 0},
                                                                           {{}, 2},
                                                                           {{"no-such-thing"}, 2},
-                                                                          {{"run"}, 2},
+                                                                          {{"check"}, 2},
                                                                           {{"run", "a.yaml", "--wrong"}, 2},
                                                                           {{"paint"}, 2},
                                                                           {{"cache"}, 2}};
