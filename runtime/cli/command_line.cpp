@@ -74,6 +74,7 @@ int run_command_line(int argc, char** argv, const Program& program) {
   cli::add_reproduce(app, program, exit_code);
   if (program.add_commands) program.add_commands(app, exit_code);
   cli::add_completion(app);
+  cli::add_manual(app);
   // Not a declared command: help does not list it, and its words are not to be parsed.
   if (argc > 1 && std::string_view(argv[1]) == "complete")
     return cli::print_completions(app, program, {argv + 2, argv + argc});

@@ -26,6 +26,7 @@ void add_sweep(CLI::App&, const Program&, int& exit_code);
 void add_cache(CLI::App&, const Program&, int& exit_code);
 void add_reproduce(CLI::App&, const Program&, int& exit_code);
 void add_completion(CLI::App&);
+void add_manual(CLI::App&);  // of this app
 
 // Prints the plan of a run; shared by `explain` and `run --dry-run`.
 void print_plan(Session&, const GraphOptions&, bool reasons);
