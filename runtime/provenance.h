@@ -8,7 +8,7 @@
 
 namespace terrazzo {
 
-inline constexpr const char* program_version = "0.1.0";
+extern const char* const program_version;  // "0.2.0", from CMakeLists.txt
 
 // A JSON object with program, graph, overrides, node type versions and parameters. For each file, the
 // evaluator adds the action keys of the upstream nodes ("keys"), their input files ("files") and a graph that
