@@ -22,26 +22,26 @@ std::string joined(const std::vector<std::string>& parts) {
 
 Mesh solid_from(Context& c, const std::filesystem::path& path, const Work& work) {
   const std::string name = path.filename().string();
-  const bool mend = c.boolean("repair");
+  const bool may_repair = c.boolean("repair");
   Mesh mesh = triangles_of(read_mesh(path, reading_of(c)), work);
   // Some files repeat the vertices for each face (texture seams, some STL writers). Joining equal positions
   // closes them without a repair.
   if (!mesh_faults(mesh).empty() || mesh_volume(mesh) <= 0) {
     Mesh welded = mesh;
     weld(welded, 0);
-    if (mend || mesh_faults(welded).empty()) mesh = std::move(welded);
+    if (may_repair || mesh_faults(welded).empty()) mesh = std::move(welded);
   }
-  if (mend)
+  if (may_repair)
     if (const auto done = repair(mesh, work); !done.empty()) c.warn(name + ": " + joined(done));
   const auto faults = mesh_faults(mesh);
   if (!faults.empty())
     throw Error("open-mesh", fmt::format("{} is not watertight: {}", name, joined(faults)),
-                mend ? "repair could not close it: close it in a mesh editor"
-                     : "set repair: true, or close it in a mesh editor")
+                may_repair ? "repair could not close it: close it in a mesh editor"
+                           : "set repair: true, or close it in a mesh editor")
         .parameter("path");
   if (!(mesh_volume(mesh) > 0))
     throw Error("inside-out", name + " is inside out or encloses no volume",
-                mend ? "use a mesh with a volume" : "set repair: true to flip it")
+                may_repair ? "use a mesh with a volume" : "set repair: true to flip it")
         .parameter("path");
   if (c.keyword("max_triangles").empty())
     reduce_triangles(mesh, static_cast<std::size_t>(c.integer("max_triangles")), work);
