@@ -1,6 +1,7 @@
 #include "tests/support/program.h"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +16,17 @@
 
 namespace terrazzo::test {
 namespace fs = std::filesystem;
+
+namespace {
+// A sanitizer reports on the child's standard error, which most tests don't look at.
+void fail_on_sanitizer_report(const ProgramRun& run) {
+  for (const char* report : {"ThreadSanitizer:", "AddressSanitizer:", "LeakSanitizer:", "runtime error:"})
+    if (run.err.find(report) != std::string::npos) {
+      ADD_FAILURE() << "a sanitizer reports (exit code " << run.exit_code << "):\n" << run.err;
+      return;
+    }
+}
+}  // namespace
 
 ProgramRun run_command(const std::vector<std::string>& command, const ProgramOptions& options) {
   const fs::path base = temporary_folder();
@@ -53,6 +65,7 @@ ProgramRun run_command(const std::vector<std::string>& command, const ProgramOpt
   ProgramRun run;
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   run.out = read_file(out).value_or(""), run.err = read_file(err).value_or("");
+  fail_on_sanitizer_report(run);
   return run;
 }
 
