@@ -7,6 +7,7 @@
 #include "nodes/load_mesh/repair.h"
 
 using namespace terrazzo;
+using namespace load_mesh;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const char* const formats[] = {".off", ".obj", ".ply", ".stl"};

@@ -2,6 +2,7 @@
 #include "nodes/load_profiles/profile_table.h"
 
 using namespace terrazzo;
+using namespace load_profiles;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
