@@ -1,0 +1,12 @@
+// Things in a photograph that are not material: rulers, frames, color charts, captions with scale bars.
+#pragma once
+
+#include "nodes/synthetic_photo/canvas.h"
+#include "runtime/random.h"
+
+namespace terrazzo::synthetic_photo {
+
+// Covers parts of the canvas with none to three objects. `micrograph`: captions and scale bars only.
+void add_objects(Canvas&, bool micrograph, Random&);
+
+}  // namespace terrazzo::synthetic_photo

@@ -1,0 +1,114 @@
+#include "nodes/synthetic_photo/palette.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/noise.h"
+
+namespace terrazzo::synthetic_photo {
+namespace {
+
+Vec3f from_lab(double l, double a, double b) {
+  return oklab_to_linear(Vec3f(static_cast<float>(l), static_cast<float>(a), static_cast<float>(b)))
+      .cwiseMax(0.004f)
+      .cwiseMin(0.95f);
+}
+Vec3f shifted(const Vec3f& color, Random& r, double by) {
+  const Vec3f lab = linear_to_oklab(color);
+  return from_lab(std::clamp(lab[0] + by * r.normal(), 0.08, 0.97), lab[1] + 0.25 * by * r.normal(),
+                  lab[2] + 0.3 * by * r.normal());
+}
+double ramp(double lo, double hi, double v) {
+  const double t = std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+}  // namespace
+
+Vec3f Texture::operator()(const Vec3& p) const {
+  double t = 0;
+  const Vec3 q = p / scale;
+  switch (kind) {
+    case Kind::Plain:
+      break;
+    case Kind::Grain:
+      t = ramp(-0.1, 0.4, turbulence(seed, q * 4, 2));
+      break;
+    case Kind::Blotches:
+      t = ramp(-0.05, 0.25, turbulence(seed, q, 3));
+      break;
+    case Kind::Veins:
+      t = 1 - ramp(0.0, 0.09, std::abs(turbulence(seed, q * 0.6, 3)));
+      break;
+    case Kind::Layers:
+      t = 0.5 + 0.5 * std::sin(6 * (q.x() + 0.5 * turbulence(seed, q * 0.5, 2)));
+      break;
+    case Kind::Cells: {
+      const Cell cell = cellular(seed, q * 2.5);
+      t = ramp(0.3, 0.7, cell.shade);
+      break;
+    }
+  }
+  Vec3f c = color + static_cast<float>(t * strength) * (second - color);
+  if (speckle > 0)
+    c *= static_cast<float>(std::max(0.15, 1 + speckle * 2.2 * noise(seed + 7, p / speckle_scale)));
+  return c;
+}
+
+PhotoPalette::PhotoPalette(Random& r, bool gray) : gray_(gray) {
+  // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
+  vivid_ = r.uniform() < 0.2 ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.1 : 0;
+  chroma_ = r.uniform(0.008, 0.035);
+  ground_ = natural(r, 0.25 * vivid_);
+  const int kinds = 1 + static_cast<int>(r.below(gray ? 3 : 6));
+  for (int i = 0; i < kinds; ++i) kinds_.push_back(natural(r, vivid_));
+  spread_ = r.uniform(0.01, 0.12);
+  liveliness_ = r.uniform() * r.uniform(0.2, 1.0);
+  near_ground_ = r.uniform() < 0.65 ? r.uniform(0, 0.9) : 0;
+  // One kind alone must be told from the ground.
+  if (kinds == 1 && (linear_to_oklab(kinds_[0]) - linear_to_oklab(ground_)).norm() < 0.12f) {
+    Vec3f lab = linear_to_oklab(ground_);
+    lab[0] += lab[0] > 0.5f ? -0.25f : 0.25f;
+    kinds_[0] = from_lab(lab[0], lab[1], lab[2]);
+  }
+}
+
+Vec3f PhotoPalette::natural(Random& r, double vivid) const {
+  const double l = r.uniform(0.22, 0.95);
+  if (gray_) return from_lab(l, 0, 0);
+  if (r.uniform() < vivid) {
+    const double chroma = r.uniform(0.04, 0.16), hue = r.uniform(0, 6.2832);
+    return from_lab(l, chroma * std::cos(hue), chroma * std::sin(hue));
+  }
+  const double chroma = std::abs(r.normal()) * chroma_;
+  const double hue = r.uniform() < 0.7 ? 1.25 + 0.35 * r.normal() : 4.4 + 0.7 * r.normal();
+  return from_lab(l, chroma * std::cos(hue), chroma * std::sin(hue));
+}
+
+Texture PhotoPalette::texture(Random& r, const Vec3f& color, double radius, double liveliness) const {
+  Texture t;
+  t.color = color;
+  t.seed = r.bits();
+  t.second = r.uniform() < 0.75 ? shifted(color, r, 0.12) : natural(r, 0.3 * vivid_);
+  t.kind = r.uniform() < 0.35 ? Texture::Kind::Plain : static_cast<Texture::Kind>(1 + r.below(5));
+  t.scale = std::max(3.0, radius * r.uniform(0.15, 1.2));
+  t.strength = liveliness * r.uniform(0.1, 1);
+  t.speckle = r.uniform() < 0.7 ? liveliness * r.uniform(0, 0.5) : 0;
+  t.speckle_scale = r.uniform(1.2, 6);
+  return t;
+}
+
+Texture PhotoPalette::ground(Random& r) const {
+  Texture t = texture(r, ground_, r.uniform(10, 200), std::max(0.15, liveliness_));
+  t.speckle = std::max(t.speckle, r.uniform(0, 0.35));
+  return t;
+}
+
+Texture PhotoPalette::particle(Random& r, double radius) const {
+  Vec3f base = kinds_[r.below(kinds_.size())];
+  if (r.uniform() < near_ground_) base = base + static_cast<float>(r.uniform(0.4, 0.95)) * (ground_ - base);
+  return texture(r, shifted(base, r, spread_), radius, liveliness_);
+}
+
+}  // namespace terrazzo::synthetic_photo

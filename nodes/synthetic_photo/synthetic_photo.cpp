@@ -1,0 +1,82 @@
+#include "nodes/synthetic_photo/synthetic_photo.h"
+
+#include <algorithm>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/synthetic_photo/light.h"
+#include "nodes/synthetic_photo/objects.h"
+#include "nodes/synthetic_photo/plane_section.h"
+#include "nodes/synthetic_photo/relief.h"
+#include "nodes/synthetic_photo/visible.h"
+
+namespace terrazzo::synthetic_photo {
+namespace {
+
+struct One {
+  Picture picture;
+  std::vector<std::int32_t> labels;
+  std::vector<std::uint8_t> other;
+};
+
+One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work) {
+  Random r(options.seed, 0x9407, number);
+  Scene scene = options.scene;
+  if (scene == Scene::Any) {
+    const double which = r.uniform();
+    scene = which < 0.5 ? Scene::Bank : which < 0.66 ? Scene::Heap : Scene::Section;
+  }
+  const bool flat = scene == Scene::Section;
+  const bool gray = r.uniform() < (flat ? 0.35 : 0.08);
+  const PhotoPalette palette(r, gray);
+  Canvas canvas(2 * options.width, 2 * options.height);
+  if (flat)
+    make_plane_section(canvas, options.fill.value_or(r.uniform(0.05, 0.97)), palette, r, work);
+  else
+    make_relief(canvas,
+                {scene == Scene::Heap,
+                 options.fill.value_or(scene == Scene::Heap ? r.uniform(1, 3) : r.uniform(0.05, 1.1))},
+                palette, r, work);
+  if (options.objects) add_objects(canvas, gray && flat, r);
+  const std::vector<Vec3f> light = shade(canvas, random_light(r, flat), work);
+  One one;
+  one.picture = expose(canvas, light, gray, r);
+  one.labels = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.035);
+  one.other.resize(one.labels.size());
+  for (int y = 0; y < options.height; ++y)
+    for (int x = 0; x < options.width; ++x)
+      one.other[static_cast<std::size_t>(y) * options.width + x] = canvas.other[canvas.at(2 * x, 2 * y)];
+  develop(one.picture, gray, r);
+  return one;
+}
+
+}  // namespace
+
+Photo take_photo(const PhotoOptions& options, const Work& work) {
+  std::vector<One> all(options.pictures);
+  work.parallel(all.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) all[i] = take_one(options, i, work.quiet());
+  });
+  Photo photo;
+  photo.image = Image(options.width, options.height, options.pictures, options.pixel_size);
+  for (Labels* labels : {&photo.labels, &photo.not_material}) {
+    labels->width = options.width, labels->height = options.height, labels->sections = options.pictures;
+    labels->pixel_size = options.pixel_size;
+  }
+  photo.image.pixels.clear();
+  for (const One& one : all) {
+    for (const Vec3f& v : one.picture.pixels) photo.image.pixels.push_back(srgb_to_linear(v));
+    const std::int32_t before = photo.labels.count();
+    std::int32_t count = 0;
+    for (const auto id : one.labels) {
+      photo.labels.ids.push_back(id == 0 ? 0 : id + before);
+      count = std::max(count, id);
+    }
+    photo.labels.classes.resize(before + count, 0);
+    for (const auto o : one.other) photo.not_material.ids.push_back(o);
+  }
+  photo.not_material.classes.assign(
+      std::count(photo.not_material.ids.begin(), photo.not_material.ids.end(), 1) > 0 ? 1 : 0, 0);
+  return photo;
+}
+
+}  // namespace terrazzo::synthetic_photo
