@@ -30,6 +30,13 @@ Error::Error(Diagnostic d) : diagnostic_(std::move(d)), text_(diagnostic_.text()
 Error::Error(std::string code, std::string message, std::string hint)
     : Error(Diagnostic{Severity::Error, std::move(code), std::move(message), std::move(hint), {}, {}, {}}) {}
 
+Error::Error(const Error&) = default;
+Error::Error(Error&&) noexcept = default;
+Error& Error::operator=(const Error&) = default;
+Error& Error::operator=(Error&&) noexcept = default;
+Error::~Error() = default;
+const char* Error::what() const noexcept { return text_.c_str(); }
+
 Error& Error::parameter(std::string name) {
   diagnostic_.parameter = std::move(name);
   text_ = diagnostic_.text();

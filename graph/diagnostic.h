@@ -43,7 +43,13 @@ class Error : public std::exception {
   Error(std::string code, std::string message, std::string hint = {});
   // Names the parameter at fault. The runtime sets the place to where that parameter was set.
   Error& parameter(std::string name);
-  const char* what() const noexcept override { return text_.c_str(); }
+  // Defined once, in diagnostic.cpp, since nearly every file throws errors and would compile them again.
+  Error(const Error&);
+  Error(Error&&) noexcept;
+  Error& operator=(const Error&);
+  Error& operator=(Error&&) noexcept;
+  ~Error() override;
+  const char* what() const noexcept override;
   const Diagnostic& diagnostic() const { return diagnostic_; }
 
  private:

@@ -15,6 +15,13 @@ std::string Port::type_text() const {
   return out;
 }
 
+NodeType::NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
+NodeType::NodeType(const NodeType&) = default;
+NodeType::NodeType(NodeType&&) noexcept = default;
+NodeType& NodeType::operator=(const NodeType&) = default;
+NodeType& NodeType::operator=(NodeType&&) noexcept = default;
+NodeType::~NodeType() = default;
+
 NodeType& NodeType::doc_(std::string text) { return doc = std::move(text), *this; }
 NodeType& NodeType::source_(std::string text) { return source = std::move(text), *this; }
 NodeType& NodeType::input(std::string name, std::string type, std::string doc) {

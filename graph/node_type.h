@@ -42,7 +42,13 @@ struct NodeType {
   void (*check)(const NodeParameters&) = nullptr;
   void (*compute)(Context&) = nullptr;
 
-  NodeType(std::string name, int version) : name(std::move(name)), version(version) {}
+  NodeType(std::string name, int version);
+  // Defined once, in node_type.cpp, since every node returns one and would compile them again.
+  NodeType(const NodeType&);
+  NodeType(NodeType&&) noexcept;
+  NodeType& operator=(const NodeType&);
+  NodeType& operator=(NodeType&&) noexcept;
+  ~NodeType();
   NodeType& doc_(std::string text);
   NodeType& source_(std::string text);
   NodeType& input(std::string name, std::string type, std::string doc);

@@ -39,6 +39,13 @@ const char* name_of(ParameterKind k) {
   return "?";
 }
 
+Parameter::Parameter() = default;
+Parameter::Parameter(const Parameter&) = default;
+Parameter::Parameter(Parameter&&) noexcept = default;
+Parameter& Parameter::operator=(const Parameter&) = default;
+Parameter& Parameter::operator=(Parameter&&) noexcept = default;
+Parameter::~Parameter() = default;
+
 std::string WrittenValue::text() const {
   if (!is_list) return items.empty() ? "" : items[0];
   return fmt::format("[{}]", fmt::join(items, ", "));

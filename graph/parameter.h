@@ -53,6 +53,14 @@ struct Parameter {
   // Former words of choices and keywords with their present ones; accepted like former names.
   std::vector<std::pair<std::string, std::string>> former_words;
 
+  // Defined once, in parameter.cpp, since every node declares parameters and would compile them again.
+  Parameter();
+  Parameter(const Parameter&);
+  Parameter(Parameter&&) noexcept;
+  Parameter& operator=(const Parameter&);
+  Parameter& operator=(Parameter&&) noexcept;
+  ~Parameter();
+
   // Declares in one expression: Parameter::number("min_area", 20).unit_("pixels").range(0, 1e9).doc_("…")
   static Parameter boolean(std::string name, bool value);
   static Parameter integer(std::string name, std::int64_t value);

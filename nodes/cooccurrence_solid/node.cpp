@@ -2,8 +2,8 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/one_or_three.h"
+#include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/cooccurrence_solid/cooccurrence_solid.h"
 #include "nodes/data/table.h"
 #include "runtime/context.h"
@@ -37,14 +37,10 @@ void compute(Context& c) {
   c.metric("error", r.sweeps.back().error);
   const char* names[] = {"error_x", "error_y", "error_z"};
   for (std::size_t a = 0; a < 3; ++a) c.metric(names[a], r.axis_error[a]);
-  initialize_openvdb();
   Volume volume;
   volume.resolution = s.size;
-  volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>("Cd", s.size, image.pixel_size,
-                                                        c.work().part(0.95, 1), [&](std::size_t i) {
-                                                          const Vec3f& v = r.levels.color[r.field.at[i]];
-                                                          return openvdb::Vec3s(v.x(), v.y(), v.z());
-                                                        }));
+  add_vector_grid(volume, "Cd", s.size, image.pixel_size, c.work().part(0.95, 1),
+                  [&](std::size_t i) { return r.levels.color[r.field.at[i]]; });
   c.output("table", descent_table(r.sweeps));
   c.output("volume", std::move(volume));
 }

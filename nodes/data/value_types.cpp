@@ -1,6 +1,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/labels.h"
+#include "nodes/data/opaque_volume.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
@@ -10,10 +11,6 @@
 #include "runtime/value.h"
 
 namespace terrazzo {
-
-struct Volume;  // only declared, since volume.h would include OpenVDB
-template <>
-const ValueType& value_type<Volume>();
 
 void data_value_types(ValueTypes& types) {
   types.add(value_type<Image>());

@@ -1,34 +1,19 @@
-// Volume: named OpenVDB grids in one box. Include only if grids are used, since OpenVDB is slow to compile.
+// Volume and its grids. Include only if grids are read or made, since OpenVDB is slow to compile.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include <string>
-#include <vector>
 
-#include "nodes/data/linear.h"
-#include "runtime/value.h"
+#include "nodes/data/grids.h"
+#include "nodes/data/opaque_volume.h"
 
 namespace terrazzo {
 
-struct Volume {
-  // Resolution of the periodic box in voxels: one period contains the voxels (0, 0, 0) to resolution − 1.
-  // Zero if not periodic.
-  Vec3i resolution = Vec3i::Zero();
-  // Grids with unique names. They share one transform: voxel size in mm, voxel centers at (i + ½)·voxel.
-  std::vector<openvdb::GridBase::ConstPtr> grids;
-
-  // Returns null if there is no grid of that name and type.
-  template <class Grid>
-  typename Grid::ConstPtr find(const std::string& name) const {
-    for (const auto& g : grids)
-      if (g->getName() == name) return openvdb::gridConstPtrCast<Grid>(g);
-    return nullptr;
-  }
-};
-
-template <>
-const ValueType& value_type<Volume>();
+template <class Grid>
+std::shared_ptr<const Grid> Volume::find(const std::string& name) const {
+  for (const auto& g : grids)
+    if (g->getName() == name) return openvdb::gridConstPtrCast<Grid>(g);
+  return nullptr;
+}
 
 // Calls openvdb::initialize() once. Call it before creating or reading any grid.
 void initialize_openvdb();

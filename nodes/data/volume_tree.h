@@ -1,8 +1,6 @@
 // Canonical encoding of OpenVDB trees: equal voxels produce equal bytes, independent of the tree's history.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "nodes/data/grids.h"
 #include "runtime/codec.h"
 
 namespace terrazzo {

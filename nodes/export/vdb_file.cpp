@@ -3,6 +3,7 @@
 #include <openvdb/io/Archive.h>
 
 #include "nodes/common/io/checked_file.h"
+#include "nodes/data/volume.h"
 
 namespace terrazzo::exporting {
 namespace {

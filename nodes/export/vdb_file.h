@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "nodes/data/volume.h"
+#include "nodes/data/opaque_volume.h"
 
 namespace terrazzo::exporting {
 

@@ -1,12 +1,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <set>
 
 #include "graph/node_type.h"
-#include "graph/utf8.h"
-#include "nodes/common/geometry/dense_grid.h"
-#include "nodes/common/geometry/spaced_transform.h"
+#include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/load_volume/scan.h"
 #include "nodes/load_volume/vdb.h"
 #include "runtime/context.h"
@@ -66,21 +63,6 @@ void rescale(Context& c, LoadedScan& scan) {
       .parameter("path");
 }
 
-// Reports and glTF files require UTF-8.
-void make_names_valid(Context& c, Volume& volume) {
-  std::set<std::string> names;
-  for (const auto& grid : volume.grids) {
-    const std::string name = valid_utf8(grid->getName());
-    if (name != grid->getName()) {
-      c.warn("a grid name is not UTF-8: the grid is renamed " + name);
-      std::const_pointer_cast<openvdb::GridBase>(grid)->setName(name);  // no one else holds the grid yet
-    }
-    if (!names.insert(name).second)
-      throw Error("unreadable-volume", "two grids are named '" + name + "'", "give each grid a unique name")
-          .parameter("path");
-  }
-}
-
 void compute(Context& c) {
   const auto& files = c.files("path");
   const std::string name = c.text("grid");
@@ -94,7 +76,7 @@ void compute(Context& c) {
       c.warn(
           "spacing, slope and intercept have no effect on OpenVDB files, which contain their own transform");
     Volume volume = read_vdb(files[0], name, reading_of(c));
-    make_names_valid(c, volume);
+    for (const auto& note : make_names_valid(volume)) c.warn(note);
     c.output("volume", std::move(volume));
     return;
   }
@@ -106,13 +88,9 @@ void compute(Context& c) {
   for (const float v : scan.values) low = std::min(low, v), high = std::max(high, v);
   c.metric("min", low), c.metric("max", high);
   c.metric("voxels", static_cast<double>(scan.values.size()));
-  initialize_openvdb();
   Volume volume;
-  auto grid =
-      dense_grid<openvdb::FloatGrid>(name.empty() ? "density" : name.c_str(), scan.size, 1,
-                                     c.work().part(0.7, 1), [&](std::size_t i) { return scan.values[i]; });
-  grid->setTransform(voxel_transform(spacing));
-  volume.grids.push_back(grid);
+  add_number_grid(volume, name.empty() ? "density" : name, scan.size, spacing, c.work().part(0.7, 1),
+                  [&](std::size_t i) { return scan.values[i]; });
   c.output("volume", std::move(volume));
 }
 

@@ -12,6 +12,8 @@
 #include <streambuf>
 
 #include "graph/diagnostic.h"
+#include "graph/utf8.h"
+#include "nodes/data/volume.h"
 #include "nodes/load_volume/vdb_layout.h"
 
 namespace terrazzo::load_volume {
@@ -188,6 +190,22 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
         .parameter("grid");
   }
   return volume;
+}
+
+std::vector<std::string> make_names_valid(Volume& volume) {
+  std::vector<std::string> warnings;
+  std::set<std::string> names;
+  for (const auto& grid : volume.grids) {
+    const std::string name = valid_utf8(grid->getName());
+    if (name != grid->getName()) {
+      warnings.push_back("a grid name is not UTF-8: the grid is renamed " + name);
+      std::const_pointer_cast<openvdb::GridBase>(grid)->setName(name);  // no one else holds the grid yet
+    }
+    if (!names.insert(name).second)
+      throw Error("unreadable-volume", "two grids are named '" + name + "'", "give each grid a unique name")
+          .parameter("path");
+  }
+  return warnings;
 }
 
 }  // namespace terrazzo::load_volume

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "nodes/common/io/reading.h"
-#include "nodes/data/volume.h"
+#include "nodes/data/opaque_volume.h"
 
 namespace terrazzo::load_volume {
 
@@ -15,5 +15,9 @@ bool is_vdb(const std::filesystem::path&);
 // of it to OpenVDB. Throws Error "unreadable-volume", "no-such-grid", "too-large", and "bad-values" if a grid
 // contains NaN or infinity.
 Volume read_vdb(const std::filesystem::path&, const std::string& grid, const Reading& = {});
+
+// Renames grids whose names are not UTF-8, which reports and glTF files require. Returns a warning for each.
+// Throws Error "unreadable-volume" if two grids then share a name.
+std::vector<std::string> make_names_valid(Volume&);
 
 }  // namespace terrazzo::load_volume

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 #include <openvdb/io/Compression.h>
-#include <openvdb/openvdb.h>
 
 #include <bit>
 #include <set>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/grids.h"
 
 namespace terrazzo::load_volume {
 namespace {

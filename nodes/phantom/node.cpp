@@ -2,8 +2,7 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/common/geometry/dense_grid.h"
-#include "nodes/common/geometry/spaced_transform.h"
+#include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/phantom/phantom.h"
 #include "runtime/context.h"
 
@@ -29,12 +28,9 @@ void compute(Context& c) {
       limb.resolution[k] =
           std::max(2, static_cast<int>(limb.box()[k] / limb.length * static_cast<double>(r[0]) + 0.5));
   const std::vector<float> values = phantom::limb(limb, c.work().part(0, 0.9));
-  initialize_openvdb();
   Volume volume;
-  auto grid = dense_grid<openvdb::FloatGrid>("density", limb.resolution, 1, c.work().part(0.9, 1),
-                                             [&](std::size_t i) { return values[i]; });
-  grid->setTransform(voxel_transform(limb.spacing()));
-  volume.grids.push_back(grid);
+  add_number_grid(volume, "density", limb.resolution, limb.spacing(), c.work().part(0.9, 1),
+                  [&](std::size_t i) { return values[i]; });
   c.output("volume", std::move(volume));
 }
 

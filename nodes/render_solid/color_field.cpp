@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/data/volume.h"
+#include "nodes/render_solid/floor_of.h"
 
 namespace terrazzo::render_solid {
 namespace {
@@ -98,12 +99,6 @@ namespace {
 
 constexpr float unit = 1.0f / (65535.0f * 65535.0f);
 
-// std::floor is a function call on baseline x86-64.
-int floor_of(float v) {
-  const int i = static_cast<int>(v);
-  return i - (static_cast<float>(i) > v);
-}
-
 }  // namespace
 
 Vec3f ColorField::at(const Vec3f& voxel) const {
@@ -156,5 +151,7 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
   }
   return (sum * (unit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
+
+bool has_voids(const Volume& volume) { return volume.find<openvdb::FloatGrid>("void") != nullptr; }
 
 }  // namespace terrazzo::render_solid

@@ -52,4 +52,7 @@ class ColorField {
   std::vector<std::array<std::uint16_t, 3>> voxels_;
 };
 
+// Whether the volume has voids, as Voxelize makes them.
+bool has_voids(const Volume&);
+
 }  // namespace terrazzo::render_solid

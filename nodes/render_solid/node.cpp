@@ -5,7 +5,7 @@
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/color_config.h"
-#include "nodes/data/volume.h"
+#include "nodes/data/opaque_volume.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"
 #include "nodes/render_solid/paint.h"
@@ -99,7 +99,7 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
 Voids voids_of(Context& c) {
   const auto* particles = c.optional<Particles>("particles");
   const auto* volume = c.optional<Volume>("volume");
-  if (!particles && volume && volume->find<openvdb::FloatGrid>("void"))
+  if (!particles && volume && has_voids(*volume))
     c.warn(
         "the volume has voids, which are shown filled; connect the particles and their shapes to see the "
         "holes");

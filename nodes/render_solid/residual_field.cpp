@@ -6,6 +6,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/tile_fit.h"
 #include "nodes/data/volume.h"
+#include "nodes/render_solid/floor_of.h"
 #include "runtime/random.h"
 
 namespace terrazzo::render_solid {
@@ -16,11 +17,6 @@ constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332
 int wrap(int i, int n) {
   i %= n;
   return i < 0 ? i + n : i;
-}
-
-int floor_of(float v) {
-  const int i = static_cast<int>(v);
-  return i - (static_cast<float>(i) > v);
 }
 
 // Converts samples of a period to the coefficients of the cubic spline through them, in place (Unser 1999).

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
+#include "nodes/data/opaque_volume.h"
 #include "nodes/data/table.h"
-#include "nodes/data/volume.h"
 #include "nodes/render_volume/gl_march.h"
 #include "runtime/context.h"
 

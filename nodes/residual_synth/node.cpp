@@ -6,8 +6,8 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/one_or_three.h"
+#include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/steerable_pyramid.h"
 #include "nodes/residual_synth/radial.h"
@@ -121,18 +121,13 @@ void compute(Context& c) {
                                : exemplar;
   const auto deviation = slice_deviations(told, size, voxels, work.part(0.92, 0.95));
 
-  initialize_openvdb();
   Volume volume;
   volume.resolution = size;
-  volume.grids = {dense_grid<openvdb::Vec3SGrid>(
-      "residual", size, image.pixel_size, work.part(0.95, 1),
-      [&](std::size_t i) { return openvdb::Vec3s(voxels[i].x(), voxels[i].y(), voxels[i].z()); })};
+  add_vector_grid(volume, "residual", size, image.pixel_size, work.part(0.95, 1),
+                  [&](std::size_t i) { return voxels[i]; });
   if (c.boolean("preview"))
-    volume.grids.push_back(
-        dense_grid<openvdb::Vec3SGrid>("Cd", size, image.pixel_size, work.part(0.99, 1), [&](std::size_t i) {
-          const Vec3f v = to_linear(measured.binder + voxels[i]);
-          return openvdb::Vec3s(v.x(), v.y(), v.z());
-        }));
+    add_vector_grid(volume, "Cd", size, image.pixel_size, work.part(0.99, 1),
+                    [&](std::size_t i) { return to_linear(measured.binder + voxels[i]); });
   c.metric("filled", measured.filled);
   c.metric("specks", measured.specks);
   c.metric("deviation", exemplar.channels > 0 ? exemplar.values[0].deviation : 0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/volume.h"
 #include "nodes/section/pixel_regions.h"
 
 namespace terrazzo::section {

@@ -1,7 +1,7 @@
 // Plane sections of a volume.
 #pragma once
 
-#include "nodes/data/volume.h"
+#include "nodes/data/opaque_volume.h"
 #include "nodes/section/section.h"
 
 namespace terrazzo::section {

@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/data/table.h"
+#include "nodes/data/volume.h"
 
 namespace terrazzo::solids {
 namespace {

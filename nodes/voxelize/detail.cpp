@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/tile_fit.h"
+#include "nodes/data/volume.h"
 
 namespace terrazzo::voxelize {
 namespace {

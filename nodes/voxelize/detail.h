@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nodes/data/volume.h"
+#include "nodes/data/opaque_volume.h"
 #include "nodes/voxelize/lattice.h"
 #include "runtime/work.h"
 

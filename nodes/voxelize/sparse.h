@@ -1,11 +1,10 @@
 // Converts dense planes to OpenVDB trees, leaf by leaf and in parallel.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include <memory>
 #include <vector>
 
+#include "nodes/data/grids.h"
 #include "runtime/work.h"
 
 namespace terrazzo::voxelize {

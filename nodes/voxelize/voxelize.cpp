@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/volume.h"
 #include "nodes/voxelize/detail.h"
 #include "nodes/voxelize/slab.h"
 #include "nodes/voxelize/sparse.h"

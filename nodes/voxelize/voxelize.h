@@ -1,9 +1,9 @@
 // Voxelizes particles: coverage, signed distance, color and particle index in a periodic box.
 #pragma once
 
+#include "nodes/data/opaque_volume.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
-#include "nodes/data/volume.h"
 #include "nodes/voxelize/lattice.h"
 #include "runtime/work.h"
 

@@ -11,7 +11,6 @@
 
 #include "graph/graph.h"
 #include "nodes/data/shapes.h"
-#include "nodes/data/volume.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
 #include "tests/nodes/load_volume/nifti_file.h"

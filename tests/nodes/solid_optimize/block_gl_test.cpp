@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "graph/diagnostic.h"
-#include "nodes/data/volume.h"
 #include "nodes/solids/blockwise/blocks.h"
 #include "nodes/solids/optimize_solid.h"
 #include "tests/nodes/solid_optimize/exemplars.h"

@@ -1,0 +1,19 @@
+// Grids from functions of the voxel number, for files that do without OpenVDB's headers. dense_grid.h makes
+// any grid.
+#pragma once
+
+#include <functional>
+
+#include "nodes/data/opaque_volume.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+
+// Both add a grid whose `size` voxels are all active. `value(i)` returns voxel number (z·ny + y)·nx + x and
+// may be called from several threads. `spacing` and `voxel` are edge lengths in mm.
+void add_number_grid(Volume&, const std::string& name, const Vec3i& size, const Vec3& spacing, const Work&,
+                     const std::function<float(std::size_t)>& value);
+void add_vector_grid(Volume&, const std::string& name, const Vec3i& size, double voxel, const Work&,
+                     const std::function<Vec3f(std::size_t)>& value);
+
+}  // namespace terrazzo

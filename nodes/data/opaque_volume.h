@@ -1,0 +1,39 @@
+// Volume for files that only pass volumes on. It compiles in a tenth of the time of volume.h, which reads
+// grids.
+#pragma once
+
+#include <openvdb/version.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "nodes/data/linear.h"
+#include "runtime/value.h"
+
+namespace openvdb {
+OPENVDB_USE_VERSION_NAMESPACE
+namespace OPENVDB_VERSION_NAME {
+class GridBase;
+}  // namespace OPENVDB_VERSION_NAME
+}  // namespace openvdb
+
+namespace terrazzo {
+
+// Named OpenVDB grids in one box.
+struct Volume {
+  // Resolution of the periodic box in voxels: one period contains the voxels (0, 0, 0) to resolution − 1.
+  // Zero if not periodic.
+  Vec3i resolution = Vec3i::Zero();
+  // Grids with unique names. They share one transform: voxel size in mm, voxel centers at (i + ½)·voxel.
+  std::vector<std::shared_ptr<const openvdb::GridBase>> grids;
+
+  // Returns null if there is no grid of that name and type. Defined in volume.h.
+  template <class Grid>
+  std::shared_ptr<const Grid> find(const std::string& name) const;
+};
+
+template <>
+const ValueType& value_type<Volume>();
+
+}  // namespace terrazzo
