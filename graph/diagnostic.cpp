@@ -43,4 +43,9 @@ Error& Error::parameter(std::string name) {
   return *this;
 }
 
+Error& Error::item(int index) {
+  diagnostic_.item = index;
+  return *this;
+}
+
 }  // namespace terrazzo

@@ -26,6 +26,7 @@ struct Diagnostic {
   Place place;
   std::string node;       // path of the node, "asset/pack", may be empty
   std::string parameter;  // may be empty
+  int item = -1;  // which item of the parameter's list is at fault, from 0; −1: the parameter as a whole
   // Where the enclosing subgraphs are used, innermost first.
   std::vector<Place> through = {};
 
@@ -43,6 +44,8 @@ class Error : public std::exception {
   Error(std::string code, std::string message, std::string hint = {});
   // Names the parameter at fault. The runtime sets the place to where that parameter was set.
   Error& parameter(std::string name);
+  // Names the item of that parameter's list. A check's error then has the place of the item.
+  Error& item(int index);
   // Defined once, in diagnostic.cpp, since nearly every file throws errors and would compile them again.
   Error(const Error&);
   Error(Error&&) noexcept;

@@ -23,6 +23,7 @@ struct SetParameter {
   ParameterValue value;
   Place place;  // where it was set; the line is 0 for the command line
   std::string as_written;
+  std::vector<Place> items = {};  // of a list that was read from a file: the place of each item
 };
 
 struct GraphNode {

@@ -125,8 +125,12 @@ void Linker::check_parameters() {
     } catch (const Error& e) {
       Diagnostic d = e.diagnostic();
       const auto at = node.parameters.find(d.parameter);
-      fail(d.code, d.message, at == node.parameters.end() ? node.place : at->second.place, d.hint, node.path,
-           d.parameter);
+      Place place = node.place;
+      if (at != node.parameters.end()) {
+        const auto& items = at->second.items;
+        place = d.item >= 0 && d.item < static_cast<int>(items.size()) ? items[d.item] : at->second.place;
+      }
+      fail(d.code, d.message, place, d.hint, node.path, d.parameter);
     }
   }
 }
@@ -147,11 +151,19 @@ void Linker::set_parameter(GraphNode& node, const std::string& name, const Given
   auto value = read_parameter(*p, rename_former_words(node, *p, given), why);
   if (!value) return fail("bad-value", why, given.place, {}, node.path, p->name);
   if (p->kind == ParameterKind::InputPath) {
+    // A keyword names no file. Everything that lists a graph's files skips parameters that are not set.
+    if (const auto& words = p->keywords;
+        std::find(words.begin(), words.end(), std::get<std::string>(*value)) != words.end()) {
+      node.parameters.erase(p->name);
+      return;
+    }
     fs::path path = std::get<std::string>(*value);
     if (path.is_relative()) path = given.folder / path;
     value = fs::absolute(path).lexically_normal().string();
   }
-  node.parameters[p->name] = {std::move(*value), given.place, given.written.text()};
+  std::vector<Place> items;
+  for (const auto& [line, column] : given.written.places) items.push_back({given.place.file, line, column});
+  node.parameters[p->name] = {std::move(*value), given.place, given.written.text(), std::move(items)};
 }
 
 void Linker::apply_set() {

@@ -49,7 +49,9 @@ std::vector<std::string> NodeParameters::texts(const std::string& n) const {
 
 std::string NodeParameters::keyword(const std::string& n) const {
   const auto* s = std::get_if<std::string>(&raw(n));
-  return s ? *s : "";
+  if (!s) return "";
+  const auto& words = type_->find_parameter(n)->keywords;
+  return std::find(words.begin(), words.end(), *s) != words.end() ? *s : "";
 }
 
 std::optional<std::int64_t> NodeParameters::optional_integer(const std::string& n) const {

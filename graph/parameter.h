@@ -33,6 +33,8 @@ const char* name_of(ParameterKind);
 struct WrittenValue {
   bool is_list = false;
   std::vector<std::string> items;  // exactly one if !is_list
+  // Line and column of each item of a list, from 1; empty if it was not read from a file.
+  std::vector<std::pair<int, int>> places = {};
   std::string text() const;
 };
 

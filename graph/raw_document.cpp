@@ -160,13 +160,16 @@ class DocumentReader {
   bool read_value(const YAML::Node& v, RawValue& out, const std::string& what) {
     out.place = place(v.Mark());
     if (v.IsScalar()) {
-      out.written = {false, {v.Scalar()}};
+      out.written = {false, {v.Scalar()}, {}};
       return true;
     }
     if (v.IsSequence() && !take(v.size(), v)) return false;
     if (v.IsSequence() && std::all_of(v.begin(), v.end(), [](const YAML::Node& n) { return n.IsScalar(); })) {
       out.written.is_list = true;
-      for (const auto& item : v) out.written.items.push_back(item.Scalar());
+      for (const auto& item : v) {
+        out.written.items.push_back(item.Scalar());
+        out.written.places.emplace_back(item.Mark().line + 1, item.Mark().column + 1);
+      }
       return true;
     }
     fail("bad-value", fmt::format("'{}' must be a value or a list of values", what), out.place);
@@ -290,16 +293,16 @@ WrittenValue read_written(const std::string& text) {
   try {
     // YAML would treat a leading # as a comment, but colors start with one.
     const YAML::Node v = !text.empty() && text[0] == '#' ? YAML::Node(text) : YAML::Load(text);
-    if (v.IsScalar()) return {false, {v.Scalar()}};
+    if (v.IsScalar()) return {false, {v.Scalar()}, {}};
     if (v.IsSequence()) {
-      WrittenValue out{true, {}};
+      WrittenValue out{true, {}, {}};
       for (const auto& item : v) {
         if (!item.IsScalar()) throw Error("bad-value", "'" + text + "' is not a value or a list of values");
         out.items.push_back(item.Scalar());
       }
       return out;
     }
-    if (v.IsNull()) return {false, {text}};
+    if (v.IsNull()) return {false, {text}, {}};
   } catch (const YAML::Exception&) {
   }
   throw Error("bad-value", "'" + text + "' is not a value or a list of values");

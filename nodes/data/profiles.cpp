@@ -14,7 +14,7 @@ void encode(const Profiles& v, Writer& w) {
   for (const auto& p : v.profiles) {
     w.pod(p.section), w.pod(p.cls), w.pod(p.area);
     w.bytes(p.centroid.data(), sizeof(double) * 2);
-    w.pod<std::uint8_t>(p.touches_border), w.pod(p.weight);
+    w.pod<std::uint8_t>(p.touches_border), w.pod(p.weight), w.pod(p.confidence);
     w.bytes(p.color.data(), sizeof(float) * 3);
     w.raw_array(p.contour);
   }
@@ -30,7 +30,7 @@ Profiles decode_profiles(Reader& r) {
   for (auto& p : v.profiles) {
     p.section = r.pod<int>(), p.cls = r.pod<int>(), p.area = r.pod<double>();
     r.bytes(p.centroid.data(), sizeof(double) * 2);
-    p.touches_border = r.pod<std::uint8_t>() != 0, p.weight = r.pod<double>();
+    p.touches_border = r.pod<std::uint8_t>() != 0, p.weight = r.pod<double>(), p.confidence = r.pod<double>();
     r.bytes(p.color.data(), sizeof(float) * 3);
     p.contour = r.raw_array<Vec2>();
   }
@@ -46,6 +46,7 @@ nlohmann::json describe(const Profiles& v) {
                         {"centroid", json_of(p.centroid)},
                         {"touches_border", p.touches_border},
                         {"weight", p.weight},
+                        {"confidence", p.confidence},
                         {"color", json_of(p.color)}};
     if (!p.contour.empty()) {
       auto& c = j["contour"] = nlohmann::json::array();

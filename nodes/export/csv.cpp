@@ -57,11 +57,11 @@ std::string csv_of(const Table& table) {
 }
 
 std::string csv_of(const Profiles& profiles) {
-  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "color_r",
-             "color_g", "color_b"});
+  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "confidence",
+             "color_r", "color_g", "color_b"});
   for (const auto& p : profiles.profiles) {
     out.integer(p.section), out.integer(p.cls), out.number(p.area), out.vector(p.centroid);
-    out.integer(p.touches_border), out.number(p.weight), out.vector(p.color);
+    out.integer(p.touches_border), out.number(p.weight), out.number(p.confidence), out.vector(p.color);
     out.end();
   }
   return out.take();

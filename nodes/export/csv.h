@@ -14,8 +14,8 @@
 namespace terrazzo::exporting {
 
 std::string csv_of(const Table&);
-// section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, color_r, color_g,
-// color_b
+// section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, confidence (0 to
+// 1), color_r, color_g, color_b
 std::string csv_of(const Profiles&);
 // id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1)
 std::string csv_of(const Particles&);

@@ -64,7 +64,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_profiles_node() {
-  return NodeType("LoadProfiles", 1)
+  return NodeType("LoadProfiles", 2)
       .doc_(
           "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools.")
       .output("profiles", "Profiles", "Profile sizes, without outlines")

@@ -204,7 +204,8 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");
   const auto section = table.column({"section"}), slice = table.column({"slice"}),
              cls = table.column({"class", "cls"});
-  const auto weight = table.column({"weight"}), border = table.column({"touchesborder"});
+  const auto weight = table.column({"weight"}), border = table.column({"touchesborder"}),
+             confidence = table.column({"confidence"});
   const auto x = table.column({"centroidx"}), y = table.column({"centroidy"});
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
@@ -223,6 +224,8 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     if (cls) p.cls = table.whole(cells, i, *cls);
     if (weight) p.weight = table.number(cells, i, *weight);
     if (p.weight < 0) table.malformed(i, "a weight must be at least 0");
+    if (confidence) p.confidence = table.number(cells, i, *confidence);
+    if (p.confidence < 0 || p.confidence > 1) table.malformed(i, "a confidence must be from 0 to 1");
     if (border) p.touches_border = table.whole(cells, i, *border) != 0;
     if (x && y) p.centroid = unit.length * Vec2(table.number(cells, i, *x), table.number(cells, i, *y));
     if (r && g && b)

@@ -19,9 +19,9 @@ ProfileUnit profile_unit(const std::string& name);
 // Reads a table whose cells are separated by tabs, semicolons, commas or blanks, as detected in the first
 // line. Columns are found by name; case and text in brackets are ignored. Required is `area`, else `diameter`
 // (also `ecd`, `equivalent diameter`; area = π d²/4). Optional are `section` or `slice`, `class`, `weight`,
-// `touches_border`, `centroid_x`, `centroid_y`, `color_r`, `color_g`, `color_b`. A table of one column
-// without a header contains areas. Empty lines and lines that begin with # are skipped. `file` is used in
-// messages only. Throws Error "malformed-row" with file:line, "no-column", "no-particles".
+// `confidence`, `touches_border`, `centroid_x`, `centroid_y`, `color_r`, `color_g`, `color_b`. A table of one
+// column without a header contains areas. Empty lines and lines that begin with # are skipped. `file` is used
+// in messages only. Throws Error "malformed-row" with file:line, "no-column", "no-particles".
 Profiles read_profiles(const std::string& text, const std::string& file, const ProfileUnit& unit);
 
 }  // namespace terrazzo::load_profiles

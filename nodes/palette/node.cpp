@@ -47,7 +47,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType palette_node() {
-  return NodeType("Palette", 1)
+  return NodeType("Palette", 2)
       .doc_("Colors written in the graph, instead of the colors of a photograph's profiles")
       .output("profiles", "Profiles",
               "One profile of 1 mm² per color, weighted by its share, without outlines or densities")

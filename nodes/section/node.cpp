@@ -92,7 +92,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType section_node() {
-  return NodeType("Section", 3)
+  return NodeType("Section", 4)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")

@@ -1,6 +1,7 @@
 #include "nodes/segment/measure.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "nodes/segment/outline.h"
 #include "nodes/segment/split.h"
@@ -17,14 +18,16 @@ struct Sums {
 }  // namespace
 
 Profiles measure_profiles(const Image& image, const Labels& labels, const std::vector<float>& coverage,
-                          const Work& work) {
+                          const IgnoredPixels& ignored, const Work& work) {
   const int W = labels.width, H = labels.height;
   const double s = labels.pixel_size;
   const std::size_t section_size = static_cast<std::size_t>(W) * H;
   Profiles out;
   out.sections = labels.sections;
   out.window = s * Vec2(W, H);
-  out.observed_area = s * s * static_cast<double>(section_size) * labels.sections;
+  const auto seen = static_cast<double>(section_size * labels.sections) -
+                    static_cast<double>(std::count(ignored.begin(), ignored.end(), 1));
+  out.observed_area = s * s * seen;
   Eigen::Vector3d binder = Eigen::Vector3d::Zero();
   std::int64_t binder_pixels = 0;
   for (int section = 0; section < labels.sections; ++section) {
@@ -46,6 +49,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         const std::size_t i = static_cast<std::size_t>(y) * W + x;
         const Eigen::Vector3d c = image.pixels[first + i].cast<double>();
         if (local[i] == 0) {
+          if (!ignored.empty() && ignored[first + i]) continue;
           binder += c;
           ++binder_pixels;
           continue;
@@ -57,6 +61,8 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         p.top = std::min(p.top, y), p.bottom = std::max(p.bottom, y);
       }
     work.check();
+    std::optional<Positions> positions;
+    if (!ignored.empty()) positions.emplace(ignored.data() + first, W, H);
     auto lines = outlines(local, share, W, H, count, work);
     for (int k = 0; k < count; ++k) {
       const Sums& sum = sums[k];
@@ -66,9 +72,15 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       p.cls = labels.classes[low + k - 1];
       p.area = lines[k].area * s * s;
       p.centroid = lines[k].centroid * s;
-      p.touches_border = sum.left == 0 || sum.top == 0 || sum.right == W - 1 || sum.bottom == H - 1;
-      const double w = sum.right - sum.left + 1, h = sum.bottom - sum.top + 1;
-      p.weight = p.touches_border ? 0 : static_cast<double>(W) * H / ((W - w - 1) * (H - h - 1));
+      const int w = sum.right - sum.left + 1, h = sum.bottom - sum.top + 1;
+      p.touches_border = sum.left == 0 || sum.top == 0 || sum.right == W - 1 || sum.bottom == H - 1 ||
+                         (positions && !positions->contains(sum.left, sum.top, w, h));
+      if (p.touches_border)
+        p.weight = 0;
+      else if (positions)
+        p.weight = seen / labels.sections / static_cast<double>(positions->count(w, h));
+      else
+        p.weight = static_cast<double>(W) * H / (static_cast<double>(W - w - 1) * (H - h - 1));
       p.color = (sum.core_pixels > 0 ? Eigen::Vector3d(sum.core / static_cast<double>(sum.core_pixels))
                                      : Eigen::Vector3d(sum.all / static_cast<double>(sum.pixels)))
                     .cast<float>();
@@ -78,9 +90,8 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       out.profiles.push_back(std::move(p));
     }
   }
-  const double all = static_cast<double>(section_size) * labels.sections;
   if (binder_pixels > 0) out.binder_color = (binder / static_cast<double>(binder_pixels)).cast<float>();
-  out.area_fraction = all > 0 ? 1 - static_cast<double>(binder_pixels) / all : 0;
+  out.area_fraction = seen > 0 ? 1 - static_cast<double>(binder_pixels) / seen : 0;
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
+#include "nodes/segment/ignored.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {
@@ -15,6 +16,9 @@ namespace terrazzo::segment {
 // are any. A profile touches the border if its label includes a pixel of the outermost rows or columns; its
 // weight is then 0. Any other profile of w × h pixels fits completely at (W − w − 1)(H − h − 1) of the W × H
 // positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
-Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage, const Work&);
+// Ignored pixels count as outside: they are not observed, and a profile whose box, with a rim of
+// one pixel, contains any of them has no weight.
+Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage,
+                          const IgnoredPixels&, const Work&);
 
 }  // namespace terrazzo::segment

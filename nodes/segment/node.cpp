@@ -1,7 +1,12 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "graph/node_type.h"
 #include "nodes/data/table.h"
 #include "nodes/segment/segment.h"
 #include "runtime/context.h"
+#include "runtime/files.h"
 
 namespace terrazzo {
 namespace {
@@ -31,6 +36,23 @@ Table binder_table(const Profiles& profiles) {
   return t;
 }
 
+std::string model_of(const Context& c) {
+  if (!c.keyword("model").empty()) return built_in_model();
+  const auto& file = c.files("model").front();
+  auto bytes = read_file(file);
+  if (!bytes) throw Error("unreadable-file", "cannot read '" + file.string() + "'").parameter("model");
+  return std::move(*bytes);
+}
+
+// Each particle in its confidence's gray, from black to white; the binder is black.
+Image confidence_picture(const Image& image, const Segmentation& s) {
+  Image out(image.width, image.height, image.sections, image.pixel_size);
+  for (std::size_t i = 0; i < s.labels.ids.size(); ++i)
+    if (const auto id = s.labels.ids[i]; id > 0)
+      out.pixels[i].setConstant(static_cast<float>(s.profiles.profiles[id - 1].confidence));
+  return out;
+}
+
 void compute(Context& c) {
   SegmentOptions options;
   options.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
@@ -38,19 +60,26 @@ void compute(Context& c) {
   options.split.strength = c.number("split");
   options.split.min_area = c.optional_number("min_area").value_or(-1);
   options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
-  const std::string method = c.text("method");
-  options.method = method == "clusters"  ? Method::Clusters
-                   : method == "regions" ? Method::Regions
-                                         : Method::Auto;
+  options.method = c.choice<Method>("method");
+  options.min_confidence = c.number("min_confidence");
+  std::optional<Network> network;
+  if (options.method == Method::Auto || options.method == Method::Network)
+    options.network = &network.emplace(model_of(c));
   options.seed = c.seed();
 
   const Image& image = c.input<Image>("image");
   const Labels* given = c.optional<Labels>("labels");
+  std::vector<Area> areas;
+  if (c.keyword("ignore").empty())
+    for (const std::string& text : c.texts("ignore")) areas.push_back(read_area(text));
+  options.scribbles = {c.optional<Strokes>("particle_strokes"), c.optional<Strokes>("binder_strokes"),
+                       c.optional<Strokes>("not_material_strokes")};
+  options.ignored = ignored_pixels(image, areas, c.optional<Labels>("mask"));
   Segmentation s =
       given ? measure_labels(image, *given, options, c.work()) : segment::segment(image, options, c.work());
 
-  std::size_t at_border = 0;
-  for (const auto& p : s.profiles.profiles) at_border += p.touches_border;
+  std::size_t at_border = 0, uncertain = 0;
+  for (const auto& p : s.profiles.profiles) at_border += p.touches_border, uncertain += p.confidence < 0.5;
   c.metric("profiles", static_cast<double>(s.profiles.profiles.size()));
   c.metric("at_border", static_cast<double>(at_border));
   c.metric("area_fraction", s.profiles.area_fraction);
@@ -59,16 +88,31 @@ void compute(Context& c) {
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
     c.metric("min_area", s.min_area);
+    c.metric("by_network", s.method == Method::Network);
+    c.metric("by_scribbles", s.method == Method::Scribbles);
+    c.metric("uncertain", static_cast<double>(uncertain));
+    c.metric("unlikely_dropped", static_cast<double>(s.unlikely));
     c.metric("specks_dropped", static_cast<double>(s.specks));
     c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
     c.metric("holes_filled", static_cast<double>(s.holes));
   }
-  if (!given && method == "auto" && s.method == Method::Regions)
-    c.warn(
-        "the colors differ too little compared with the texture: particles were found by edge and shape, and "
-        "some were missed; connect labels if that matters");
+  if (!given && options.method == Method::Auto && s.method != Method::Scribbles) {
+    c.metric("reliability_of_clusters", s.reliability.clusters);
+    c.metric("reliability_of_network", s.reliability.network);
+    if (std::max(s.reliability.clusters, s.reliability.network) < 0.5)
+      c.warn("the particles are uncertain: their mean confidence is " +
+             fmt::format("{:.2f}", std::max(s.reliability.clusters, s.reliability.network)) +
+             "; look at the outlines, set min_confidence, or connect labels");
+  }
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
+  for (const FoundObject& o : s.not_material)
+    c.warn(
+        "columns " + std::to_string(o.left) + " to " + std::to_string(o.right) + ", rows " +
+        std::to_string(o.top) + " to " + std::to_string(o.bottom) +
+        (image.sections > 1 ? " of section " + std::to_string(o.section) : "") +
+        " look like a ruler, frame or text and are ignored; use ignore to say what is not material yourself");
+  c.output("confidence", confidence_picture(image, s));
   c.output("binder", binder_table(s.profiles));
   c.output("labels", std::move(s.labels));
   c.output("profiles", std::move(s.profiles));
@@ -77,7 +121,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 2)
+  return NodeType("Segment", 3)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")
@@ -86,10 +130,17 @@ NodeType segment_node() {
           "README")
       .input("image", "Image", "Photograph, or a stack of section photographs")
       .optional_input("labels", {"Labels"}, "Labels to measure instead of segmenting the image")
+      .optional_input("mask", {"Labels"}, "Not 0: pixels that show no material, such as a ruler or a frame")
+      .optional_input("particle_strokes", {"Strokes"},
+                      "Strokes on particles of the first section, for method scribbles")
+      .optional_input("binder_strokes", {"Strokes"}, "Strokes on the binder of the first section")
+      .optional_input("not_material_strokes", {"Strokes"},
+                      "Strokes on what is not material in the first section")
       .output("labels", "Labels", "Particle number of each pixel; 0: binder")
       .output("profiles", "Profiles", "One profile per particle, with its outline")
       .output("binder", "Table",
               "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
+      .output("confidence", "Image", "Confidence of each particle as gray; binder is black")
       .parameter(
           Parameter::optional_integer("clusters", "auto")
               .range(2, 12)
@@ -112,10 +163,35 @@ NodeType segment_node() {
                      .range(1, 32)
                      .doc_("Number of profile classes by mean color (k-means), the most frequent class "
                            "first. auto: 2 to 8, chosen by silhouette."))
-      .parameter(Parameter::choice("method", "auto", {"auto", "clusters", "regions"})
-                     .doc_("clusters: separates particles from binder by color. regions: finds particles by "
-                           "edge and shape, for photographs of rough surfaces. auto: chooses by the ratio of "
-                           "color differences to texture."))
+      .parameter(
+          Parameter::choice("method", "auto", {"auto", "clusters", "regions", "network", "scribbles"})
+              .doc_(
+                  "clusters: separates particles from binder by color. regions: finds particles by "
+                  "edge and shape. network: finds them with a network that was trained on synthetic "
+                  "photographs. "
+                  "scribbles: learns from the strokes that are connected. auto: scribbles if there are "
+                  "strokes; "
+                  "otherwise runs clusters and network and takes clusters unless the network is clearly more "
+                  "certain of its own particles; the metrics reliability_of_clusters and "
+                  "reliability_of_network tell why."))
+      .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
+                     .doc_("Network of method network, an ONNX file; see the README for its inputs and "
+                           "outputs. built_in: "
+                           "the one that comes with the program."))
+      .parameter(
+          Parameter::number("min_confidence", 0)
+              .range(0, 1)
+              .doc_(
+                  "Particles with a lower confidence are dropped. Only method network judges its particles; "
+                  "others have a confidence of 1."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Texts, "ignore", "none")
+              .unit_("pixels")
+              .doc_(
+                  "Areas that show no material: \"x0 y0 x1 y1\", a rectangle, or \"x0 y0 x1 y1 x2 y2 …\", a "
+                  "polygon, from the upper left corner, y down. They are not observed: densities refer to "
+                  "the "
+                  "rest, and profiles that they cut have no weight."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"))
       .compute_(compute);
 }

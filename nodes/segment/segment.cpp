@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/components.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/measure.h"
+#include "nodes/segment/network_particles.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -50,12 +55,53 @@ void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
   }
 }
 
-// Separate phases differ strongly compared with the usual difference between neighboring patches. In a
-// photograph of a rough surface, texture and shadow are about as strong as the difference of stones and sand.
-Method fitting_method(const std::vector<Mosaic>& sections) {
-  double apart = 0, usual = 0;
-  for (const auto& m : sections) apart += m.spread, usual += m.contrast;
-  return apart < 5 * usual ? Method::Regions : Method::Clusters;
+// Objects that the network recognizes, unless they are so small that they may be a mistake.
+void ignore_objects(const std::vector<std::uint8_t>& found, int section, const Image& image,
+                    IgnoredPixels& ignored, std::vector<FoundObject>& objects) {
+  const Components parts =
+      connected_components({found.begin(), found.end()}, image.width, image.height, true);
+  std::vector<FoundObject> boxes(parts.count(), {section, image.width, image.height, -1, -1, 0});
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (const auto k = parts.ids[static_cast<std::size_t>(y) * image.width + x]; k > 0) {
+        FoundObject& b = boxes[k - 1];
+        b.left = std::min(b.left, x), b.right = std::max(b.right, x);
+        b.top = std::min(b.top, y), b.bottom = std::max(b.bottom, y);
+        ++b.pixels;
+      }
+  const auto smallest =
+      std::max<std::int64_t>(200, static_cast<std::int64_t>(image.width) * image.height / 1000);
+  for (int k = 0; k < parts.count(); ++k) {
+    if (boxes[k].pixels < smallest) continue;
+    objects.push_back(boxes[k]);
+    ignored.resize(image.pixels.size(), 0);
+    for (std::size_t i = 0; i < parts.ids.size(); ++i)
+      if (parts.ids[i] == k + 1) ignored[image.index(0, 0, section) + i] = 1;
+  }
+}
+
+// Removes labels from ignored pixels, then those without pixels or with too little confidence, and renumbers
+// the rest.
+void drop_labels(Segmentation& s, std::vector<double>& confidence, const IgnoredPixels& ignored,
+                 double least) {
+  std::vector<std::uint8_t> used(s.labels.classes.size() + 1, 0);
+  for (std::size_t i = 0; i < s.labels.ids.size(); ++i) {
+    if (!ignored.empty() && ignored[i]) s.labels.ids[i] = 0;
+    used[s.labels.ids[i]] = 1;
+  }
+  std::vector<std::int32_t> number(used.size(), 0);
+  std::int32_t count = 0;
+  for (std::size_t k = 1; k < used.size(); ++k) {
+    if (!used[k]) continue;
+    if (confidence[k - 1] < least) {
+      ++s.unlikely;
+      continue;
+    }
+    confidence[count] = confidence[k - 1], s.labels.classes[count] = s.labels.classes[k - 1];
+    number[k] = ++count;
+  }
+  confidence.resize(count), s.labels.classes.resize(count);
+  for (auto& id : s.labels.ids) id = number[id];
 }
 
 Vec3f binder_color(const Ground& ground, const Hint& hint) {
@@ -71,42 +117,159 @@ Vec3f binder_color(const Ground& ground, const Hint& hint) {
 
 }  // namespace
 
-Segmentation segment(const Image& image, const SegmentOptions& options, const Work& work) {
-  check_image(image);
-  Segmentation s;
-  std::vector<Mosaic> mosaics;
-  for (int i = 0; i < image.sections; ++i)
-    mosaics.push_back(
-        make_mosaic(image, i, work.part(0.6 * i / image.sections, 0.6 * (i + 1) / image.sections)));
-  s.method = options.method == Method::Auto ? fitting_method(mosaics) : options.method;
-  s.ground = find_ground(mosaics, options.clusters, options.binder, options.split.strength,
-                         s.method == Method::Clusters, options.seed, work.part(0.6, 0.7));
-  s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = image.sections;
-  s.labels.pixel_size = image.pixel_size;
+namespace {
+
+// The particles of all sections by one method, and what the network thinks of them.
+struct Attempt {
+  Labels labels;
   std::vector<float> coverage;
-  const Vec3f binder = binder_color(s.ground, options.binder);
-  const Vec3f* hinted = options.binder.kind == Hint::Kind::Auto ? nullptr : &binder;
-  for (const auto& m : mosaics) {
-    Particles2D found = s.method == Method::Regions
-                            ? find_particles_by_regions(m, options.likeness, hinted, options.split, work)
-                            : find_particles(m, s.ground, options.split, work);
-    const std::int32_t before = s.labels.count();
-    std::int32_t count = 0;
-    for (const auto l : found.labels) {
-      count = std::max(count, l);
-      s.labels.ids.push_back(l == 0 ? 0 : l + before);
-    }
-    s.labels.classes.resize(before + count, 0);
+  std::vector<double> confidence;
+  double min_area = 0;
+  std::int64_t specks = 0, speck_pixels = 0, holes = 0;
+
+  void add(Particles2D found, const std::vector<double>& judged) {
+    const std::int32_t before = labels.count();
+    for (const auto l : found.labels) labels.ids.push_back(l == 0 ? 0 : l + before);
+    labels.classes.resize(before + judged.size(), 0);
+    confidence.insert(confidence.end(), judged.begin(), judged.end());
     coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
-    s.min_area = found.min_area;
-    s.specks += found.specks, s.speck_pixels += found.speck_pixels, s.holes += found.holes;
+    min_area = found.min_area;
+    specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
   }
+
+  // Mean confidence, each particle counted by the length of its outline: by area, one boulder would decide,
+  // by number, the crumbs.
+  double reliability() const {
+    std::vector<double> area(confidence.size(), 0);
+    for (const auto id : labels.ids)
+      if (id > 0) ++area[id - 1];
+    double sum = 0, all = 0;
+    for (std::size_t k = 0; k < area.size(); ++k)
+      sum += std::sqrt(area[k]) * confidence[k], all += std::sqrt(area[k]);
+    return all > 0 ? sum / all : 0;
+  }
+};
+
+}  // namespace
+
+Segmentation segment(const Image& photo, const SegmentOptions& options, const Work& work) {
+  check_image(photo);
+  Segmentation s;
+  IgnoredPixels ignored = options.ignored;
+  const int sections = photo.sections;
+  s.method = options.method;
+  if (s.method == Method::Auto && options.scribbles.particles && options.scribbles.binder)
+    s.method = Method::Scribbles;
+  const bool network = s.method == Method::Auto || s.method == Method::Network;
+  std::optional<Network> own;
+  const Network* given = options.network;
+  if (network && !given) given = &own.emplace(built_in_model());
+  // The maps of a stack can exceed its memory many times over, so those of large stacks are made again when
+  // needed.
+  const bool keep = photo.pixels.size() <= (16u << 20);
+  std::vector<std::shared_ptr<const NetworkView>> views(sections);
+  const auto view_of = [&](int i, const Work& part) {
+    if (views[i]) return views[i];
+    auto view = std::make_shared<const NetworkView>(photo, i, *given, part);
+    if (keep) views[i] = view;
+    return std::shared_ptr<const NetworkView>(view);
+  };
+  Attempt by_network;
+  if (network)
+    for (int i = 0; i < sections; ++i) {
+      const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
+      NetworkOptions how;
+      if (options.split.min_area >= 0) how.min_area = options.split.min_area;
+      auto found = view->find_particles(how, work.quiet());
+      by_network.add(std::move(found.particles), found.confidence);
+      ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
+    }
+  Image covered;
+  if (!ignored.empty()) {
+    covered = photo;
+    for (int i = 0; i < sections; ++i) cover_ignored(covered, i, ignored);
+  }
+  const Image& image = ignored.empty() ? photo : covered;
+
+  const auto by_color_or_edge = [&](Method method) {
+    std::vector<Mosaic> mosaics;
+    for (int i = 0; i < sections; ++i)
+      mosaics.push_back(
+          make_mosaic(image, i, work.part(0.4 + 0.3 * i / sections, 0.4 + 0.3 * (i + 1) / sections)));
+    s.ground = find_ground(mosaics, options.clusters, options.binder, options.split.strength,
+                           method == Method::Clusters, options.seed, work.part(0.7, 0.75));
+    const Vec3f binder = binder_color(s.ground, options.binder);
+    const Vec3f* hinted = options.binder.kind == Hint::Kind::Auto ? nullptr : &binder;
+    Attempt a;
+    for (int i = 0; i < sections; ++i) {
+      Particles2D found =
+          method == Method::Regions
+              ? find_particles_by_regions(mosaics[i], options.likeness, hinted, options.split, work)
+              : find_particles(mosaics[i], s.ground, options.split, work);
+      const std::int32_t count = *std::max_element(found.labels.begin(), found.labels.end());
+      const std::vector<double> judged = network ? view_of(i, work.quiet())->confidence(found.labels, count)
+                                                 : std::vector<double>(count, 1.0);
+      a.add(std::move(found), judged);
+    }
+    return a;
+  };
+  const auto by_scribbles = [&] {
+    const ScribbleForest forest(image, 0, options.scribbles, options.seed, work.part(0, 0.2));
+    Attempt a;
+    for (int i = 0; i < sections; ++i) {
+      const ScribbleMaps maps =
+          forest.classify(image, i, work.part(0.2 + 0.6 * i / sections, 0.2 + 0.6 * (i + 1) / sections));
+      Particles2D found =
+          find_particles_by_scribbles(maps, image.width, image.height, options.split, work.quiet());
+      const std::int32_t count = *std::max_element(found.labels.begin(), found.labels.end());
+      // How clearly the trees agree: 0 where half of them say particle, 1 where all do.
+      std::vector<double> sum(count, 0), pixels(count, 0);
+      for (std::size_t k = 0; k < found.labels.size(); ++k)
+        if (const auto id = found.labels[k]; id > 0)
+          sum[id - 1] += std::max(0.0f, 2 * maps.particle[k] - 1), ++pixels[id - 1];
+      for (std::int32_t k = 0; k < count; ++k) sum[k] /= std::max(1.0, pixels[k]);
+      a.add(std::move(found), sum);
+    }
+    return a;
+  };
+  Attempt best;
+  if (s.method == Method::Auto) {
+    Attempt clusters;
+    std::optional<Error> no_clusters;
+    try {
+      clusters = by_color_or_edge(Method::Clusters);
+    } catch (const Error& e) {
+      if (e.diagnostic().code != "one-color") throw;
+      no_clusters = e;  // the network alone may find something
+    }
+    best = std::move(by_network);
+    if (no_clusters && best.labels.classes.empty()) throw *no_clusters;
+    s.reliability = {clusters.reliability(), best.reliability()};
+    // Where both are about as good, the outlines of clusters are the better ones.
+    s.method = Method::Network;
+    if (!clusters.labels.classes.empty() && s.reliability.clusters > 0.9 * s.reliability.network)
+      best = std::move(clusters), s.method = Method::Clusters;
+  } else {
+    best = network                         ? std::move(by_network)
+           : s.method == Method::Scribbles ? by_scribbles()
+                                           : by_color_or_edge(s.method);
+  }
+  s.labels = std::move(best.labels);
+  s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = sections;
+  s.labels.pixel_size = image.pixel_size;
+  s.min_area = best.min_area, s.specks = best.specks, s.speck_pixels = best.speck_pixels,
+  s.holes = best.holes;
+  drop_labels(s, best.confidence, ignored, options.min_confidence);
   if (s.labels.classes.empty())
-    throw Error("no-particles",
-                "no particles are left: " + std::to_string(s.specks) + " parts are smaller than min_area (" +
-                    fmt::format("{:g}", s.min_area) + " pixels)",
-                "lower min_area, or set binder to the binder's color");
-  s.profiles = measure_profiles(image, s.labels, coverage, work.part(0.8, 1));
+    throw Error(
+        "no-particles",
+        "no particles are left: " + std::to_string(s.specks) + " parts are smaller than min_area (" +
+            fmt::format("{:g}", s.min_area) + " pixels), and " + std::to_string(s.unlikely) +
+            " are below min_confidence",
+        "lower min_area or min_confidence, set binder to the binder's color, or choose another method");
+  s.profiles = measure_profiles(photo, s.labels, best.coverage, ignored, work.part(0.8, 1));
+  for (std::size_t k = 0; k < s.profiles.profiles.size(); ++k)
+    s.profiles.profiles[k].confidence = best.confidence[k];
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }
@@ -137,6 +300,8 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
     id = number[id];
   }
   s.labels.classes = std::move(classes);
+  std::vector<double> confidence(s.labels.classes.size(), 1.0);
+  drop_labels(s, confidence, options.ignored, 0);
   if (s.labels.classes.empty()) throw Error("no-particles", "the labels contain no particles");
   std::vector<float> coverage;
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
@@ -146,7 +311,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
         smooth_coverage({first, first + static_cast<std::ptrdiff_t>(size)}, image.width, image.height, work);
     coverage.insert(coverage.end(), share.begin(), share.end());
   }
-  s.profiles = measure_profiles(image, s.labels, coverage, work);
+  s.profiles = measure_profiles(image, s.labels, coverage, options.ignored, work);
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }

@@ -5,11 +5,14 @@
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
 #include "nodes/segment/figure_ground.h"
+#include "nodes/segment/ignored.h"
+#include "nodes/segment/network.h"
 #include "nodes/segment/particles.h"
+#include "nodes/segment/scribbles.h"
 
 namespace terrazzo::segment {
 
-enum class Method { Auto, Clusters, Regions };
+enum class Method { Auto, Clusters, Regions, Network, Scribbles };
 
 struct SegmentOptions {
   Method method = Method::Auto;
@@ -17,8 +20,19 @@ struct SegmentOptions {
   int clusters = 0;       // 0: automatic
   Hint binder;
   SplitOptions split;
+  const Network* network = nullptr;  // of Method::Auto and Method::Network; none: the built-in one
+  Scribbles scribbles;        // needed by Method::Scribbles, which Method::Auto chooses if there are any
+  double min_confidence = 0;  // particles below it are dropped
+  IgnoredPixels ignored;
   int color_classes = 1;  // 0: automatic
   std::uint64_t seed = 1;
+};
+
+// A ruler, frame or caption, in pixels from the upper left corner of a section.
+struct FoundObject {
+  int section = 0;
+  int left = 0, top = 0, right = 0, bottom = 0;  // first and last column and row
+  std::int64_t pixels = 0;
 };
 
 struct Segmentation {
@@ -28,6 +42,12 @@ struct Segmentation {
   Method method = Method::Clusters;  // the method used
   double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
+  // By Method::Auto: the mean confidence of the particles that each method finds, 0 to 1.
+  struct {
+    double clusters = 0, network = 0;
+  } reliability;
+  std::int64_t unlikely = 0;              // particles dropped for their confidence
+  std::vector<FoundObject> not_material;  // found by the network, and ignored since
 };
 
 // Throws Error "empty-image", "bad-pixels", "one-color", "no-particles".

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nodes/segment/neighbors.h"
+
 namespace terrazzo::segment {
 namespace {
 
@@ -13,15 +15,6 @@ std::vector<std::uint16_t> quantized(const std::vector<float>& relief) {
   std::vector<std::uint16_t> q(relief.size());
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = static_cast<std::uint16_t>((relief[i] - base) * scale);
   return q;
-}
-
-template <class Visit>
-void neighbors(int i, int width, int height, Visit&& visit) {
-  const int x = i % width, y = i / width;
-  if (x > 0) visit(i - 1);
-  if (x + 1 < width) visit(i + 1);
-  if (y > 0) visit(i - width);
-  if (y + 1 < height) visit(i + width);
 }
 
 // Numbers the plateaus without a lower neighbor.

@@ -62,7 +62,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_sections_node() {
-  return NodeType("ShapeSections", 1)
+  return NodeType("ShapeSections", 2)
       .doc_(
           "Computes exact plane sections of single shapes: their profiles, and an image of them side by "
           "side, black on white at one scale.")

@@ -54,12 +54,13 @@ TEST(LoadProfiles, DiametersAndUnits) {
 
 TEST(LoadProfiles, OwnTablesComeBack) {
   const Profiles p = read(
-      "section,class,area,centroid_x,centroid_y,touches_border,weight,color_r,color_g,color_b\n"
-      "0,1,2.5,3,4,0,1.25,0.1,0.2,0.3\n1,0,7,8,9,1,0,0.4,0.5,0.6\n");
+      "section,class,area,centroid_x,centroid_y,touches_border,weight,confidence,color_r,color_g,color_b\n"
+      "0,1,2.5,3,4,0,1.25,0.75,0.1,0.2,0.3\n1,0,7,8,9,1,0,1,0.4,0.5,0.6\n");
   EXPECT_EQ(p.sections, 2);
   EXPECT_EQ(p.classes, 2);
   EXPECT_EQ(p.profiles[0].cls, 1);
   EXPECT_EQ(p.profiles[0].weight, 1.25);
+  EXPECT_EQ(p.profiles[0].confidence, 0.75);
   EXPECT_EQ(p.profiles[0].centroid, Vec2(3, 4));
   EXPECT_EQ(p.profiles[1].section, 1);
   EXPECT_TRUE(p.profiles[1].touches_border);

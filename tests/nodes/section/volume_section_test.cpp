@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "nodes/common/geometry/slice_axes.h"
+#include "nodes/data/volume.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/volume.h"
 #include "nodes/voxelize/voxelize.h"
 #include "tests/nodes/voxelize/bodies.h"
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "nodes/data/volume.h"
 #include "tests/nodes/voxelize/bodies.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"

@@ -1,0 +1,128 @@
+#!/usr/bin/python3
+"""Trains the network of Segment on synthetic pictures and writes it as ONNX. `./dev train` calls it.
+
+Training continues from the checkpoint if there is one, so that it can run in several sittings. The log holds one
+line per interval: step, seconds, learning rate, loss on training and on held-back pictures.
+"""
+import argparse
+import copy
+import pathlib
+import signal
+import time
+
+import numpy as np
+import torch
+
+from network import OUTPUTS, Network
+from pictures import Pictures
+
+
+def loss_of(logits, target):
+    """Cross entropy of inside, border and not_material, and a smooth absolute error of the distance."""
+    entropy = torch.nn.functional.binary_cross_entropy_with_logits
+    inside = entropy(logits[:, 0], target[:, 0])
+    border = entropy(logits[:, 1], target[:, 1], pos_weight=torch.tensor(2.0))
+    distance = torch.nn.functional.smooth_l1_loss(torch.sigmoid(logits[:, 2]), target[:, 2], beta=0.1)
+    other = entropy(logits[:, 3], target[:, 3])
+    return inside + 0.5 * border + 2 * distance + 0.3 * other
+
+
+def batch_of(pictures, random, count, size):
+    crops = [pictures.crop(random, size) for _ in range(count)]
+    color = np.stack([c for c, _ in crops]).transpose(0, 3, 1, 2)
+    return torch.from_numpy(np.ascontiguousarray(color)), torch.from_numpy(np.stack([t for _, t in crops]))
+
+
+def held_back_loss(network, pictures, size):
+    network.eval()
+    random = np.random.default_rng(12345)
+    with torch.no_grad():
+        losses = [float(loss_of(network.logits(x), t)) for x, t in (batch_of(pictures, random, 8, size) for _ in range(8))]
+    network.train()
+    return float(np.mean(losses))
+
+
+def export(network, path):
+    network = copy.deepcopy(network).eval()
+    torch.onnx.export(network, torch.zeros(1, 3, 256, 256), str(path), opset_version=11, input_names=["picture"],
+                      output_names=["maps"], dynamic_axes={"picture": {2: "h", 3: "w"}, "maps": {2: "h", 3: "w"}})
+
+
+def main():
+    p = argparse.ArgumentParser()
+    p.add_argument("pictures", type=pathlib.Path, help="folder with one folder per run of pictures.yaml")
+    p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
+    p.add_argument("--steps", type=int, default=7500)
+    p.add_argument("--batch", type=int, default=6)
+    p.add_argument("--size", type=int, default=192)
+    p.add_argument("--rate", type=float, default=2.5e-3)
+    p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--threads", type=int, default=2)
+    a = p.parse_args()
+    torch.set_num_threads(a.threads)
+    torch.manual_seed(a.seed)
+    a.work.mkdir(parents=True, exist_ok=True)
+
+    folders = sorted((f for f in a.pictures.iterdir() if f.is_dir()), key=lambda f: int(f.name))
+    if len(folders) < 2:
+        raise SystemExit(f"train: {a.pictures} needs at least two folders of pictures; the last one is held back")
+    training, held_back = Pictures(folders[:-1]), Pictures(folders[-1:])
+    print(f"{len(training)} pictures, {len(held_back)} held back", flush=True)
+
+    network = Network()
+    average = copy.deepcopy(network)  # of the weights: steadier than the last step's
+    optimizer = torch.optim.Adam(network.parameters(), lr=a.rate)
+    step, seconds = 0, 0.0
+    checkpoint, log = a.work / "checkpoint.pt", a.work / "log.csv"
+    if checkpoint.exists():
+        state = torch.load(checkpoint)
+        network.load_state_dict(state["network"])
+        average.load_state_dict(state["average"])
+        optimizer.load_state_dict(state["optimizer"])
+        step, seconds = state["step"], state["seconds"]
+    else:
+        log.write_text("step,seconds,rate,loss,held_back\n")
+        print(sum(w.numel() for w in network.parameters()), "weights", flush=True)
+
+    stop = []
+    signal.signal(signal.SIGINT, lambda *_: stop.append(1))
+    signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
+    started, losses = time.time() - seconds, []
+    network.train()
+    while step < a.steps and not stop:
+        random = np.random.default_rng([a.seed, step])
+        x, target = batch_of(training, random, a.batch, a.size)
+        done = step / a.steps
+        rate = a.rate * min(1, (step + 1) / 100) * (1 if done < 0.5 else max(0.01, 2 * (1 - done)))
+        for group in optimizer.param_groups:
+            group["lr"] = rate
+        optimizer.zero_grad()
+        loss = loss_of(network.logits(x), target)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
+        optimizer.step()
+        losses.append(float(loss))
+        step += 1
+        keep = min(0.995, step / (step + 20))
+        with torch.no_grad():
+            for mean, now in zip(average.state_dict().values(), network.state_dict().values()):
+                if mean.dtype.is_floating_point:
+                    mean.mul_(keep).add_(now, alpha=1 - keep)
+                else:
+                    mean.copy_(now)
+        if step % 200 == 0 or step == a.steps or stop:
+            seconds = time.time() - started
+            line = f"{step},{seconds:.0f},{rate:.2e},{np.mean(losses):.4f},{held_back_loss(average, held_back, a.size):.4f}"
+            losses = []
+            with log.open("a") as f:
+                f.write(line + "\n")
+            print(line, f"# {seconds / step * (a.steps - step) / 60:.0f} minutes left", flush=True)
+            torch.save({"network": network.state_dict(), "average": average.state_dict(), "optimizer": optimizer.state_dict(),
+                        "step": step, "seconds": seconds}, checkpoint.with_suffix(".new"))
+            checkpoint.with_suffix(".new").replace(checkpoint)
+            export(average, a.work / "segment.onnx")
+    print("outputs:", ", ".join(OUTPUTS), "in", a.work / "segment.onnx")
+
+
+if __name__ == "__main__":
+    main()
