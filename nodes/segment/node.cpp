@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
+#include "nodes/common/io/reading.h"
 #include "nodes/data/table.h"
 #include "nodes/segment/segment.h"
 #include "runtime/context.h"
-#include "runtime/files.h"
 
 namespace terrazzo {
 namespace {
@@ -36,12 +36,13 @@ Table binder_table(const Profiles& profiles) {
   return t;
 }
 
-std::string model_of(const Context& c) {
+std::string model_of(Context& c) {
   if (!c.keyword("model").empty()) return built_in_model();
-  const auto& file = c.files("model").front();
-  auto bytes = read_file(file);
-  if (!bytes) throw Error("unreadable-file", "cannot read '" + file.string() + "'").parameter("model");
-  return std::move(*bytes);
+  try {
+    return read_whole(c.files("model").front(), reading_of(c));
+  } catch (Error& e) {
+    throw e.parameter("model");
+  }
 }
 
 // Each particle in its confidence's gray, from black to white; the binder is black.
@@ -96,11 +97,12 @@ void compute(Context& c) {
     c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
     c.metric("holes_filled", static_cast<double>(s.holes));
   }
-  if (!given && options.method == Method::Auto && s.method != Method::Scribbles) {
+  if (!given && options.method == Method::Auto && (s.reliability.clusters > 0 || s.reliability.network > 0)) {
     c.metric("reliability_of_clusters", s.reliability.clusters);
     c.metric("reliability_of_network", s.reliability.network);
+    c.metric("distinct_phases", s.distinct_phases);
     if (std::max(s.reliability.clusters, s.reliability.network) < 0.5)
-      c.warn("the particles are uncertain: their mean confidence is " +
+      c.warn("the particles are uncertain: the expected average precision is " +
              fmt::format("{:.2f}", std::max(s.reliability.clusters, s.reliability.network)) +
              "; look at the outlines, set min_confidence, or connect labels");
   }
@@ -165,15 +167,15 @@ NodeType segment_node() {
                            "first. auto: 2 to 8, chosen by silhouette."))
       .parameter(
           Parameter::choice("method", "auto", {"auto", "clusters", "regions", "network", "scribbles"})
-              .doc_(
-                  "clusters: separates particles from binder by color. regions: finds particles by "
-                  "edge and shape. network: finds them with a network that was trained on synthetic "
-                  "photographs. "
-                  "scribbles: learns from the strokes that are connected. auto: scribbles if there are "
-                  "strokes; "
-                  "otherwise runs clusters and network and takes clusters unless the network is clearly more "
-                  "certain of its own particles; the metrics reliability_of_clusters and "
-                  "reliability_of_network tell why."))
+              .doc_("clusters: separates particles from binder by color. regions: finds particles by "
+                    "edge and shape. network: finds them with a network that was trained on synthetic "
+                    "photographs. "
+                    "scribbles: learns from the strokes that are connected. auto: scribbles if there are "
+                    "strokes; "
+                    "otherwise runs clusters and network and takes clusters unless the network can be "
+                    "expected to be "
+                    "better, and much better where the phases differ clearly in color; the metrics "
+                    "reliability_of_clusters, reliability_of_network and distinct_phases tell why."))
       .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
                      .doc_("Network of method network, an ONNX file; see the README for its inputs and "
                            "outputs. built_in: "

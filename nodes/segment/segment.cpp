@@ -137,16 +137,19 @@ struct Attempt {
     specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
   }
 
-  // Mean confidence, each particle counted by the length of its outline: by area, one boulder would decide,
-  // by number, the crumbs.
-  double reliability() const {
+  // What is expected to be right and what was found in all, each particle counted by the length of its
+  // outline: by area, one boulder would decide, by number, the crumbs.
+  struct Weight {
+    double right = 0, found = 0;
+  };
+  Weight weight() const {
     std::vector<double> area(confidence.size(), 0);
     for (const auto id : labels.ids)
       if (id > 0) ++area[id - 1];
-    double sum = 0, all = 0;
+    Weight w;
     for (std::size_t k = 0; k < area.size(); ++k)
-      sum += std::sqrt(area[k]) * confidence[k], all += std::sqrt(area[k]);
-    return all > 0 ? sum / all : 0;
+      w.right += std::sqrt(area[k]) * confidence[k], w.found += std::sqrt(area[k]);
+    return w;
   }
 };
 
@@ -160,6 +163,9 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
   s.method = options.method;
   if (s.method == Method::Auto && options.scribbles.particles && options.scribbles.binder)
     s.method = Method::Scribbles;
+  // Who knows the binder or the number of clusters has chosen the method.
+  if (s.method == Method::Auto && (options.binder.kind != Hint::Kind::Auto || options.clusters > 0))
+    s.method = Method::Clusters;
   const bool network = s.method == Method::Auto || s.method == Method::Network;
   std::optional<Network> own;
   const Network* given = options.network;
@@ -196,6 +202,10 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
     for (int i = 0; i < sections; ++i)
       mosaics.push_back(
           make_mosaic(image, i, work.part(0.4 + 0.3 * i / sections, 0.4 + 0.3 * (i + 1) / sections)));
+    // Separate phases differ strongly compared with the usual difference between neighboring patches.
+    double apart = 0, usual = 0;
+    for (const auto& m : mosaics) apart += m.spread, usual += m.contrast;
+    s.distinct_phases = apart >= 5 * usual;
     s.ground = find_ground(mosaics, options.clusters, options.binder, options.split.strength,
                            method == Method::Clusters, options.seed, work.part(0.7, 0.75));
     const Vec3f binder = binder_color(s.ground, options.binder);
@@ -234,20 +244,21 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
   };
   Attempt best;
   if (s.method == Method::Auto) {
-    Attempt clusters;
-    std::optional<Error> no_clusters;
-    try {
-      clusters = by_color_or_edge(Method::Clusters);
-    } catch (const Error& e) {
-      if (e.diagnostic().code != "one-color") throw;
-      no_clusters = e;  // the network alone may find something
-    }
+    Attempt clusters = by_color_or_edge(Method::Clusters);
     best = std::move(by_network);
-    if (no_clusters && best.labels.classes.empty()) throw *no_clusters;
-    s.reliability = {clusters.reliability(), best.reliability()};
-    // Where both are about as good, the outlines of clusters are the better ones.
+    // The average precision to expect, right / (found + missed), if at least what the better method gets
+    // right is there.
+    const Attempt::Weight c = clusters.weight(), n = best.weight();
+    const double there = std::max(c.right, n.right);
+    const auto precision = [&](const Attempt::Weight& w) {
+      return w.right > 0 ? w.right / (w.found + there - w.right) : 0;
+    };
+    s.reliability = {precision(c), precision(n)};
+    // The network is the judge of its own particles, so where the phases differ clearly in color it has to be
+    // much better, and elsewhere a little: the outlines of clusters are finer.
+    const double lead = s.distinct_phases ? 1.6 : 1.1;
     s.method = Method::Network;
-    if (!clusters.labels.classes.empty() && s.reliability.clusters > 0.9 * s.reliability.network)
+    if (!clusters.labels.classes.empty() && lead * s.reliability.clusters > s.reliability.network)
       best = std::move(clusters), s.method = Method::Clusters;
   } else {
     best = network                         ? std::move(by_network)

@@ -42,7 +42,9 @@ struct Segmentation {
   Method method = Method::Clusters;  // the method used
   double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
-  // By Method::Auto: the mean confidence of the particles that each method finds, 0 to 1.
+  bool distinct_phases = false;  // colors differ much more between phases than within them
+  // By Method::Auto: the average precision that the confidences of each method's particles let expect, 0
+  // to 1.
   struct {
     double clusters = 0, network = 0;
   } reliability;

@@ -141,13 +141,19 @@ TEST(FilesOfNodes, ExactlyTheDeclaredOnesAreOpened) {
 }
 
 // A node that reads files checks its memory budget first.
+bool names_a_file(const GraphNode& node) {
+  return std::any_of(node.parameters.begin(), node.parameters.end(), [&](const auto& p) {
+    return node.type->find_parameter(p.first)->kind == ParameterKind::InputPath;
+  });
+}
+
 TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
   int tried = 0;
   for (const auto& e : fs::directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes")) {
     if (!fs::exists(e.path() / "example.yaml")) continue;
     const Graph g = graph_of(e.path() / "example.yaml");
     for (std::size_t i = 0; i < g.nodes.size(); ++i) {
-      if (!reads_files(*g.nodes[i].type)) continue;
+      if (!names_a_file(g.nodes[i])) continue;
       Store store(test::value_types(), {});
       FileHashes hashes;
       Evaluator evaluator(test::value_types(), store, hashes);
