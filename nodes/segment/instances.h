@@ -19,7 +19,7 @@ struct Instance {
 // are no particles.
 std::vector<Instance> find_instances(const NetworkMaps&, const Work&);
 
-// Judges labels from 1 to `count`, whoever made them: the mean of inside × the mean of
+// The score of each label from 1 to `count`, made by any method: the mean of inside × the mean of
 // border along the outline × (1 − the mean of border within) × the summit of distance × inside × (1 − border
 // / 2).
 std::vector<double> score_labels(const NetworkMaps&, const std::vector<std::int32_t>& labels, int count);
