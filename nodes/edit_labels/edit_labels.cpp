@@ -30,6 +30,23 @@ constexpr std::array<Word, 5> kWords{{{"merge", Edit::Kind::Merge, 2},
       .parameter("edits");
 }
 
+// Shortens a segment to its part within the picture (Liang and Barsky 1984); false if there is none.
+bool clip(Vec2& from, Vec2& to, int width, int height) {
+  double begin = 0, end = 1;
+  const Vec2 a = from, step = to - from, most(width, height);
+  for (int k = 0; k < 2; ++k) {
+    if (step[k] == 0) {
+      if (a[k] < 0 || a[k] > most[k]) return false;
+      continue;
+    }
+    const double u = -a[k] / step[k], v = (most[k] - a[k]) / step[k];
+    begin = std::max(begin, std::min(u, v)), end = std::min(end, std::max(u, v));
+  }
+  if (begin > end) return false;
+  from = a + begin * step, to = a + end * step;
+  return true;
+}
+
 class Editor {
  public:
   Editor(const Labels& labels, Edited& out) : out_(out) {
@@ -127,12 +144,12 @@ class Editor {
     std::vector<std::size_t> line;
     std::map<std::int32_t, std::size_t> crossed;
     for (std::size_t k = 0; k + 1 < e.points.size(); ++k) {
-      const Vec2 from = e.points[k], step = e.points[k + 1] - from;
-      // Outside of the picture there is nothing to cut, so that a line of any length takes bounded time.
-      const double reach = 4.0 * (l.width + l.height);
-      const int steps = static_cast<int>(std::ceil(4 * std::min(step.norm(), reach))) + 1;
+      // Only the part within the picture cuts, so that a line of any length takes bounded time.
+      Vec2 from = e.points[k], to = e.points[k + 1];
+      if (!clip(from, to, l.width, l.height)) continue;
+      const int steps = static_cast<int>(std::ceil(4 * (to - from).norm())) + 1;
       for (int s = 0; s <= steps; ++s) {
-        const Vec2 p = from + step * (static_cast<double>(s) / steps);
+        const Vec2 p = from + (to - from) * (static_cast<double>(s) / steps);
         if (label_at(p, e.section) == 0) continue;
         const std::size_t i =
             l.index(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())), e.section);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "graph/diagnostic.h"
+#include "nodes/data/equal_size.h"
 
 namespace terrazzo::instance_score {
 
@@ -20,13 +20,8 @@ double Score::recall(double overlap) const {
 }
 
 Score compare_instances(const Labels& found, const Labels& masks) {
-  if (found.width != masks.width || found.height != masks.height || found.sections != masks.sections)
-    throw Error("size-mismatch",
-                "the labels have " + std::to_string(found.width) + " × " + std::to_string(found.height) +
-                    " pixels in " + std::to_string(found.sections) + " sections, but the masks have " +
-                    std::to_string(masks.width) + " × " + std::to_string(masks.height) + " pixels in " +
-                    std::to_string(masks.sections),
-                "connect labels and masks of the same image");
+  require_equal_size(found, "the labels have", masks, "the masks have",
+                     "connect labels and masks of the same image");
   std::map<std::int32_t, std::int64_t> found_size, mask_size;
   std::map<std::pair<std::int32_t, std::int32_t>, std::int64_t> common;
   std::int64_t found_pixels = 0, mask_pixels = 0;

@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/texture/footprint.h"
+#include "nodes/data/equal_size.h"
 
 namespace terrazzo::segment {
 
@@ -30,14 +31,8 @@ Area read_area(const std::string& text) {
 }
 
 IgnoredPixels ignored_pixels(const Image& image, const std::vector<Area>& areas, const Labels* mask) {
-  if (mask &&
-      (mask->width != image.width || mask->height != image.height || mask->sections != image.sections))
-    throw Error("size-mismatch",
-                "the mask has " + std::to_string(mask->width) + " × " + std::to_string(mask->height) +
-                    " pixels in " + std::to_string(mask->sections) + " sections, but the image has " +
-                    std::to_string(image.width) + " × " + std::to_string(image.height) + " pixels in " +
-                    std::to_string(image.sections),
-                "connect a mask of the same image");
+  if (mask)
+    require_equal_size(*mask, "the mask has", image, "the image has", "connect a mask of the same image");
   if (areas.empty() && !mask) return {};
   IgnoredPixels out(image.pixels.size(), 0);
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;

@@ -8,7 +8,6 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/linear.h"
-#include "runtime/work.h"
 
 namespace terrazzo::segment {
 

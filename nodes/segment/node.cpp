@@ -36,15 +36,6 @@ Table binder_table(const Profiles& profiles) {
   return t;
 }
 
-std::string model_of(Context& c) {
-  if (!c.keyword("model").empty()) return built_in_model();
-  try {
-    return read_whole(c.files("model").front(), reading_of(c));
-  } catch (Error& e) {
-    throw e.parameter("model");
-  }
-}
-
 // Each particle in its confidence's gray, from black to white; the binder is black.
 Image confidence_picture(const Image& image, const Segmentation& s) {
   Image out(image.width, image.height, image.sections, image.pixel_size);
@@ -63,13 +54,19 @@ void compute(Context& c) {
   options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
   options.method = c.choice<Method>("method");
   options.min_confidence = c.number("min_confidence");
-  std::optional<Network> network;
-  if (options.method == Method::Auto || options.method == Method::Network)
-    options.network = &network.emplace(model_of(c));
   options.seed = c.seed();
 
   const Image& image = c.input<Image>("image");
   const Labels* given = c.optional<Labels>("labels");
+  std::optional<Network> network;
+  const bool judged = options.method == Method::Auto || options.method == Method::Network;
+  if (!given && judged && c.keyword("model").empty()) {
+    try {
+      options.network = &network.emplace(read_whole(c.files("model").front(), reading_of(c)));
+    } catch (Error& e) {
+      throw e.parameter("model");
+    }
+  }
   std::vector<Area> areas;
   if (c.keyword("ignore").empty())
     for (const std::string& text : c.texts("ignore")) areas.push_back(read_area(text));
@@ -183,9 +180,8 @@ NodeType segment_node() {
       .parameter(
           Parameter::number("min_confidence", 0)
               .range(0, 1)
-              .doc_(
-                  "Particles with a lower confidence are dropped. Only method network judges its particles; "
-                  "others have a confidence of 1."))
+              .doc_("Particles with a lower confidence are dropped. Particles of clusters and regions have a "
+                    "confidence of 1 unless method auto judges them."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Texts, "ignore", "none")
               .unit_("pixels")

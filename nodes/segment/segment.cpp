@@ -9,6 +9,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
+#include "nodes/data/equal_size.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/measure.h"
 #include "nodes/segment/network_particles.h"
@@ -71,13 +72,14 @@ void ignore_objects(const std::vector<std::uint8_t>& found, int section, const I
       }
   const auto smallest =
       std::max<std::int64_t>(200, static_cast<std::int64_t>(image.width) * image.height / 1000);
-  for (int k = 0; k < parts.count(); ++k) {
-    if (boxes[k].pixels < smallest) continue;
-    objects.push_back(boxes[k]);
-    ignored.resize(image.pixels.size(), 0);
-    for (std::size_t i = 0; i < parts.ids.size(); ++i)
-      if (parts.ids[i] == k + 1) ignored[image.index(0, 0, section) + i] = 1;
-  }
+  const std::size_t before = objects.size();
+  for (const FoundObject& b : boxes)
+    if (b.pixels >= smallest) objects.push_back(b);
+  if (objects.size() == before) return;
+  ignored.resize(image.pixels.size(), 0);
+  for (std::size_t i = 0; i < parts.ids.size(); ++i)
+    if (const auto k = parts.ids[i]; k > 0 && boxes[k - 1].pixels >= smallest)
+      ignored[image.index(0, 0, section) + i] = 1;
 }
 
 // Removes labels from ignored pixels, then those without pixels or with too little confidence, and renumbers
@@ -114,10 +116,6 @@ Vec3f binder_color(const Ground& ground, const Hint& hint) {
       return hint.color;
   }
 }
-
-}  // namespace
-
-namespace {
 
 // The particles of all sections by one method, and what the network thinks of them.
 struct Attempt {
@@ -232,6 +230,11 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
       Particles2D found =
           find_particles_by_scribbles(maps, image.width, image.height, options.split, work.quiet());
       const std::int32_t count = *std::max_element(found.labels.begin(), found.labels.end());
+      if (options.scribbles.not_material) {
+        ignored.resize(photo.pixels.size(), 0);
+        for (std::size_t k = 0; k < maps.not_material.size(); ++k)
+          if (maps.not_material[k] > 0.5f) ignored[photo.index(0, 0, i) + k] = 1;
+      }
       // How clearly the trees agree: 0 where half of them say particle, 1 where all do.
       std::vector<double> sum(count, 0), pixels(count, 0);
       for (std::size_t k = 0; k < found.labels.size(); ++k)
@@ -288,13 +291,7 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
 Segmentation measure_labels(const Image& image, const Labels& labels, const SegmentOptions& options,
                             const Work& work) {
   check_image(image);
-  if (labels.width != image.width || labels.height != image.height || labels.sections != image.sections)
-    throw Error("size-mismatch",
-                "the labels have " + std::to_string(labels.width) + " × " + std::to_string(labels.height) +
-                    " pixels in " + std::to_string(labels.sections) + " sections, but the image has " +
-                    std::to_string(image.width) + " × " + std::to_string(image.height) + " pixels in " +
-                    std::to_string(image.sections),
-                "connect labels of the same image");
+  require_equal_size(labels, "the labels have", image, "the image has", "connect labels of the same image");
   Segmentation s;
   s.labels = labels;
   s.labels.pixel_size = image.pixel_size;

@@ -43,7 +43,8 @@ TEST(EditLabels, MergeJoinsAndKeepsTheFirstClass) {
 }
 
 TEST(EditLabels, SplitDividesOneParticleAndLosesNoPixel) {
-  for (const char* line : {"split 5.5 -3 5.5 40", "split 0 0 12 12", "split 1 6 6 6 6 20"}) {
+  for (const char* line :
+       {"split 5.5 -3 5.5 40", "split 0 0 12 12", "split 1 6 6 6 6 20", "split 5.5 -1e6 5.5 1e6"}) {
     const Labels before = squares();
     const Edited e = edited(before, {line});
     EXPECT_TRUE(e.warnings.empty()) << line << ": " << (e.warnings.empty() ? "" : e.warnings[0]);

@@ -74,6 +74,19 @@ TEST(Scribbles, TheSameBitsOnAnyNumberOfThreads) {
   EXPECT_EQ(all[2], all[0]);
 }
 
+TEST(Scribbles, WhatIsNotMaterialIsNotObserved) {
+  Textured t = textured_discs();
+  for (int y = 100; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) t.image.at(x, y) = Vec3f(0.8f, 0.1f, 0.1f);
+  const std::multimap<std::string, Value> inputs{
+      {"image", Value::of(t.image)},
+      {"particle_strokes", Value::of(on_three_discs())},
+      {"binder_strokes", Value::of(line(40, 4, 40, 90, 3))},
+      {"not_material_strokes", Value::of(line(10, 110, 150, 110, 4))}};
+  const auto run = test::run_node("Segment", inputs);
+  EXPECT_NEAR(run.output<Profiles>("profiles").observed_area, 160 * 100, 160 * 4);
+}
+
 TEST(Scribbles, BothClassesAreNeeded) {
   const Textured t = textured_discs();
   const Value stroke = Value::of(line(12, 20, 28, 20, 6)), outside = Value::of(line(-50, -50, -40, -40, 2));
