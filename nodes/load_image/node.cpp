@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "graph/node_type.h"
 #include "nodes/common/io/color_config.h"
 #include "nodes/common/io/image_file.h"
@@ -5,6 +9,16 @@
 
 namespace terrazzo {
 namespace {
+
+// The metadata may be wrong, so they never set the size of a pixel, but whoever left it as it was should
+// know.
+void offer(const PixelScale& scale, Context& c) {
+  if (std::abs(c.number("pixel_size") - scale.size) <= scale.uncertainty * scale.size) return;
+  c.warn(fmt::format(
+      "according to {}, a pixel is {:.3g} mm wide (± {:.0f} %), but pixel_size is {:g}; if the metadata "
+      "are right, set pixel_size: {:.3g}",
+      scale.source, scale.size, 100 * scale.uncertainty, c.number("pixel_size"), scale.size));
+}
 
 void compute(Context& c) {
   if (c.text("color_config") != color_config_id())
@@ -19,7 +33,9 @@ void compute(Context& c) {
   Image stack;
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
-    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c));
+    std::optional<PixelScale> scale;
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &scale);
+    if (i == 0 && scale) offer(*scale, c);
     if (i == 0) {
       stack = std::move(section);
       require_memory(
@@ -56,7 +72,12 @@ NodeType load_image_node() {
       .output("image", "Image", "One section per file, in file name order")
       .parameter(Parameter::input_path("path").doc_(
           "Image file. A glob names a stack of sections of equal size and scale."))
-      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
+      .parameter(Parameter::number("pixel_size", 1)
+                     .unit_("mm")
+                     .above(0)
+                     .doc_("Edge length of a pixel. A warning tells if the file's metadata (EXIF, scanner "
+                           "resolution, ImageJ "
+                           "calibration) state another one."))
       .parameter(Parameter::text("colorspace", "auto")
                      .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
                            "$OCIO if set, then in the built-in one. auto: sRGB for integer formats, "

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 

@@ -81,24 +81,24 @@ float least_distance(const Clusters& clusters) {
 
 }  // namespace
 
-Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, double split, bool even_light,
-                   std::uint64_t seed, const Work& work) {
+bool even_light(std::vector<Mosaic>& sections, const Clusters& clusters, const Work& work) {
+  const float apart = least_distance(clusters);
+  bool changed = false;
+  for (auto& m : sections) {
+    const LabImage shading = shading_of(m, clusters, work);
+    if (strength_of(shading) < 0.05f * apart) continue;
+    take_shading_away(m, shading, work);
+    changed = true;
+  }
+  return changed;
+}
+
+Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, double split, std::uint64_t seed,
+                   const Work& work) {
   Ground ground;
   ground.clusters = find_clusters(sections, k, seed, work);
-  // Estimate uneven light from the clusters, remove it and cluster again, as long as it is not negligible
-  // compared with the distance of the two closest clusters.
-  for (int round = 0; even_light && round < 2; ++round) {
-    const float apart = least_distance(ground.clusters);
-    bool changed = false;
-    for (auto& m : sections) {
-      const LabImage shading = shading_of(m, ground.clusters, work);
-      if (strength_of(shading) < 0.05f * apart) continue;
-      take_shading_away(m, shading, work);
-      changed = true;
-    }
-    if (!changed) break;
+  for (int round = 0; round < 2 && even_light(sections, ground.clusters, work); ++round)
     ground.clusters = find_clusters(sections, static_cast<int>(ground.clusters.centers.size()), seed, work);
-  }
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)
     throw Error("one-color", "the image has only one color, so particles cannot be separated from the binder",

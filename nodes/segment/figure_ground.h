@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "nodes/segment/clustering.h"
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 
@@ -25,9 +25,8 @@ struct Ground {
 // largest number up to 6 whose silhouette is at least 0.75 and within a tenth of the best. The binder is the
 // set of clusters whose complement, split at its necks, consists of the most convex pieces with the largest
 // share of outline on the binder. The set grows from the best single cluster (or the hinted one) as long as
-// the score improves. So interstitial pores join the binder and round pores stay particles. `even_light` also
-// removes uneven light. Throws Error "one-color" if there are fewer than two clusters.
-Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, bool even_light,
-                   std::uint64_t seed, const Work&);
+// the score improves. So interstitial pores join the binder and round pores stay particles. Uneven light is
+// removed from the mosaics. Throws Error "one-color" if there are fewer than two clusters.
+Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, std::uint64_t seed, const Work&);
 
 }  // namespace terrazzo::segment

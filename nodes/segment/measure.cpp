@@ -1,10 +1,12 @@
 #include "nodes/segment/measure.h"
 
 #include <algorithm>
+#include <map>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "nodes/segment/outline.h"
-#include "nodes/segment/split.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -37,33 +39,41 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
     for (std::size_t i = first; i < first + section_size; ++i)
       if (labels.ids[i] > 0) low = std::min(low, labels.ids[i]), high = std::max(high, labels.ids[i]);
     const int count = high == 0 ? 0 : high - low + 1;
-    std::vector<std::int32_t> local(section_size, 0);
-    for (std::size_t i = 0; i < section_size; ++i)
-      if (labels.ids[first + i] > 0) local[i] = labels.ids[first + i] - low + 1;
-    const std::vector<float> share(coverage.begin() + static_cast<std::ptrdiff_t>(first),
-                                   coverage.begin() + static_cast<std::ptrdiff_t>(first + section_size));
-    const auto depth2 = squared_distance(local, W, H, false, work);
+    const std::span<const std::int32_t> ids(labels.ids.data() + first, section_size);
+    const auto deep = [&](int x, int y) {  // more than one pixel inside
+      const std::int32_t id = ids[static_cast<std::size_t>(y) * W + x];
+      for (int v = std::max(0, y - 1); v <= std::min(H - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(W - 1, x + 1); ++u)
+          if (ids[static_cast<std::size_t>(v) * W + u] != id) return false;
+      return true;
+    };
     std::vector<Sums> sums(count);
     for (int y = 0; y < H; ++y)
       for (int x = 0; x < W; ++x) {
         const std::size_t i = static_cast<std::size_t>(y) * W + x;
         const Eigen::Vector3d c = image.pixels[first + i].cast<double>();
-        if (local[i] == 0) {
+        if (ids[i] == 0) {
           if (!ignored.empty() && ignored[first + i]) continue;
           binder += c;
           ++binder_pixels;
           continue;
         }
-        Sums& p = sums[local[i] - 1];
+        Sums& p = sums[ids[i] - low];
         p.all += c, ++p.pixels;
-        if (depth2[i] > 2) p.core += c, ++p.core_pixels;
+        if (deep(x, y)) p.core += c, ++p.core_pixels;
         p.left = std::min(p.left, x), p.right = std::max(p.right, x);
         p.top = std::min(p.top, y), p.bottom = std::max(p.bottom, y);
       }
     work.check();
     std::optional<Positions> positions;
     if (!ignored.empty()) positions.emplace(ignored.data() + first, W, H);
-    auto lines = outlines(local, share, W, H, count, work);
+    auto lines = outlines(ids, std::span(coverage).subspan(first, section_size), W, H, count, work, low);
+    std::map<std::pair<int, int>, std::int64_t> places;  // for boxes of this size
+    const auto count_places = [&](int w, int h) {
+      const auto [it, added] = places.try_emplace({w, h}, 0);
+      if (added) work.check(), it->second = positions->count(w, h);
+      return static_cast<double>(it->second);
+    };
     for (int k = 0; k < count; ++k) {
       const Sums& sum = sums[k];
       if (sum.pixels == 0) continue;
@@ -78,7 +88,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       if (p.touches_border)
         p.weight = 0;
       else if (positions)
-        p.weight = seen / labels.sections / static_cast<double>(positions->count(w, h));
+        p.weight = seen / labels.sections / count_places(w, h);
       else
         p.weight = static_cast<double>(W) * H / (static_cast<double>(W - w - 1) * (H - h - 1));
       p.color = (sum.core_pixels > 0 ? Eigen::Vector3d(sum.core / static_cast<double>(sum.core_pixels))

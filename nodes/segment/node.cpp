@@ -45,6 +45,20 @@ Image confidence_picture(const Image& image, const Segmentation& s) {
   return out;
 }
 
+// What a ruler or a scale bar says about the size of a pixel, for whoever knows its unit.
+std::string scale_of(const FoundObject& o) {
+  if (!o.scale) return {};
+  const ScaleMark& m = *o.scale;
+  if (m.kind == ScaleMark::Kind::Bar)
+    return fmt::format(
+        ". It has a bar of {:.0f} ± {:.0f} pixels: pixel_size is the bar's length in mm / {:.0f}", m.length,
+        m.uncertainty, m.length);
+  return fmt::format(
+      ". It has marks every {:.2f} ± {:.2f} pixels: if they are millimeters, pixel_size is {:.4g} (± {:.1g} "
+      "%)",
+      m.length, m.uncertainty, 1 / m.length, 100 * m.uncertainty / m.length);
+}
+
 void compute(Context& c) {
   SegmentOptions options;
   options.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
@@ -55,6 +69,7 @@ void compute(Context& c) {
   options.method = c.choice<Method>("method");
   options.min_confidence = c.number("min_confidence");
   options.seed = c.seed();
+  options.memory = c.memory();
 
   const Image& image = c.input<Image>("image");
   const Labels* given = c.optional<Labels>("labels");
@@ -82,7 +97,6 @@ void compute(Context& c) {
   c.metric("at_border", static_cast<double>(at_border));
   c.metric("area_fraction", s.profiles.area_fraction);
   if (!given) {
-    c.metric("by_regions", s.method == Method::Regions);
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
     c.metric("min_area", s.min_area);
@@ -110,7 +124,8 @@ void compute(Context& c) {
         "columns " + std::to_string(o.left) + " to " + std::to_string(o.right) + ", rows " +
         std::to_string(o.top) + " to " + std::to_string(o.bottom) +
         (image.sections > 1 ? " of section " + std::to_string(o.section) : "") +
-        " look like a ruler, frame or text and are ignored; use ignore to say what is not material yourself");
+        " look like a ruler, frame or text and are ignored; use ignore to say what is not material yourself" +
+        scale_of(o));
   c.output("confidence", confidence_picture(image, s));
   c.output("binder", binder_table(s.profiles));
   c.output("labels", std::move(s.labels));
@@ -120,7 +135,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 3)
+  return NodeType("Segment", 4)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")
@@ -156,16 +171,16 @@ NodeType segment_node() {
                      .unit_("pixels")
                      .range(0, 1e9)
                      .doc_("Minimum particle size. Smaller particles are dropped and counted. auto: 12, up "
-                           "to 48 if pits and noise are frequent; 25 for method regions."))
+                           "to 48 if pits and noise are frequent."))
       .parameter(Parameter::integer("color_classes", 1)
                      .keyword("auto")
                      .range(1, 32)
                      .doc_("Number of profile classes by mean color (k-means), the most frequent class "
                            "first. auto: 2 to 8, chosen by silhouette."))
       .parameter(
-          Parameter::choice("method", "auto", {"auto", "clusters", "regions", "network", "scribbles"})
-              .doc_("clusters: separates particles from binder by color. regions: finds particles by "
-                    "edge and shape. network: finds them with a network that was trained on synthetic "
+          Parameter::choice("method", "auto", {"auto", "clusters", "network", "scribbles"})
+              .doc_("clusters: separates particles from binder by color. network: finds them with a network "
+                    "that was trained on synthetic "
                     "photographs. "
                     "scribbles: learns from the strokes that are connected. auto: scribbles if there are "
                     "strokes; "
@@ -177,11 +192,10 @@ NodeType segment_node() {
                      .doc_("Network of method network, an ONNX file; see the README for its inputs and "
                            "outputs. built_in: "
                            "the one that comes with the program."))
-      .parameter(
-          Parameter::number("min_confidence", 0)
-              .range(0, 1)
-              .doc_("Particles with a lower confidence are dropped. Particles of clusters and regions have a "
-                    "confidence of 1 unless method auto judges them."))
+      .parameter(Parameter::number("min_confidence", 0)
+                     .range(0, 1)
+                     .doc_("Particles with a lower confidence are dropped. Particles of clusters have a "
+                           "confidence of 1 unless method auto judges them."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Texts, "ignore", "none")
               .unit_("pixels")

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "nodes/segment/figure_ground.h"
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 

@@ -14,7 +14,7 @@ struct Window {
 // centers.
 class Contour {
  public:
-  Contour(const std::vector<std::int32_t>& labels, const std::vector<float>& coverage, int width, int height,
+  Contour(std::span<const std::int32_t> labels, std::span<const float> coverage, int width, int height,
           std::int32_t id, const Window& w)
       : left_(w.left - 1), top_(w.top - 1), columns_(w.right - w.left + 3), rows_(w.bottom - w.top + 3) {
     value_.assign(static_cast<std::size_t>(columns_) * rows_, 0.0f);
@@ -128,15 +128,14 @@ class Contour {
 
 }  // namespace
 
-std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
-                                   const std::vector<float>& coverage, int width, int height, int count,
-                                   const Work& work) {
+std::vector<LabelOutline> outlines(std::span<const std::int32_t> labels, std::span<const float> coverage,
+                                   int width, int height, int count, const Work& work, std::int32_t first) {
   std::vector<Window> windows(count);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::int32_t id = labels[static_cast<std::size_t>(y) * width + x];
-      if (id <= 0 || id > count) continue;
-      Window& w = windows[id - 1];
+      if (id < first || id >= first + count) continue;
+      Window& w = windows[id - first];
       w.left = std::min(w.left, x), w.right = std::max(w.right, x);
       w.top = std::min(w.top, y), w.bottom = std::max(w.bottom, y);
     }
@@ -144,7 +143,7 @@ std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
   work.parallel(count, 16, [&](std::size_t b, std::size_t e) {
     for (std::size_t k = b; k < e; ++k) {
       if (windows[k].right < 0) continue;
-      Contour contour(labels, coverage, width, height, static_cast<std::int32_t>(k + 1), windows[k]);
+      Contour contour(labels, coverage, width, height, static_cast<std::int32_t>(k) + first, windows[k]);
       LabelOutline& o = out[k];
       Vec2 moment = Vec2::Zero();
       double largest = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "nodes/data/linear.h"
@@ -16,11 +17,10 @@ struct LabelOutline {
   Vec2 centroid = Vec2::Zero();  // of all loops, pixels, y up
 };
 
-// For each id from 1 to `count` in `labels`: the ½ level of `coverage` by marching squares (Lorensen and
-// Cline 1987, in two dimensions), where other labels count as 0. Diagonal neighbors with the same label are
-// joined. `points` is the loop with the largest area; an id without pixels has an empty outline.
-std::vector<LabelOutline> outlines(const std::vector<std::int32_t>& labels,
-                                   const std::vector<float>& coverage, int width, int height, int count,
-                                   const Work&);
+// For each of `count` ids from `first` in `labels`: the ½ level of `coverage` by marching squares (Lorensen
+// and Cline 1987, in two dimensions), where other labels count as 0. Diagonal neighbors with the same label
+// are joined. `points` is the loop with the largest area; an id without pixels has an empty outline.
+std::vector<LabelOutline> outlines(std::span<const std::int32_t> labels, std::span<const float> coverage,
+                                   int width, int height, int count, const Work&, std::int32_t first = 1);
 
 }  // namespace terrazzo::segment

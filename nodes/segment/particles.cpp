@@ -10,7 +10,6 @@
 #include "nodes/segment/min_cut.h"
 #include "nodes/segment/odd_bodies.h"
 #include "nodes/segment/pieces.h"
-#include "nodes/segment/region_tree.h"
 #include "nodes/segment/split.h"
 
 namespace terrazzo::segment {
@@ -216,38 +215,6 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   return min_cut(binder, particle, edges, work);
 }
 
-// Gives each pixel the most frequent value of the (2·reach + 1)² pixels around it. Ties keep the pixel's own
-// value.
-std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int width, int height, int reach,
-                                   const Work& work) {
-  std::vector<std::int32_t> out = labels;
-  work.parallel(height, 16, [&](std::size_t b, std::size_t e) {
-    std::vector<std::int32_t> around;
-    for (int y = static_cast<int>(b); y < static_cast<int>(e); ++y)
-      for (int x = 0; x < width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
-        around.clear();
-        bool mixed = false;
-        for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
-          for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
-            around.push_back(labels[static_cast<std::size_t>(v) * width + u]);
-            mixed = mixed || around.back() != labels[i];
-          }
-        if (!mixed) continue;
-        std::sort(around.begin(), around.end());
-        auto most = std::count(around.begin(), around.end(), labels[i]);
-        for (std::size_t k = 0; k < around.size();) {
-          std::size_t end = k;
-          while (end < around.size() && around[end] == around[k]) ++end;
-          if (static_cast<std::ptrdiff_t>(end - k) > most)
-            most = static_cast<std::ptrdiff_t>(end - k), out[i] = around[k];
-          k = end;
-        }
-      }
-  });
-  return out;
-}
-
 }  // namespace
 
 Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOptions& options,
@@ -271,28 +238,6 @@ Particles2D find_particles(const Mosaic& m, const Ground& ground, const SplitOpt
   join_crumbs(out.labels, m.width, m.height, out.min_area);
   renumber_labels(out.labels);
   out.holes = fill_holes(out.labels, m.width, m.height);
-  return out;
-}
-
-Particles2D find_particles_by_regions(const Mosaic& m, double likeness, const Vec3f* binder,
-                                      const SplitOptions& options, const Work& work) {
-  Particles2D out;
-  out.min_area = options.min_area >= 0 ? options.min_area : 25;
-  const RegionTree tree = build_region_tree(m, work);
-  const double all = static_cast<double>(m.patches.size());
-  out.labels = choose_particles(tree, {likeness, out.min_area, 0.4 * all, binder, 0.3f * m.spread});
-  for (int round = 0; round < 2; ++round) out.labels = majority(out.labels, m.width, m.height, 2, work);
-  if (options.strength > 0)
-    out.labels = split_at_necks(out.labels, m.width, m.height, options.strength, work);
-  const Components parts = connected_components(out.labels, m.width, m.height, false);
-  for (const auto size : parts.sizes)
-    if (static_cast<double>(size) < out.min_area) ++out.specks, out.speck_pixels += size;
-  out.labels = parts.ids;
-  for (auto& l : out.labels)
-    if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < out.min_area) l = 0;
-  renumber_labels(out.labels);
-  out.holes = fill_holes(out.labels, m.width, m.height);
-  out.coverage = smooth_coverage(out.labels, m.width, m.height, work);
   return out;
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "nodes/segment/figure_ground.h"
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 
@@ -26,10 +26,5 @@ struct Particles2D {
 // Classifies the pixels by cluster, refines the outline, fills small holes, drops specks, splits at necks and
 // along borders of two distinct colors, and then fills holes within single particles.
 Particles2D find_particles(const Mosaic&, const Ground&, const SplitOptions&, const Work&);
-
-// Finds the regions that look like particles by edge and shape (region_tree.h), for images whose colors do
-// not separate particles from binder.
-Particles2D find_particles_by_regions(const Mosaic&, double likeness, const Vec3f* binder,
-                                      const SplitOptions&, const Work&);
 
 }  // namespace terrazzo::segment

@@ -1,6 +1,11 @@
 // Segmentation of section photographs into particles.
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
@@ -8,16 +13,16 @@
 #include "nodes/segment/ignored.h"
 #include "nodes/segment/network.h"
 #include "nodes/segment/particles.h"
+#include "nodes/segment/ruler.h"
 #include "nodes/segment/scribbles.h"
 
 namespace terrazzo::segment {
 
-enum class Method { Auto, Clusters, Regions, Network, Scribbles };
+enum class Method { Auto, Clusters, Network, Scribbles };
 
 struct SegmentOptions {
   Method method = Method::Auto;
-  double likeness = 0.2;  // minimum likeness of a region accepted as a particle
-  int clusters = 0;       // 0: automatic
+  int clusters = 0;  // 0: automatic
   Hint binder;
   SplitOptions split;
   const Network* network = nullptr;  // of Method::Auto and Method::Network; none: the built-in one
@@ -26,6 +31,7 @@ struct SegmentOptions {
   IgnoredPixels ignored;
   int color_classes = 1;  // 0: automatic
   std::uint64_t seed = 1;
+  std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
 };
 
 // A ruler, frame or caption, in pixels from the upper left corner of a section.
@@ -33,6 +39,7 @@ struct FoundObject {
   int section = 0;
   int left = 0, top = 0, right = 0, bottom = 0;  // first and last column and row
   std::int64_t pixels = 0;
+  std::optional<ScaleMark> scale = {};
 };
 
 struct Segmentation {
@@ -52,7 +59,8 @@ struct Segmentation {
   std::vector<FoundObject> not_material;  // found by the network, and ignored since
 };
 
-// Throws Error "empty-image", "bad-pixels", "one-color", "no-particles".
+// Pictures of more than 4096² pixels are segmented in tiles (tiles.h). Throws Error "empty-image",
+// "bad-pixels", "one-color", "no-particles", "too-large".
 Segmentation segment(const Image&, const SegmentOptions&, const Work&);
 // Measures existing labels. Throws Error "size-mismatch" if they do not match the image, "empty-image",
 // "bad-pixels", "bad-labels", "no-particles".

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "nodes/segment/clustering.h"
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 

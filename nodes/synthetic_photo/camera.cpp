@@ -60,8 +60,9 @@ Picture expose(const Canvas& c, const std::vector<Vec3f>& radiance, bool gray, R
   std::nth_element(bright.begin(), middle, bright.end());
   const double gain = r.uniform(0.3, 0.95) / std::max(0.01f, *middle);
   Vec3f balance = Vec3f::Ones();
+  const double cast = r.uniform(0, 0.12);
   if (!gray)
-    balance = Vec3f(static_cast<float>(1 + 0.12 * r.normal()), 1, static_cast<float>(1 + 0.12 * r.normal()))
+    balance = Vec3f(static_cast<float>(1 + cast * r.normal()), 1, static_cast<float>(1 + cast * r.normal()))
                   .cwiseMax(0.6f);
   const double slope_x = r.uniform() < 0.5 ? 0.35 * r.normal() : 0,
                slope_y = r.uniform() < 0.5 ? 0.35 * r.normal() : 0;
@@ -106,6 +107,10 @@ void develop(Picture& p, bool gray, Random& r) {
       const double common = noise * r.normal();
       for (int k = 0; k < 3; ++k) v[k] += static_cast<float>(colored ? noise * r.normal() : common);
     }
+  if (r.uniform() < 0.2) {  // a telephone's noise reduction smears texture and keeps edges
+    cv::bilateralFilter(m, other, 5, r.uniform(0.02, 0.12), r.uniform(1, 2.5));
+    other.copyTo(m);
+  }
   if (r.uniform() < 0.35) {
     cv::GaussianBlur(m, other, cv::Size(0, 0), r.uniform(0.6, 1.5));
     const double amount = r.uniform(0.2, 1.2);

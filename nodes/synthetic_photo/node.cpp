@@ -25,7 +25,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType synthetic_photo_node() {
-  return NodeType("SyntheticPhoto", 1)
+  return NodeType("SyntheticPhoto", 2)
       .doc_(
           "Photographs of imaginary aggregates, with the exact labels of their particles: pictures to train "
           "and "

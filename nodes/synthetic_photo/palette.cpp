@@ -14,10 +14,11 @@ Vec3f from_lab(double l, double a, double b) {
       .cwiseMax(0.004f)
       .cwiseMin(0.95f);
 }
-Vec3f shifted(const Vec3f& color, Random& r, double by) {
+// `by`: standard deviation of lightness; `hue`: of both chroma axes, relative to that.
+Vec3f shifted(const Vec3f& color, Random& r, double by, double hue) {
   const Vec3f lab = linear_to_oklab(color);
-  return from_lab(std::clamp(lab[0] + by * r.normal(), 0.08, 0.97), lab[1] + 0.25 * by * r.normal(),
-                  lab[2] + 0.3 * by * r.normal());
+  return from_lab(std::clamp(lab[0] + by * r.normal(), 0.08, 0.97), lab[1] + 0.8 * hue * by * r.normal(),
+                  lab[2] + hue * by * r.normal());
 }
 double ramp(double lo, double hi, double v) {
   const double t = std::clamp((v - lo) / (hi - lo), 0.0, 1.0);
@@ -53,19 +54,31 @@ Vec3f Texture::operator()(const Vec3& p) const {
   Vec3f c = color + static_cast<float>(t * strength) * (second - color);
   if (speckle > 0)
     c *= static_cast<float>(std::max(0.15, 1 + speckle * 2.2 * noise(seed + 7, p / speckle_scale)));
-  return c;
+  if (vein_width > 0) {
+    const double d = vein.dot(p) - vein_offset + 0.25 * mottle_scale * noise(seed + 13, p / mottle_scale);
+    c += static_cast<float>(1 - ramp(0.6, 1.2, std::abs(d) / vein_width)) * (vein_color - c);
+  }
+  if (flecks > 0 && noise(seed + 11, p / fleck_scale) > 0.65 - flecks) c *= fleck_gain;
+  if (mottle > 0)
+    c *= static_cast<float>(std::max(0.3, 1 + mottle * turbulence(seed + 9, p / mottle_scale, 4)));
+  return c * static_cast<float>(std::clamp(1 + tone.dot(p), 0.5, 1.6));
 }
 
-PhotoPalette::PhotoPalette(Random& r, bool gray) : gray_(gray) {
+PhotoPalette::PhotoPalette(Random& r, bool gray, bool outdoors) : gray_(gray), outdoors_(outdoors) {
   // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
-  vivid_ = r.uniform() < 0.2 ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.1 : 0;
-  chroma_ = r.uniform(0.008, 0.035);
+  vivid_ = r.uniform() < (outdoors ? 0.08 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
+  hue_ = outdoors ? r.uniform(0.03, 0.25) : 0.3;
+  chroma_ = outdoors ? r.uniform(0.004, 0.022) : r.uniform(0.008, 0.035);
   ground_ = natural(r, 0.25 * vivid_);
+  if (outdoors && !gray && r.uniform() < 0.6) {  // sand and clay
+    const double hue = 1.35 + 0.2 * r.normal(), chroma = r.uniform(0.015, 0.06);
+    ground_ = from_lab(r.uniform(0.35, 0.85), chroma * std::cos(hue), chroma * std::sin(hue));
+  }
   const int kinds = 1 + static_cast<int>(r.below(gray ? 3 : 6));
   for (int i = 0; i < kinds; ++i) kinds_.push_back(natural(r, vivid_));
   spread_ = r.uniform(0.01, 0.12);
   liveliness_ = r.uniform() * r.uniform(0.2, 1.0);
-  near_ground_ = r.uniform() < 0.65 ? r.uniform(0, 0.9) : 0;
+  near_ground_ = r.uniform() < (outdoors ? 0.45 : 0.65) ? r.uniform(0, outdoors ? 0.7 : 0.9) : 0;
   // One kind alone must be told from the ground.
   if (kinds == 1 && (linear_to_oklab(kinds_[0]) - linear_to_oklab(ground_)).norm() < 0.12f) {
     Vec3f lab = linear_to_oklab(ground_);
@@ -90,7 +103,7 @@ Texture PhotoPalette::texture(Random& r, const Vec3f& color, double radius, doub
   Texture t;
   t.color = color;
   t.seed = r.bits();
-  t.second = r.uniform() < 0.75 ? shifted(color, r, 0.12) : natural(r, 0.3 * vivid_);
+  t.second = r.uniform() < 0.75 ? shifted(color, r, 0.12, hue_) : natural(r, 0.3 * vivid_);
   t.kind = r.uniform() < 0.35 ? Texture::Kind::Plain : static_cast<Texture::Kind>(1 + r.below(5));
   t.scale = std::max(3.0, radius * r.uniform(0.15, 1.2));
   t.strength = liveliness * r.uniform(0.1, 1);
@@ -99,16 +112,54 @@ Texture PhotoPalette::texture(Random& r, const Vec3f& color, double radius, doub
   return t;
 }
 
+Texture PhotoPalette::stone(Random& r, double radius) const {
+  Texture t = particle(r, radius);
+  // Strong patterns are rare among stones that lie about.
+  if (r.uniform() < 0.75) t.strength *= 0.4;
+  if (r.uniform() < 0.6) {
+    const double turn = r.uniform(0, 6.2832);
+    t.tone = Vec3(std::cos(turn), std::sin(turn), 0) * (r.uniform(0, 0.3) / radius);
+  }
+  t.mottle = r.uniform() < 0.7 ? r.uniform(0, 0.7) * r.uniform(0.1, 1) : 0;
+  t.mottle_scale = std::max(4.0, radius * r.uniform(0.2, 1.5));
+  if (r.uniform() < 0.4) {
+    t.flecks = r.uniform(0.05, 0.4), t.fleck_scale = r.uniform(2, std::max(3.0, 0.12 * radius));
+    t.fleck_gain = static_cast<float>(r.uniform() < 0.5 ? r.uniform(0.5, 0.9) : r.uniform(1.1, 1.7));
+  }
+  if (r.uniform() < 0.12) {
+    const double turn = r.uniform(0, 6.2832), tilt = r.uniform(-0.6, 0.6);
+    t.vein = Vec3(std::cos(turn), std::sin(turn), tilt).normalized();
+    t.vein_offset = radius * r.uniform(-0.6, 0.6),
+    t.vein_width = std::max(1.0, radius * r.uniform(0.01, 0.12));
+    t.vein_color = r.uniform() < 0.7 ? from_lab(r.uniform(0.75, 0.95), 0, 0.01) : natural(r, vivid_);
+  }
+  return t;
+}
+
 Texture PhotoPalette::ground(Random& r) const {
   Texture t = texture(r, ground_, r.uniform(10, 200), std::max(0.15, liveliness_));
   t.speckle = std::max(t.speckle, r.uniform(0, 0.35));
+  if (outdoors_ && r.uniform() < 0.7) t.strength *= 0.4;
+  return t;
+}
+
+Texture PhotoPalette::clay(Random& r) const {
+  Texture t;
+  t.color = shifted(ground_, r, 0.08, hue_), t.second = shifted(ground_, r, 0.1, hue_);
+  t.seed = r.bits();
+  t.kind = r.uniform() < 0.5 ? Texture::Kind::Plain : Texture::Kind::Blotches;
+  t.scale = r.uniform(10, 120), t.strength = r.uniform(0, 0.8);
+  t.mottle = r.uniform(0, 0.4), t.mottle_scale = r.uniform(10, 100);
+  t.speckle = r.uniform(0, 0.15), t.speckle_scale = r.uniform(1.2, 5);
   return t;
 }
 
 Texture PhotoPalette::particle(Random& r, double radius) const {
   Vec3f base = kinds_[r.below(kinds_.size())];
-  if (r.uniform() < near_ground_) base = base + static_cast<float>(r.uniform(0.4, 0.95)) * (ground_ - base);
-  return texture(r, shifted(base, r, spread_), radius, liveliness_);
+  if (r.uniform() < near_ground_)
+    base = base +
+           static_cast<float>(r.uniform(outdoors_ ? 0.3 : 0.4, outdoors_ ? 0.85 : 0.95)) * (ground_ - base);
+  return texture(r, shifted(base, r, spread_, hue_), radius, liveliness_);
 }
 
 }  // namespace terrazzo::synthetic_photo

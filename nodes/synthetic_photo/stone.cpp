@@ -13,10 +13,12 @@ StoneFamily::StoneFamily(Random& r) {
   bumps = r.uniform(0, 0.12);
   elongation = r.uniform(1.1, 2.6);
   flat_low = r.uniform(0.25, 0.6), flat_high = r.uniform(0.6, 1);
+  aligned = r.uniform() < 0.3, turn = r.uniform(0, 3.1416);
 }
 
 Stone::Stone(Random& r, const StoneFamily& family, double radius) : radius_(radius) {
-  const double ratio = std::sqrt(r.uniform(1, family.elongation)), turn = r.uniform(0, 6.2832);
+  const double ratio = std::sqrt(r.uniform(1, family.elongation)),
+               turn = family.aligned ? family.turn + 0.25 * r.normal() : r.uniform(0, 6.2832);
   axis_a_ = radius * ratio, axis_b_ = radius / ratio;
   cosine_ = std::cos(turn), sine_ = std::sin(turn);
   height_ = axis_b_ * r.uniform(family.flat_low, family.flat_high);

@@ -15,6 +15,8 @@ struct StoneFamily {
   double bumps = 0.06;      // relative amplitude of the outline's harmonics
   double elongation = 1.6;  // largest ratio of the two axes in view
   double flat_low = 0.3, flat_high = 0.9;
+  bool aligned = false;  // long axes lie along `turn`, as in layers that water laid down
+  double turn = 0;
   explicit StoneFamily(Random&);
 };
 

@@ -27,7 +27,7 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   }
   const bool flat = scene == Scene::Section;
   const bool gray = r.uniform() < (flat ? 0.35 : 0.08);
-  const PhotoPalette palette(r, gray);
+  const PhotoPalette palette(r, gray, !flat);
   Canvas canvas(2 * options.width, 2 * options.height);
   if (flat)
     make_plane_section(canvas, options.fill.value_or(r.uniform(0.05, 0.97)), palette, r, work);
@@ -40,7 +40,7 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   const std::vector<Vec3f> light = shade(canvas, random_light(r, flat), work);
   One one;
   one.picture = expose(canvas, light, gray, r);
-  one.labels = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.035);
+  one.labels = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.045);
   one.other.resize(one.labels.size());
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x)

@@ -22,6 +22,40 @@ std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
   return out;
 }
 
+// Spots of mud and pits within a particle belong to it, as a person would draw it.
+void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
+  constexpr std::size_t kLargest = 60;  // pixels
+  std::vector<std::uint8_t> seen(label.size(), 0);
+  std::vector<std::size_t> hole;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (label[i] != 0 || seen[i]) continue;
+    std::int32_t around = 0;
+    bool closed = true;
+    hole.assign(1, i);
+    seen[i] = 1;
+    for (std::size_t q = 0; q < hole.size(); ++q) {
+      const int x = static_cast<int>(hole[q] % w), y = static_cast<int>(hole[q] / w);
+      const auto visit = [&](int nx, int ny) {
+        if (nx < 0 || ny < 0 || nx >= w || ny >= h) {
+          closed = false;
+          return;
+        }
+        const std::size_t p = static_cast<std::size_t>(ny) * w + nx;
+        if (label[p] == 0) {
+          if (!seen[p]) seen[p] = 1, hole.push_back(p);
+        } else if (around == 0) {
+          around = label[p];
+        } else if (around != label[p]) {
+          closed = false;
+        }
+      };
+      visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+    }
+    if (closed && hole.size() <= kLargest)
+      for (const auto p : hole) label[p] = around;
+  }
+}
+
 }  // namespace
 
 std::vector<std::int32_t> visible_particles(const Canvas& c, const Picture& clear, int smallest,
@@ -90,6 +124,7 @@ std::vector<std::int32_t> visible_particles(const Canvas& c, const Picture& clea
   }
   std::vector<std::int32_t> out(id.size());
   for (std::size_t i = 0; i < id.size(); ++i) out[i] = number[piece[i]];
+  fill_holes(out, w, h);
   return out;
 }
 

@@ -72,12 +72,13 @@ Image upright(Image in, int orientation) {
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size,
-                 const Reading& reading) {
+                 const Reading& reading, std::optional<PixelScale>* scale) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);  // otherwise the reader multiplies encoded values by alpha
   PictureInput in(path, reading, hints);
   const OIIO::ImageSpec spec = in.spec();
   if (spec.deep) throw in.unreadable("deep images have no single color per pixel");
+  if (scale) *scale = pixel_scale_of(spec);
   // The image, its upright copy, and alpha.
   constexpr double more = 2 * sizeof(Vec3f) + sizeof(float);
 

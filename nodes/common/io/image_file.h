@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "nodes/common/io/pixel_scale.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/data/image.h"
 
@@ -11,10 +13,11 @@ namespace terrazzo {
 
 // Reads an image as scene-linear Rec. 709. `colorspace` is an OpenColorIO name, or "auto": sRGB for 8 and 16
 // bit formats, scene-linear for float formats. Gray becomes three equal channels; alpha is composited over
-// black. A truncated file is an error; other complaints of the decoder are warnings. Throws Error
+// black. A truncated file is an error; other complaints of the decoder are warnings. `scale`, if not null,
+// receives the size of a pixel that the metadata state. Throws Error
 // "unreadable-image", "too-large", and "bad-pixels" for NaN or infinity.
 Image read_image(const std::filesystem::path&, const std::string& colorspace = "auto", double pixel_size = 1,
-                 const Reading& = {});
+                 const Reading& = {}, std::optional<PixelScale>* scale = nullptr);
 
 // Writes one section; the extension determines the format. .exr and .hdr are scene-linear floats; other
 // formats are sRGB, dithered to 8 bits (.tif: 16 bits). `provenance` is stored in the metadata if the format

@@ -2,7 +2,7 @@
 import torch
 from torch import nn
 
-CHANNELS = (16, 32, 48, 64, 64, 64)  # at 1, 1/2, ... 1/32 of the resolution
+CHANNELS = (16, 32, 48, 64, 96, 96)  # at 1, 1/2, ... 1/32 of the resolution
 OUTPUTS = ("inside", "border", "distance", "not_material")
 
 

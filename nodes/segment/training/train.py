@@ -33,17 +33,29 @@ def batch_of(pictures, random, count, size):
     return torch.from_numpy(np.ascontiguousarray(color)), torch.from_numpy(np.stack([t for _, t in crops]))
 
 
-def held_back_loss(network, pictures, size):
+def multiplies_bfloat16():
+    """Whether the processor has instructions for bfloat16, with which a step takes a third of the time."""
+    flags = pathlib.Path("/proc/cpuinfo").read_text(errors="replace")
+    return "avx512_bf16" in flags or "amx_bf16" in flags
+
+
+def logits_of(network, x, half):
+    with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
+        return network.logits(x.contiguous(memory_format=torch.channels_last)).float()
+
+
+def held_back_loss(network, pictures, size, half):
     network.eval()
     random = np.random.default_rng(12345)
     with torch.no_grad():
-        losses = [float(loss_of(network.logits(x), t)) for x, t in (batch_of(pictures, random, 8, size) for _ in range(8))]
+        losses = [float(loss_of(logits_of(network, x, half), t))
+                  for x, t in (batch_of(pictures, random, 8, size) for _ in range(8))]
     network.train()
     return float(np.mean(losses))
 
 
 def export(network, path):
-    network = copy.deepcopy(network).eval()
+    network = copy.deepcopy(network).to(memory_format=torch.contiguous_format).eval()
     torch.onnx.export(network, torch.zeros(1, 3, 256, 256), str(path), opset_version=11, input_names=["picture"],
                       output_names=["maps"], dynamic_axes={"picture": {2: "h", 3: "w"}, "maps": {2: "h", 3: "w"}})
 
@@ -52,7 +64,7 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("pictures", type=pathlib.Path, help="folder with one folder per run of pictures.yaml")
     p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
-    p.add_argument("--steps", type=int, default=7500)
+    p.add_argument("--steps", type=int, default=20000)
     p.add_argument("--batch", type=int, default=6)
     p.add_argument("--size", type=int, default=192)
     p.add_argument("--rate", type=float, default=2.5e-3)
@@ -69,7 +81,8 @@ def main():
     training, held_back = Pictures(folders[:-1]), Pictures(folders[-1:])
     print(f"{len(training)} pictures, {len(held_back)} held back", flush=True)
 
-    network = Network()
+    half = multiplies_bfloat16()
+    network = Network().to(memory_format=torch.channels_last)
     average = copy.deepcopy(network)  # of the weights: steadier than the last step's
     optimizer = torch.optim.Adam(network.parameters(), lr=a.rate)
     step, seconds = 0, 0.0
@@ -97,7 +110,7 @@ def main():
         for group in optimizer.param_groups:
             group["lr"] = rate
         optimizer.zero_grad()
-        loss = loss_of(network.logits(x), target)
+        loss = loss_of(logits_of(network, x, half), target)
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
         optimizer.step()
@@ -112,7 +125,7 @@ def main():
                     mean.copy_(now)
         if step % 200 == 0 or step == a.steps or stop:
             seconds = time.time() - started
-            line = f"{step},{seconds:.0f},{rate:.2e},{np.mean(losses):.4f},{held_back_loss(average, held_back, a.size):.4f}"
+            line = f"{step},{seconds:.0f},{rate:.2e},{np.mean(losses):.4f},{held_back_loss(average, held_back, a.size, half):.4f}"
             losses = []
             with log.open("a") as f:
                 f.write(line + "\n")

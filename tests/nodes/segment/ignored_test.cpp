@@ -73,7 +73,9 @@ TEST(Ignored, PositionsAgainstBruteForce) {
             n += free;
           }
         EXPECT_EQ(positions.count(pw, ph), n);
-        if (round == 0) EXPECT_EQ(n, static_cast<std::int64_t>(w - pw - 1) * (h - ph - 1));
+        if (round == 0) {
+          EXPECT_EQ(n, static_cast<std::int64_t>(w - pw - 1) * (h - ph - 1));
+        }
       }
   }
 }

@@ -1,4 +1,4 @@
-#include "nodes/segment/regions.h"
+#include "nodes/segment/mosaic.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,23 @@
+// The size of a pixel as an image file's metadata state it.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <optional>
+#include <string>
+
+namespace terrazzo {
+
+struct PixelScale {
+  double size = 0;         // mm per pixel
+  double uncertainty = 0;  // relative
+  std::string source;      // where the size comes from, for a message: "its resolution, 1200 pixels per inch"
+};
+
+// From, in this order: the calibration that ImageJ stores in TIFF files; focal length, subject distance and
+// the pitch of the sensor (EXIF 2.32), with the size of a pixel in the plane of the subject; and the
+// resolution of a scan. The resolution of a camera's picture, and resolutions that programs write by habit
+// (72, 96, 180, 240 and 300 per inch), say nothing. None if there is no such information or it is absurd.
+std::optional<PixelScale> pixel_scale_of(const OIIO::ImageSpec&);
+
+}  // namespace terrazzo

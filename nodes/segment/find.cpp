@@ -1,0 +1,203 @@
+#include "nodes/segment/find.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "nodes/common/geometry/components.h"
+#include "nodes/segment/network_particles.h"
+
+namespace terrazzo::segment {
+namespace {
+
+// Objects that the network recognizes, unless they are so small that they may be a mistake.
+void ignore_objects(const std::vector<std::uint8_t>& found, int section, const Image& image,
+                    IgnoredPixels& ignored, std::vector<FoundObject>& objects) {
+  const Components parts =
+      connected_components({found.begin(), found.end()}, image.width, image.height, true);
+  std::vector<FoundObject> boxes(parts.count(), {section, image.width, image.height, -1, -1, 0});
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      if (const auto k = parts.ids[static_cast<std::size_t>(y) * image.width + x]; k > 0) {
+        FoundObject& b = boxes[k - 1];
+        b.left = std::min(b.left, x), b.right = std::max(b.right, x);
+        b.top = std::min(b.top, y), b.bottom = std::max(b.bottom, y);
+        ++b.pixels;
+      }
+  const auto smallest =
+      std::max<std::int64_t>(200, static_cast<std::int64_t>(image.width) * image.height / 1000);
+  const std::size_t before = objects.size();
+  for (const FoundObject& b : boxes)
+    if (b.pixels >= smallest) objects.push_back(b);
+  if (objects.size() == before) return;
+  ignored.resize(image.pixels.size(), 0);
+  for (std::size_t i = 0; i < parts.ids.size(); ++i)
+    if (const auto k = parts.ids[i]; k > 0 && boxes[k - 1].pixels >= smallest)
+      ignored[image.index(0, 0, section) + i] = 1;
+}
+
+// The particles of all sections by one method, and what the network thinks of them.
+struct Attempt {
+  Labels labels;
+  std::vector<float> coverage;
+  std::vector<double> confidence;
+  double min_area = 0;
+  std::int64_t specks = 0, speck_pixels = 0, holes = 0;
+
+  void add(Particles2D found, const std::vector<double>& judged) {
+    const std::int32_t before = labels.count();
+    for (const auto l : found.labels) labels.ids.push_back(l == 0 ? 0 : l + before);
+    labels.classes.resize(before + judged.size(), 0);
+    confidence.insert(confidence.end(), judged.begin(), judged.end());
+    coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
+    min_area = found.min_area;
+    specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
+  }
+
+  // What is expected to be right and what was found in all, each particle counted by the length of its
+  // outline: by area, one boulder would decide, by number, the crumbs.
+  struct Weight {
+    double right = 0, found = 0;
+  };
+  Weight weight() const {
+    std::vector<double> area(confidence.size(), 0);
+    for (const auto id : labels.ids)
+      if (id > 0) ++area[id - 1];
+    Weight w;
+    for (std::size_t k = 0; k < area.size(); ++k)
+      w.right += std::sqrt(area[k]) * confidence[k], w.found += std::sqrt(area[k]);
+    return w;
+  }
+};
+
+}  // namespace
+
+Finding find_in_whole(const Image& photo, const SegmentOptions& options, const Settled* settled,
+                      const Work& work) {
+  Finding found;
+  Segmentation& s = found.result;
+  IgnoredPixels& ignored = found.ignored;
+  ignored = options.ignored;
+  const int sections = photo.sections;
+  s.method = options.method;
+  if (s.method == Method::Auto && options.scribbles.particles && options.scribbles.binder)
+    s.method = Method::Scribbles;
+  // Who knows the binder or the number of clusters has chosen the method.
+  if (s.method == Method::Auto && (options.binder.kind != Hint::Kind::Auto || options.clusters > 0))
+    s.method = Method::Clusters;
+  const bool network = s.method == Method::Auto || s.method == Method::Network;
+  std::optional<Network> own;
+  const Network* given = options.network;
+  if (network && !given) given = &own.emplace(built_in_model());
+  // The maps of a stack can exceed its memory many times over, so those of large stacks are made again when
+  // needed.
+  const bool keep = photo.pixels.size() <= (16u << 20);
+  std::vector<std::shared_ptr<const NetworkView>> views(sections);
+  const auto view_of = [&](int i, const Work& part) {
+    if (views[i]) return views[i];
+    auto view = std::make_shared<const NetworkView>(photo, i, *given, part);
+    if (keep) views[i] = view;
+    return std::shared_ptr<const NetworkView>(view);
+  };
+  Attempt by_network;
+  if (network)
+    for (int i = 0; i < sections; ++i) {
+      const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
+      NetworkOptions how;
+      if (options.split.min_area >= 0) how.min_area = options.split.min_area;
+      auto instances = view->find_particles(how, work.quiet());
+      by_network.add(std::move(instances.particles), instances.confidence);
+      ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
+    }
+  Image covered;
+  if (!ignored.empty()) {
+    covered = photo;
+    for (int i = 0; i < sections; ++i) cover_ignored(covered, i, ignored);
+  }
+  const Image& image = ignored.empty() ? photo : covered;
+
+  const auto by_clusters = [&] {
+    std::vector<Mosaic> mosaics;
+    for (int i = 0; i < sections; ++i)
+      mosaics.push_back(
+          make_mosaic(image, i, work.part(0.4 + 0.3 * i / sections, 0.4 + 0.3 * (i + 1) / sections)));
+    // Separate phases differ strongly compared with the usual difference between neighboring patches.
+    double apart = 0, usual = 0;
+    for (const auto& m : mosaics) apart += m.spread, usual += m.contrast;
+    s.distinct_phases = apart >= 5 * usual;
+    if (settled && settled->ground) {
+      s.ground = *settled->ground;
+      even_light(mosaics, s.ground.clusters, work.quiet());
+    } else {
+      s.ground = find_ground(mosaics, options.clusters, options.binder, options.split.strength, options.seed,
+                             work.part(0.7, 0.75));
+    }
+    Attempt a;
+    for (int i = 0; i < sections; ++i) {
+      Particles2D bodies = find_particles(mosaics[i], s.ground, options.split, work);
+      const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
+      const std::vector<double> judged = network ? view_of(i, work.quiet())->confidence(bodies.labels, count)
+                                                 : std::vector<double>(count, 1.0);
+      a.add(std::move(bodies), judged);
+    }
+    return a;
+  };
+  const auto by_scribbles = [&] {
+    const ScribbleForest forest(image, 0, options.scribbles, options.seed, work.part(0, 0.2));
+    Attempt a;
+    for (int i = 0; i < sections; ++i) {
+      const ScribbleMaps maps =
+          forest.classify(image, i, work.part(0.2 + 0.6 * i / sections, 0.2 + 0.6 * (i + 1) / sections));
+      Particles2D bodies =
+          find_particles_by_scribbles(maps, image.width, image.height, options.split, work.quiet());
+      const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
+      if (options.scribbles.not_material) {
+        ignored.resize(photo.pixels.size(), 0);
+        for (std::size_t k = 0; k < maps.not_material.size(); ++k)
+          if (maps.not_material[k] > 0.5f) ignored[photo.index(0, 0, i) + k] = 1;
+      }
+      // How clearly the trees agree: 0 where half of them say particle, 1 where all do.
+      std::vector<double> sum(count, 0), pixels(count, 0);
+      for (std::size_t k = 0; k < bodies.labels.size(); ++k)
+        if (const auto id = bodies.labels[k]; id > 0)
+          sum[id - 1] += std::max(0.0f, 2 * maps.particle[k] - 1), ++pixels[id - 1];
+      for (std::int32_t k = 0; k < count; ++k) sum[k] /= std::max(1.0, pixels[k]);
+      a.add(std::move(bodies), sum);
+    }
+    return a;
+  };
+  Attempt best;
+  if (s.method == Method::Auto && settled) {
+    s.method = settled->method;
+    best = s.method == Method::Clusters ? by_clusters() : std::move(by_network);
+  } else if (s.method == Method::Auto) {
+    Attempt clusters = by_clusters();
+    best = std::move(by_network);
+    // The average precision to expect, right / (found + missed), if at least what the better method gets
+    // right is there.
+    const Attempt::Weight c = clusters.weight(), n = best.weight();
+    const double there = std::max(c.right, n.right);
+    const auto precision = [&](const Attempt::Weight& w) {
+      return w.right > 0 ? w.right / (w.found + there - w.right) : 0;
+    };
+    s.reliability = {precision(c), precision(n)};
+    // The network is the judge of its own particles, so where the phases differ clearly in color it has to be
+    // much better, and elsewhere a little: the outlines of clusters are finer.
+    const double lead = s.distinct_phases ? 1.6 : 1.1;
+    s.method = Method::Network;
+    if (!clusters.labels.classes.empty() && lead * s.reliability.clusters > s.reliability.network)
+      best = std::move(clusters), s.method = Method::Clusters;
+  } else {
+    best = network ? std::move(by_network) : s.method == Method::Scribbles ? by_scribbles() : by_clusters();
+  }
+  s.labels = std::move(best.labels);
+  s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = sections;
+  s.labels.pixel_size = image.pixel_size;
+  s.min_area = best.min_area, s.specks = best.specks, s.speck_pixels = best.speck_pixels,
+  s.holes = best.holes;
+  found.coverage = std::move(best.coverage), found.confidence = std::move(best.confidence);
+  return found;
+}
+
+}  // namespace terrazzo::segment
