@@ -68,6 +68,7 @@ void compute(Context& c) {
   options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
   options.method = c.choice<Method>("method");
   options.min_confidence = c.number("min_confidence");
+  options.delight = c.choice<Delight>("delight");
   options.seed = c.seed();
   options.memory = c.memory();
 
@@ -126,6 +127,7 @@ void compute(Context& c) {
         (image.sections > 1 ? " of section " + std::to_string(o.section) : "") +
         " look like a ruler, frame or text and are ignored; use ignore to say what is not material yourself" +
         scale_of(o));
+  c.output("delit", s.delit.pixels.empty() ? image : std::move(s.delit));
   c.output("confidence", confidence_picture(image, s));
   c.output("binder", binder_table(s.profiles));
   c.output("labels", std::move(s.labels));
@@ -154,6 +156,9 @@ NodeType segment_node() {
       .output("profiles", "Profiles", "One profile per particle, with its outline")
       .output("binder", "Table",
               "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
+      .output(
+          "delit", "Image",
+          "The picture that colors are measured in: the photograph, without its light if `delight` says so")
       .output("confidence", "Image", "Confidence of each particle as gray; binder is black")
       .parameter(
           Parameter::optional_integer("clusters", "auto")
@@ -204,6 +209,12 @@ NodeType segment_node() {
                   "polygon, from the upper left corner, y down. They are not observed: densities refer to "
                   "the "
                   "rest, and profiles that they cut have no weight."))
+      .parameter(
+          Parameter::choice("delight", "auto", {"auto", "on", "off"})
+              .doc_("Removes uneven light, gloss and the shading of rounded particles before colors are "
+                    "measured; "
+                    "see output delit. auto: on where the network found the particles, off for clusters, "
+                    "scribbles and given labels."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"))
       .compute_(compute);
 }

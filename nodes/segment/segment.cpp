@@ -7,6 +7,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/data/equal_size.h"
 #include "nodes/segment/coverage.h"
+#include "nodes/segment/delight.h"
 #include "nodes/segment/find.h"
 #include "nodes/segment/measure.h"
 #include "nodes/segment/tiles.h"
@@ -17,7 +18,7 @@ namespace {
 
 // Measured, with a reserve: all maps at once, or labels, coverage and confidence of a picture and all maps of
 // a tile.
-constexpr double kBytesWhole = 260, kBytesTiled = 24, kBytesOfTile = 1.8e9;
+constexpr double kBytesWhole = 260, kBytesTiled = 40, kBytesOfTile = 1.8e9;
 
 void check_image(const Image& image) {
   if (image.width <= 0 || image.height <= 0 || image.sections <= 0 ||
@@ -143,7 +144,9 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
         smooth_coverage({first, first + static_cast<std::ptrdiff_t>(size)}, image.width, image.height, work);
     coverage.insert(coverage.end(), share.begin(), share.end());
   }
-  s.profiles = measure_profiles(image, s.labels, coverage, options.ignored, work);
+  if (options.delight == Delight::On) s.delit = delight(image, s.labels, options.ignored, work);
+  s.profiles = measure_profiles(options.delight == Delight::On ? s.delit : image, s.labels, coverage,
+                                options.ignored, work);
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }

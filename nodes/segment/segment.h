@@ -19,6 +19,9 @@
 namespace terrazzo::segment {
 
 enum class Method { Auto, Clusters, Network, Scribbles };
+// Whether colors are measured in the photograph or without its light (delight.h). Auto: without it where the
+// network found the particles, since it sees rough surfaces.
+enum class Delight { Auto, On, Off };
 
 struct SegmentOptions {
   Method method = Method::Auto;
@@ -30,6 +33,7 @@ struct SegmentOptions {
   double min_confidence = 0;  // particles below it are dropped
   IgnoredPixels ignored;
   int color_classes = 1;  // 0: automatic
+  Delight delight = Delight::Auto;
   std::uint64_t seed = 1;
   std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
 };
@@ -45,7 +49,8 @@ struct FoundObject {
 struct Segmentation {
   Labels labels;
   Profiles profiles;
-  Ground ground;                     // empty if labels were given
+  Image delit;    // the photograph without its light; empty if colors were measured in the photograph
+  Ground ground;  // empty if labels were given
   Method method = Method::Clusters;  // the method used
   double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
