@@ -64,7 +64,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_image_node() {
-  return NodeType("LoadImage", 2)
+  return NodeType("LoadImage", 3)
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
           "PNG, TIFF, OpenEXR, Radiance HDR, BMP and PNM; color spaces are converted through OpenColorIO. A "

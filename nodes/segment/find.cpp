@@ -37,6 +37,45 @@ void ignore_objects(const std::vector<std::uint8_t>& found, int section, const I
       ignored[image.index(0, 0, section) + i] = 1;
 }
 
+std::vector<double> confidences_of(std::vector<double> scores) {
+  for (double& s : scores) s = confidence_of_score(s);
+  return scores;
+}
+
+// The bodies that color separates and the instances of the network as rivals: the better score wins where
+// they overlap. Scores of bodies count `lead` times, since their outlines are finer.
+NetworkView::Found choose_from_both(const NetworkView& view, const Particles2D& bodies, double lead,
+                                    double least, int width, int height, const SplitOptions& split,
+                                    const Work& work) {
+  std::vector<Instance> all = view.instances(work);
+  const std::size_t first = all.size();
+  const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
+  all.resize(first + count);
+  for (std::size_t i = 0; i < bodies.labels.size(); ++i)
+    if (const auto id = bodies.labels[i]; id > 0)
+      all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
+  const std::vector<double> scores = view.scores(bodies.labels, count);
+  for (std::int32_t k = 0; k < count; ++k) all[first + k].score = std::max(least, lead * scores[k]);
+  NetworkOptions how;
+  how.min_area = split.min_area >= 0 ? split.min_area : std::min(how.min_area, bodies.min_area);
+  NetworkView::Found found = view.choose(std::move(all), how, work);
+  const auto of_color = [&](std::int32_t label) { return label > 0 && found.from[label - 1] >= first; };
+  for (std::size_t k = 0; k < found.from.size(); ++k)
+    if (found.from[k] >= first) found.scores[k] /= lead;
+  // Bodies keep their own outlines, on both sides.
+  Particles2D& p = found.particles;
+  for (std::size_t i = 0; i < p.labels.size(); ++i) {
+    if (of_color(p.labels[i])) p.coverage[i] = std::max(0.5f, bodies.coverage[i]);
+    if (p.labels[i] != 0 || bodies.labels[i] != 0) continue;
+    const auto x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+    for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
+        if (of_color(p.labels[static_cast<std::size_t>(v) * width + u]))
+          p.coverage[i] = std::min(0.499f, bodies.coverage[i]);
+  }
+  return found;
+}
+
 // The particles of all sections by one method, and what the network thinks of them.
 struct Attempt {
   Labels labels;
@@ -53,6 +92,10 @@ struct Attempt {
     coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
     min_area = found.min_area;
     specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
+  }
+
+  void add_chosen(NetworkView::Found chosen) {
+    add(std::move(chosen.particles), confidences_of(chosen.scores));
   }
 
   // What is expected to be right and what was found in all, each particle counted by the length of its
@@ -106,8 +149,8 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
       NetworkOptions how;
       if (options.split.min_area >= 0) how.min_area = options.split.min_area;
-      auto instances = view->find_particles(how, work.quiet());
-      by_network.add(std::move(instances.particles), instances.confidence);
+      auto chosen = view->choose(view->instances(work.quiet()), how, work.quiet());
+      by_network.add_chosen(std::move(chosen));
       ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
     }
   Image covered;
@@ -117,6 +160,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   }
   const Image& image = ignored.empty() ? photo : covered;
 
+  std::vector<Particles2D> by_color;  // of each section
   const auto by_clusters = [&] {
     std::vector<Mosaic> mosaics;
     for (int i = 0; i < sections; ++i)
@@ -137,10 +181,17 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     for (int i = 0; i < sections; ++i) {
       Particles2D bodies = find_particles(mosaics[i], s.ground, options.split, work);
       const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
-      const std::vector<double> judged = network ? view_of(i, work.quiet())->confidence(bodies.labels, count)
-                                                 : std::vector<double>(count, 1.0);
-      a.add(std::move(bodies), judged);
+      a.add(bodies, network ? confidences_of(view_of(i, work.quiet())->scores(bodies.labels, count))
+                            : std::vector<double>(count, 1.0));
+      if (network) by_color.push_back(std::move(bodies));
     }
+    return a;
+  };
+  const auto by_both = [&](double lead, double least) {
+    Attempt a;
+    for (int i = 0; i < sections; ++i)
+      a.add_chosen(choose_from_both(*view_of(i, work.quiet()), by_color[i], lead, least, image.width,
+                                    image.height, options.split, work.quiet()));
     return a;
   };
   const auto by_scribbles = [&] {
@@ -168,26 +219,24 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     return a;
   };
   Attempt best;
-  if (s.method == Method::Auto && settled) {
-    s.method = settled->method;
-    best = s.method == Method::Clusters ? by_clusters() : std::move(by_network);
-  } else if (s.method == Method::Auto) {
+  if (s.method == Method::Auto) {
     Attempt clusters = by_clusters();
-    best = std::move(by_network);
-    // The average precision to expect, right / (found + missed), if at least what the better method gets
-    // right is there.
-    const Attempt::Weight c = clusters.weight(), n = best.weight();
-    const double there = std::max(c.right, n.right);
+    // Where the phases differ clearly in color, the network has to be much better, and elsewhere a little.
+    const double lead = s.distinct_phases ? 1.6 : 1.1;
+    Attempt both = by_both(lead, s.distinct_phases ? NetworkOptions().min_score : 0);
+    // The average precision to expect, right / (found + missed), if at least what the best of them gets right
+    // is there.
+    const Attempt::Weight c = clusters.weight(), n = by_network.weight(), t = both.weight();
+    const double there = std::max({c.right, n.right, t.right});
     const auto precision = [&](const Attempt::Weight& w) {
       return w.right > 0 ? w.right / (w.found + there - w.right) : 0;
     };
-    s.reliability = {precision(c), precision(n)};
-    // The network is the judge of its own particles, so where the phases differ clearly in color it has to be
-    // much better, and elsewhere a little: the outlines of clusters are finer.
-    const double lead = s.distinct_phases ? 1.6 : 1.1;
-    s.method = Method::Network;
-    if (!clusters.labels.classes.empty() && lead * s.reliability.clusters > s.reliability.network)
-      best = std::move(clusters), s.method = Method::Clusters;
+    s.reliability = {precision(c), precision(n), precision(t)};
+    const char* e = getenv("TZ_AUTO");
+    const double limit = e ? atof(e) : 1.1;
+    s.method = limit * s.reliability.clusters > s.reliability.both ? Method::Clusters : Method::Both;
+    if (settled) s.method = settled->method;
+    best = s.method == Method::Clusters ? std::move(clusters) : std::move(both);
   } else {
     best = network ? std::move(by_network) : s.method == Method::Scribbles ? by_scribbles() : by_clusters();
   }

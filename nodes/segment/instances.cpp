@@ -7,6 +7,7 @@
 #include <queue>
 #include <tuple>
 
+#include "nodes/segment/majority.h"
 #include "nodes/segment/neighbors.h"
 
 namespace terrazzo::segment {
@@ -159,17 +160,24 @@ std::vector<Instance> find_instances(const NetworkMaps& m, const Work& work) {
   }
   merge_open_neighbors(m, basin, basins);
   std::vector<std::int32_t> labels(n, 0), number(basins.size(), 0);
-  std::vector<Instance> out;
+  std::int32_t count = 0;
   for (std::int32_t i = 0; i < n; ++i) {
     if (basin[i] < 0) continue;
     const std::int32_t root = basins.root(basin[i]);
     if (basins.summit(root) < kSummit) continue;
-    if (number[root] == 0) out.emplace_back(), number[root] = static_cast<std::int32_t>(out.size());
+    if (number[root] == 0) number[root] = ++count;
     labels[i] = number[root];
-    out[labels[i] - 1].pixels.push_back(i);
   }
-  const std::vector<double> scores = score_labels(m, labels, static_cast<int>(out.size()));
-  for (std::size_t k = 0; k < out.size(); ++k) out[k].score = scores[k];
+  for (int round = 0; round < 2; ++round) labels = majority(labels, m.width, m.height, 1, work);
+  std::vector<Instance> all(count), out;
+  for (std::int32_t i = 0; i < n; ++i)
+    if (labels[i] > 0) all[labels[i] - 1].pixels.push_back(i);
+  const std::vector<double> scores = score_labels(m, labels, count);
+  for (std::int32_t k = 0; k < count; ++k) {
+    if (all[k].pixels.empty()) continue;
+    out.push_back(std::move(all[k]));
+    out.back().score = scores[k];
+  }
   return out;
 }
 
@@ -237,7 +245,7 @@ Accepted accept_instances(std::vector<Instance> instances, int width, int height
       if (piece.size() > largest.size()) largest.swap(piece);
     }
     if (static_cast<double>(largest.size()) < min_area) continue;
-    out.scores.push_back(in.score);
+    out.scores.push_back(in.score), out.from.push_back(k);
     for (const auto i : largest) out.labels[i] = static_cast<std::int32_t>(out.scores.size());
   }
   return out;

@@ -23,7 +23,7 @@ namespace terrazzo::segment {
 namespace {
 
 constexpr int kMultiple = 32;  // the network halves the resolution five times
-constexpr int kCore = 512;     // rows and columns of a tile that are kept
+constexpr int kCore = 768;     // most rows and columns of a tile that are kept
 constexpr int kMargin = 64;    // around them, so that the tile's border does not show
 
 int up_to_multiple(int n) { return (n + kMultiple - 1) / kMultiple * kMultiple; }
@@ -37,6 +37,69 @@ cv::Mat encoded_section(const Image& image, int section) {
     }
   return m;
 }
+
+struct Tile {
+  int view = 0;
+  cv::Rect core, seen;
+};
+
+// The picture at one scale, with mirrored margins that make each side a multiple of 32 and at least 64
+// pixels.
+struct View {
+  int width, height;
+  cv::Mat padded, maps[4];
+
+  View(const cv::Mat& picture, double scale)
+      : width(std::max(1, static_cast<int>(std::lround(picture.cols * scale)))),
+        height(std::max(1, static_cast<int>(std::lround(picture.rows * scale)))) {
+    cv::Mat scaled = picture;
+    if (width != picture.cols || height != picture.rows)
+      cv::resize(picture, scaled, cv::Size(width, height), 0, 0,
+                 scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+    const int w = std::max(2 * kMultiple, up_to_multiple(width)),
+              h = std::max(2 * kMultiple, up_to_multiple(height));
+    const int kind = width > 1 && height > 1 ? cv::BORDER_REFLECT_101 : cv::BORDER_REPLICATE;
+    cv::copyMakeBorder(scaled, padded, 0, h - height, 0, w - width, kind);
+    for (auto& m : maps) m.create(h, w, CV_32F);
+  }
+  void cut(int number, std::vector<Tile>& tiles) const {
+    // As many tiles as needed, all about equally large.
+    const auto side = [](int all) {
+      const int count = (all + kCore - 1) / kCore;
+      return up_to_multiple((all + count - 1) / count);
+    };
+    const int w = side(padded.cols), h = side(padded.rows);
+    for (int y = 0; y < padded.rows; y += h)
+      for (int x = 0; x < padded.cols; x += w) {
+        const cv::Rect all(0, 0, padded.cols, padded.rows), core = cv::Rect(x, y, w, h) & all;
+        tiles.push_back(
+            {number, core, cv::Rect(x - kMargin, y - kMargin, w + 2 * kMargin, h + 2 * kMargin) & all});
+      }
+  }
+  void keep(const Tile& t, const cv::Mat& out) {
+    for (int k = 0; k < 4; ++k) {
+      const cv::Mat plane(t.seen.height, t.seen.width, CV_32F, const_cast<float*>(out.ptr<float>(0, k)));
+      plane(cv::Rect(t.core.x - t.seen.x, t.core.y - t.seen.y, t.core.width, t.core.height))
+          .copyTo(maps[k](t.core));
+    }
+  }
+  NetworkMaps maps_of_size(int w, int h) {
+    NetworkMaps result;
+    result.width = w, result.height = h;
+    std::vector<float>* planes[4] = {&result.inside, &result.border, &result.distance, &result.not_material};
+    for (int k = 0; k < 4; ++k) {
+      const cv::Mat m = maps[k](cv::Rect(0, 0, width, height));
+      planes[k]->resize(static_cast<std::size_t>(w) * h);
+      cv::Mat out(h, w, CV_32F, planes[k]->data());
+      if (m.size() == out.size())
+        m.copyTo(out);
+      else
+        cv::resize(m, out, out.size(), 0, 0, cv::INTER_LINEAR);
+      maps[k].release();
+    }
+    return result;
+  }
+};
 
 Error bad_model(const std::string& why) {
   return Error(
@@ -100,50 +163,30 @@ Network::Network(std::string bytes) : model_(std::make_unique<Model>()) {
 }
 Network::~Network() = default;
 
-NetworkMaps Network::operator()(const Image& image, int section, double scale, const Work& work) const {
+std::vector<NetworkMaps> Network::operator()(const Image& image, int section, std::span<const double> scales,
+                                             const Work& work) const {
   cv::setNumThreads(1);  // tiles are the unit of parallel work
-  cv::Mat picture = encoded_section(image, section);
-  const int w = std::max(1, static_cast<int>(std::lround(image.width * scale))),
-            h = std::max(1, static_cast<int>(std::lround(image.height * scale)));
-  if (w != image.width || h != image.height)
-    cv::resize(picture, picture, cv::Size(w, h), 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
-  // Mirrored margins make each side a multiple of 32 and at least 64 pixels.
-  const int padded_w = std::max(2 * kMultiple, up_to_multiple(w)),
-            padded_h = std::max(2 * kMultiple, up_to_multiple(h));
-  cv::Mat padded;
-  const int kind = w > 1 && h > 1 ? cv::BORDER_REFLECT_101 : cv::BORDER_REPLICATE;
-  cv::copyMakeBorder(picture, padded, 0, padded_h - h, 0, padded_w - w, kind);
-
-  cv::Mat maps[4];
-  for (auto& m : maps) m.create(padded_h, padded_w, CV_32F);
-  const int columns = (padded_w + kCore - 1) / kCore, rows = (padded_h + kCore - 1) / kCore;
-  work.parallel(static_cast<std::size_t>(columns) * rows, 1, [&](std::size_t begin, std::size_t end) {
+  const cv::Mat picture = encoded_section(image, section);
+  std::vector<View> views;
+  std::vector<Tile> tiles;
+  for (const double scale : scales) {
+    views.emplace_back(picture, scale);
+    views.back().cut(static_cast<int>(views.size()) - 1, tiles);
+  }
+  // Large tiles first, so that no thread is left alone with one at the end.
+  std::stable_sort(tiles.begin(), tiles.end(),
+                   [](const Tile& a, const Tile& b) { return a.seen.area() > b.seen.area(); });
+  work.parallel(tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
-      const int x0 = static_cast<int>(t % columns) * kCore, y0 = static_cast<int>(t / columns) * kCore;
-      const cv::Rect core(x0, y0, std::min(kCore, padded_w - x0), std::min(kCore, padded_h - y0));
-      const int left = std::max(0, x0 - kMargin), top = std::max(0, y0 - kMargin);
-      const cv::Rect seen(left, top, std::min(padded_w, x0 + core.width + kMargin) - left,
-                          std::min(padded_h, y0 + core.height + kMargin) - top);
-      const cv::Mat out = model_->run(padded(seen));
-      for (int k = 0; k < 4; ++k) {
-        const cv::Mat plane(seen.height, seen.width, CV_32F, const_cast<float*>(out.ptr<float>(0, k)));
-        plane(cv::Rect(x0 - left, y0 - top, core.width, core.height)).copyTo(maps[k](core));
-      }
+      View& view = views[tiles[t].view];
+      view.keep(tiles[t], model_->run(view.padded(tiles[t].seen)));
     }
   });
-  NetworkMaps result;
-  result.width = image.width, result.height = image.height;
-  std::vector<float>* planes[4] = {&result.inside, &result.border, &result.distance, &result.not_material};
-  for (int k = 0; k < 4; ++k) {
-    cv::Mat m = maps[k](cv::Rect(0, 0, w, h));
-    planes[k]->resize(static_cast<std::size_t>(image.width) * image.height);
-    cv::Mat out(image.height, image.width, CV_32F, planes[k]->data());
-    if (m.size() == out.size())
-      m.copyTo(out);
-    else
-      cv::resize(m, out, out.size(), 0, 0, cv::INTER_LINEAR);
-  }
-  return result;
+  std::vector<NetworkMaps> all(views.size());
+  work.quiet().parallel(views.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) all[k] = views[k].maps_of_size(image.width, image.height);
+  });
+  return all;
 }
 
 }  // namespace terrazzo::segment

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,10 +29,12 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  // The section is seen at `scale` (1: pixel by pixel), and the maps are enlarged or reduced to its size. The
-  // picture is cut into tiles that depend on its size alone, and each tile is computed by one thread, so the
-  // result is the same on any number of threads. Throws Error "bad-model" if the output has another shape.
-  NetworkMaps operator()(const Image&, int section, double scale, const Work&) const;
+  // The section is seen at each of the `scales` (1: pixel by pixel), and the maps are enlarged or reduced to
+  // its size. The picture is cut into tiles that depend on its size alone, and each tile is computed by one
+  // thread, so the result is the same on any number of threads. Throws Error "bad-model" if the output has
+  // another shape.
+  std::vector<NetworkMaps> operator()(const Image&, int section, std::span<const double> scales,
+                                      const Work&) const;
 
  private:
   struct Model;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nodes/data/image.h"
+#include "nodes/segment/instances.h"
 #include "nodes/segment/network.h"
 #include "nodes/segment/particles.h"
 
@@ -18,15 +19,19 @@ class NetworkView {
  public:
   NetworkView(const Image&, int section, const Network&, const Work&);
 
-  // The best instances of all scales.
+  // The instances of all scales; many overlap.
+  std::vector<Instance> instances(const Work&) const;
+
+  // The best ones, by score, among instances of any origin. Coverage is the map of inside.
   struct Found {
     Particles2D particles;
-    std::vector<double> confidence;  // of label k at k − 1
+    std::vector<double> scores;     // of label k at k − 1
+    std::vector<std::size_t> from;  // which instance label k was, at k − 1
   };
-  Found find_particles(const NetworkOptions&, const Work&) const;
+  Found choose(std::vector<Instance>, const NetworkOptions&, const Work&) const;
 
-  // The confidence that each of the labels from 1 to `count` is one particle, outlined correctly.
-  std::vector<double> confidence(const std::vector<std::int32_t>& labels, int count) const;
+  // The score of each of the labels from 1 to `count` at the scale that judges it best.
+  std::vector<double> scores(const std::vector<std::int32_t>& labels, int count) const;
   // 1 where the network sees a ruler, frame or text.
   std::vector<std::uint8_t> not_material() const;
 

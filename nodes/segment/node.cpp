@@ -184,6 +184,7 @@ NodeType segment_node() {
                            "first. auto: 2 to 8, chosen by silhouette."))
       .parameter(
           Parameter::choice("method", "auto", {"auto", "clusters", "network", "scribbles"})
+              .word_was("regions", "network")
               .doc_("clusters: separates particles from binder by color. network: finds them with a network "
                     "that was trained on synthetic "
                     "photographs. "

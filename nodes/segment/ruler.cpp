@@ -145,7 +145,11 @@ std::optional<ScaleMark> find_bar(const Image& image, int section, const PixelBo
     for (int x = box.left; x <= box.right; ++x) all.push_back(lightness(image, x, y, section));
   std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
   const float usual = all[all.size() / 2];
-  int best = 0, last_left = -9, last_right = -9;
+  // Rows in line make a bar; a letter is not that long.
+  int best = 0, from = -9, to = -9, rows = 0;
+  const auto close = [&] {
+    if (rows >= 2 && to - from >= 4 * rows) best = std::max(best, to - from);
+  };
   for (int y = box.top; y <= box.bottom; ++y) {
     int left = -9, right = -9;
     for (int x = box.left; x <= box.right;) {
@@ -156,12 +160,17 @@ std::optional<ScaleMark> find_bar(const Image& image, int section, const PixelBo
         left = x, right = end;
       x = std::max(end, x + 1);
     }
-    // Two rows in line, so that no letter counts.
-    if (std::abs(left - last_left) <= 1 && std::abs(right - last_right) <= 1)
-      best = std::max(best, std::min(right, last_right) - std::max(left, last_left));
-    last_left = left, last_right = right;
+    if (right > left && std::abs(left - from) <= 1 && std::abs(right - to) <= 1) {
+      ++rows;
+      from = std::max(from, left), to = std::min(to, right);
+    } else {
+      close();
+      from = left, to = right, rows = right > left ? 1 : 0;
+    }
   }
-  if (best < 20) return {};
+  close();
+  constexpr int kShortest = 25;
+  if (best < kShortest) return {};
   return ScaleMark{ScaleMark::Kind::Bar, static_cast<double>(best), 1};
 }
 

@@ -18,7 +18,7 @@
 
 namespace terrazzo::segment {
 
-enum class Method { Auto, Clusters, Network, Scribbles };
+enum class Method { Auto, Clusters, Network, Scribbles, Both };
 // Whether colors are measured in the photograph or without its light (delight.h). Auto: without it where the
 // network found the particles, since it sees rough surfaces.
 enum class Delight { Auto, On, Off };
@@ -58,7 +58,7 @@ struct Segmentation {
   // By Method::Auto: the average precision that the confidences of each method's particles let expect, 0
   // to 1.
   struct {
-    double clusters = 0, network = 0;
+    double clusters = 0, network = 0, both = 0;
   } reliability;
   std::int64_t unlikely = 0;              // particles dropped for their confidence
   std::vector<FoundObject> not_material;  // found by the network, and ignored since

@@ -35,9 +35,11 @@ NodeType synthetic_photo_node() {
       .output("labels", "Labels", "Visible part of each particle that a person would outline")
       .output("not_material", "Labels", "1 where a ruler, frame, chart or caption covers the material")
       .parameter(
-          Parameter::choice("scene", "any", {"any", "bank", "heap", "section"})
+          Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop"})
               .doc_("bank: stones in and on soil. heap: loose stones on each other. section: a plane section "
-                    "through particles in a binder. any: each picture draws one of these."))
+                    "through particles in a binder. any: each picture draws one of these three. outcrop: a "
+                    "bank whose stones "
+                    "have about the colors of the soil."))
       .parameter(Parameter::integer("pictures", 1).range(1, 4096).doc_("Number of pictures"))
       .parameter(Parameter::integer("width", 256).range(16, 4096).unit_("pixels").doc_("Width of a picture"))
       .parameter(

@@ -64,7 +64,12 @@ Vec3f Texture::operator()(const Vec3& p) const {
   return c * static_cast<float>(std::clamp(1 + tone.dot(p), 0.5, 1.6));
 }
 
-PhotoPalette::PhotoPalette(Random& r, bool gray, bool outdoors) : gray_(gray), outdoors_(outdoors) {
+PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gray), where_(where) {
+  if (where == Surroundings::Outcrop) {
+    make_outcrop(r);
+    return;
+  }
+  const bool outdoors = where == Surroundings::Outdoors;
   // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
   vivid_ = r.uniform() < (outdoors ? 0.08 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
   hue_ = outdoors ? r.uniform(0.03, 0.25) : 0.3;
@@ -84,6 +89,21 @@ PhotoPalette::PhotoPalette(Random& r, bool gray, bool outdoors) : gray_(gray), o
     Vec3f lab = linear_to_oklab(ground_);
     lab[0] += lab[0] > 0.5f ? -0.25f : 0.25f;
     kinds_[0] = from_lab(lab[0], lab[1], lab[2]);
+  }
+}
+
+void PhotoPalette::make_outcrop(Random& r) {
+  const double l = r.uniform(0.45, 0.75), hue = 1.4 + 0.25 * r.normal(), chroma = r.uniform(0.005, 0.05);
+  const auto color = [&](double lightness, double a, double b) {
+    return from_lab(std::clamp(lightness, 0.2, 0.93), gray_ ? 0 : a, gray_ ? 0 : b);
+  };
+  ground_ = color(l, chroma * std::cos(hue), chroma * std::sin(hue));
+  hue_ = r.uniform(0.05, 0.3), chroma_ = 0.01, spread_ = r.uniform(0.02, 0.07);
+  liveliness_ = r.uniform(0.1, 0.6), near_ground_ = r.uniform(0, 0.4);
+  const double apart = r.uniform(0.03, 0.1);
+  for (int kinds = 3 + static_cast<int>(r.below(4)); kinds > 0; --kinds) {
+    const double lightness = r.uniform() < 0.15 ? r.uniform(0.3, 0.9) : l + apart * r.normal();
+    kinds_.push_back(color(lightness, 0.004 * r.normal(), r.uniform(-0.025, 0.035)));
   }
 }
 
@@ -139,7 +159,7 @@ Texture PhotoPalette::stone(Random& r, double radius) const {
 Texture PhotoPalette::ground(Random& r) const {
   Texture t = texture(r, ground_, r.uniform(10, 200), std::max(0.15, liveliness_));
   t.speckle = std::max(t.speckle, r.uniform(0, 0.35));
-  if (outdoors_ && r.uniform() < 0.7) t.strength *= 0.4;
+  if (where_ != Surroundings::Workshop && r.uniform() < 0.7) t.strength *= 0.4;
   return t;
 }
 
@@ -157,8 +177,9 @@ Texture PhotoPalette::clay(Random& r) const {
 Texture PhotoPalette::particle(Random& r, double radius) const {
   Vec3f base = kinds_[r.below(kinds_.size())];
   if (r.uniform() < near_ground_)
-    base = base +
-           static_cast<float>(r.uniform(outdoors_ ? 0.3 : 0.4, outdoors_ ? 0.85 : 0.95)) * (ground_ - base);
+    base = base + static_cast<float>(
+                      (where_ == Surroundings::Workshop ? r.uniform(0.4, 0.95) : r.uniform(0.3, 0.85))) *
+                      (ground_ - base);
   return texture(r, shifted(base, r, spread_, hue_), radius, liveliness_);
 }
 

@@ -30,11 +30,16 @@ struct Texture {
   Vec3f operator()(const Vec3& p) const;
 };
 
+enum class Surroundings {
+  Workshop,  // sections: any colors
+  Outdoors,  // sand, clay and stones: mostly dull colors
+  Outcrop,   // stones that are as light as the soil they lie in, and hardly differ from it in hue
+};
+
 class PhotoPalette {
  public:
-  // `gray`: as under an electron microscope or in a CT slice. `outdoors`: sand, clay and stones, whose colors
-  // are mostly dull and close to each other.
-  PhotoPalette(Random& random, bool gray, bool outdoors);
+  // `gray`: as under an electron microscope or in a CT slice.
+  PhotoPalette(Random& random, Surroundings, bool gray);
   // The soil or binder.
   Texture ground(Random&) const;
   // Smooth soil or mud, near the color of the ground.
@@ -46,10 +51,12 @@ class PhotoPalette {
   const Vec3f& ground_color() const { return ground_; }
 
  private:
+  void make_outcrop(Random&);
   // `vivid`: how likely it has a strong hue.
   Vec3f natural(Random&, double vivid) const;
   Texture texture(Random&, const Vec3f& color, double radius, double liveliness) const;
-  bool gray_ = false, outdoors_ = false;
+  bool gray_ = false;
+  Surroundings where_ = Surroundings::Workshop;
   Vec3f ground_ = Vec3f::Zero();
   std::vector<Vec3f> kinds_;
   double vivid_ = 0, hue_ = 0.3, chroma_ = 0.02, spread_ = 0.05, liveliness_ = 0.5, near_ground_ = 0;

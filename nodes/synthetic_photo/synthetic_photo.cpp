@@ -27,7 +27,11 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   }
   const bool flat = scene == Scene::Section;
   const bool gray = r.uniform() < (flat ? 0.35 : 0.08);
-  const PhotoPalette palette(r, gray, !flat);
+  const PhotoPalette palette(r,
+                             flat                      ? Surroundings::Workshop
+                             : scene == Scene::Outcrop ? Surroundings::Outcrop
+                                                       : Surroundings::Outdoors,
+                             gray);
   Canvas canvas(2 * options.width, 2 * options.height);
   if (flat)
     make_plane_section(canvas, options.fill.value_or(r.uniform(0.05, 0.97)), palette, r, work);

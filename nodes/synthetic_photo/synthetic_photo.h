@@ -15,6 +15,7 @@ enum class Scene {
   Bank,     // stones in and on soil, from fine sand to boulders
   Heap,     // loose stones that lie on each other
   Section,  // a plane section: stones, chips, grains or bubbles in a binder
+  Outcrop,  // a bank whose stones have about the colors of the soil; not among Any
 };
 
 struct PhotoOptions {

@@ -123,6 +123,11 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
     to_linear_rec709(image.pixels.data(), image.width, image.height, colorspace);
   else if (is_float && environment && *environment)  // scene-linear as defined by that configuration
     to_linear_rec709(image.pixels.data(), image.width, image.height, "scene_linear");
+  if (const auto clear = std::count(alpha.begin(), alpha.end(), 0.0f); clear > 0)
+    reading.warn(
+        "'" + printable(path.filename().string()) + "': " +
+        std::to_string(std::max<std::int64_t>(1, 100 * clear / static_cast<std::int64_t>(alpha.size()))) +
+        " % of the pixels are transparent and become black; cut them off, or tell Segment to ignore them");
   // Composite over black. If the file's color is already premultiplied by alpha, there is nothing to do.
   if (!alpha.empty() && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0)
     for (std::size_t p = 0; p < alpha.size(); ++p) image.pixels[p] *= alpha[p];

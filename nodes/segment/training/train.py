@@ -65,6 +65,8 @@ def main():
     p.add_argument("pictures", type=pathlib.Path, help="folder with one folder per run of pictures.yaml")
     p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
     p.add_argument("--steps", type=int, default=20000)
+    p.add_argument("--until", type=int, help="stop at this step, to go on with more pictures")
+    p.add_argument("--held-back", nargs="*", help="folders that are not trained on; default: the last one")
     p.add_argument("--batch", type=int, default=6)
     p.add_argument("--size", type=int, default=192)
     p.add_argument("--rate", type=float, default=2.5e-3)
@@ -78,7 +80,9 @@ def main():
     folders = sorted((f for f in a.pictures.iterdir() if f.is_dir()), key=lambda f: int(f.name))
     if len(folders) < 2:
         raise SystemExit(f"train: {a.pictures} needs at least two folders of pictures; the last one is held back")
-    training, held_back = Pictures(folders[:-1]), Pictures(folders[-1:])
+    kept = a.held_back or [folders[-1].name]
+    training = Pictures([f for f in folders if f.name not in kept])
+    held_back = Pictures([f for f in folders if f.name in kept])
     print(f"{len(training)} pictures, {len(held_back)} held back", flush=True)
 
     half = multiplies_bfloat16()
@@ -102,7 +106,8 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
     started, losses = time.time() - seconds, []
     network.train()
-    while step < a.steps and not stop:
+    last = min(a.steps, a.until or a.steps)
+    while step < last and not stop:
         random = np.random.default_rng([a.seed, step])
         x, target = batch_of(training, random, a.batch, a.size)
         done = step / a.steps
@@ -123,7 +128,7 @@ def main():
                     mean.mul_(keep).add_(now, alpha=1 - keep)
                 else:
                     mean.copy_(now)
-        if step % 200 == 0 or step == a.steps or stop:
+        if step % 200 == 0 or step == last or stop:
             seconds = time.time() - started
             line = f"{step},{seconds:.0f},{rate:.2e},{np.mean(losses):.4f},{held_back_loss(average, held_back, a.size, half):.4f}"
             losses = []
@@ -134,6 +139,8 @@ def main():
                         "step": step, "seconds": seconds}, checkpoint.with_suffix(".new"))
             checkpoint.with_suffix(".new").replace(checkpoint)
             export(average, a.work / "segment.onnx")
+    if stop:
+        raise SystemExit(130)
     print("outputs:", ", ".join(OUTPUTS), "in", a.work / "segment.onnx")
 
 

@@ -1,3 +1,4 @@
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -24,6 +25,20 @@ TEST(LoadImage, StackInTheOrderOfNames) {
   EXPECT_EQ(image.height, 4);
   EXPECT_EQ(image.pixel_size, 0.05);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(image.at(4, 3, i)[1], 0.25f * i);
+}
+
+// Half of the picture is cut out; black would otherwise pass for material.
+TEST(LoadImage, TellsOfTransparentPixels) {
+  const std::string path = (test::temporary_folder() / "cut_out.png").string();
+  OIIO::ImageSpec spec(4, 2, 4, OIIO::TypeDesc::UINT8);
+  const auto out = OIIO::ImageOutput::create(path);
+  std::vector<std::uint8_t> samples(4 * 2 * 4, 200);
+  for (std::size_t i = 3; i < samples.size(); i += 8) samples[i] = 0;
+  ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, samples.data()) &&
+              out->close());
+  const auto run = test::run_node("LoadImage", {}, {{"path", path}});
+  ASSERT_EQ(run.warnings.size(), 1u);
+  EXPECT_NE(run.warnings[0].find("50 % of the pixels are transparent"), std::string::npos) << run.warnings[0];
 }
 
 TEST(LoadImage, Errors) {

@@ -3,6 +3,7 @@
 
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -113,13 +114,15 @@ Image noise_image(int width, int height) {
 }
 
 TEST(Network, TheSameBitsOnAnyNumberOfThreads) {
-  const Image image = noise_image(700, 560);  // four tiles
+  const Image image = noise_image(900, 800);  // four tiles, and one at the smaller scale
   const Network network(built_in_model());
-  std::vector<NetworkMaps> all;
+  std::vector<NetworkMaps> all, half;
   for (const int threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    all.push_back(network(image, 0, 1, {}));
+    auto maps = network(image, 0, std::array{1.0, 0.5}, {});
+    all.push_back(std::move(maps[0])), half.push_back(std::move(maps[1]));
   }
+  for (const auto& m : half) EXPECT_EQ(m.inside, half[0].inside);
   for (const auto& m : all) {
     EXPECT_EQ(m.inside, all[0].inside);
     EXPECT_EQ(m.border, all[0].border);
@@ -132,7 +135,7 @@ TEST(Network, AnySizeAndScale) {
   const Network network(built_in_model());
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 70}, {33, 64}, {65, 31}})
     for (const double scale : {0.5, 1.0, 1.4}) {
-      const NetworkMaps m = network(noise_image(w, h), 0, scale, {});
+      const NetworkMaps m = network(noise_image(w, h), 0, std::array{scale}, {})[0];
       ASSERT_EQ(m.inside.size(), static_cast<std::size_t>(w) * h);
       for (const auto* map : {&m.inside, &m.border, &m.distance, &m.not_material})
         for (const float v : *map) ASSERT_TRUE(v >= 0 && v <= 1);
