@@ -9,7 +9,7 @@ using namespace distribution;
 
 SizeLaw law_of(const NodeParameters& c) {
   SizeLaw law;
-  law.kind = c.text("kind");
+  law.kind = c.choice<LawKind>("kind");
   law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
   law.min = c.number("min");
   if (const auto v = c.optional_number("max")) law.max = *v;

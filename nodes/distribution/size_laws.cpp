@@ -28,7 +28,7 @@ double unit_volume(const Shapes* shapes) {
 
 std::vector<double> law_edges(const SizeLaw& law) {
   double lo = law.min, hi = law.max;
-  if (law.kind == "uniform" && !(hi > lo))
+  if (law.kind == LawKind::Uniform && !(hi > lo))
     throw Error("bad-range", fmt::format("max must be above min; min is {} mm and max {} mm", lo, hi),
                 "set max above min")
         .parameter("max");
@@ -69,10 +69,10 @@ void check_classes(const SizeLaw& law) {
 }  // namespace
 
 double law_cdf(const SizeLaw& law, double d) {
-  if (law.kind == "uniform") return std::clamp((d - law.min) / (law.max - law.min), 0.0, 1.0);
-  if (law.kind == "normal") return normal_cdf((d - law.mean) / law.sd);
+  if (law.kind == LawKind::Uniform) return std::clamp((d - law.min) / (law.max - law.min), 0.0, 1.0);
+  if (law.kind == LawKind::Normal) return normal_cdf((d - law.mean) / law.sd);
   if (d <= 0) return 0;
-  if (law.kind == "rosin_rammler") return 1 - std::exp(-std::pow(d / law.mean, law.exponent));
+  if (law.kind == LawKind::RosinRammler) return 1 - std::exp(-std::pow(d / law.mean, law.exponent));
   const double s2 = std::log1p(law.sd * law.sd / (law.mean * law.mean));
   return normal_cdf((std::log(d / law.mean) + s2 / 2) / std::sqrt(s2));
 }
@@ -84,7 +84,7 @@ void check_law(const SizeLaw& law) {
   if (law.volume_fraction >= 1)
     throw Error("too-full", fmt::format("volume_fraction must be below 1; it is {}", law.volume_fraction))
         .parameter("volume_fraction");
-  law.kind == "classes" ? check_classes(law) : static_cast<void>(law_edges(law));
+  law.kind == LawKind::Classes ? check_classes(law) : static_cast<void>(law_edges(law));
 }
 
 SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
@@ -92,7 +92,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   SizeDistribution out;
   SizeDistribution::Entry e;
   e.shape = -1;
-  if (law.kind == "classes") {
+  if (law.kind == LawKind::Classes) {
     out.class_edges = law.class_edges;
     e.N_V = law.N_V;
   } else {
@@ -112,7 +112,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   double factor = 1;
   if (law.number_density >= 0)
     factor = law.number_density / number;
-  else if (law.volume_fraction >= 0 || law.kind != "classes")
+  else if (law.volume_fraction >= 0 || law.kind != LawKind::Classes)
     factor = (law.volume_fraction >= 0 ? law.volume_fraction : 0.3) / volume;
   for (double& v : e.N_V) v *= factor;
   e.low = e.high = e.N_V;

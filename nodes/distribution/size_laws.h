@@ -9,8 +9,10 @@
 
 namespace terrazzo::distribution {
 
+enum class LawKind { Classes, Lognormal, Normal, Uniform, RosinRammler };
+
 struct SizeLaw {
-  std::string kind = "lognormal";   // classes, lognormal, normal, uniform, rosin_rammler
+  LawKind kind = LawKind::Lognormal;
   double mean = 5;                  // mm; for rosin_rammler, 63.2 % of the sizes are smaller
   double sd = 1.5;                  // mm
   double exponent = 3;              // of rosin_rammler

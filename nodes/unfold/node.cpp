@@ -65,7 +65,7 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
 
 void compute(Context& c) {
   UnfoldOptions o;
-  o.method = c.text("method");
+  o.method = c.choice<unfolding::Method>("method");
   if (const auto v = c.optional_integer("classes")) o.classes = static_cast<int>(*v);
   if (const auto v = c.optional_number("smallest_visible")) o.smallest_visible = *v;
   const std::string border = c.text("border");
@@ -103,7 +103,7 @@ void compute(Context& c) {
                        r.observations.used, r.model.visible()));
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
-  if (o.method == "em") c.metric("jumps", jumps);
+  if (o.method == unfolding::Method::Em) c.metric("jumps", jumps);
   c.metric("profiles_used", static_cast<double>(r.observations.used));
   c.metric("area_fraction", fraction);
   c.metric("volume_fraction", r.distribution.volume_fraction);

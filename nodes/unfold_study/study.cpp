@@ -59,10 +59,10 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
       const std::string& method = options.methods[m];
       const bool paper = method == "equation 4";
       UnfoldOptions o;
-      o.method = paper ? "inverse" : method;
+      o.method = method == "em" ? Method::Em : method == "nnls" ? Method::Nnls : Method::Inverse;
       o.classes = options.classes;
       o.seed = options.seed + r;
-      o.bootstrap = paper || method == "inverse" ? 0 : options.bootstrap;
+      o.bootstrap = o.method == Method::Inverse ? 0 : options.bootstrap;
       o.d_max = d_max;
       if (options.known_d_max) o.smallest_visible = 0;
       try {

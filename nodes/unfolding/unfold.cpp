@@ -52,7 +52,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     for (const auto& f : em.fits)
       fit.freedom += f.weight * f.freedom, fit.jumps += f.weight * static_cast<double>(f.breaks.size());
   } else {
-    if (options.method == "nnls") {
+    if (options.method == Method::Nnls) {
       fit.density = solve_nnls(m, counts, o.area, q.area_fraction, kFractionError);
     } else {
       const VectorXd x = solve_inverse(m, fit.observed);
@@ -69,7 +69,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
       [&](const std::vector<double>& weights, double ratio, Random& random) -> VectorXd {
         if (em_model) return draw_em(*em_model, em, q, weights, o.area, ratio, kFractionError, random);
         const Counts again = count(q.size, weights, m.profile_edges);
-        if (options.method == "nnls")
+        if (options.method == Method::Nnls)
           return solve_nnls(m, again, o.area, q.area_fraction * ratio, kFractionError);
         return solve_inverse(m, again.sum / o.area).cwiseMax(0);
       },
@@ -150,7 +150,7 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   r.model = make_model(k, classes, d_max, visible);
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
-  const bool em = options.method == "em";
+  const bool em = options.method == Method::Em;
   if (options.by_class && o.classes.size() > k.shapes.size())
     throw Error("wrong-count",
                 fmt::format("the profiles have {} color classes, but the K matrix has {} shapes",
@@ -213,9 +213,9 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
                      r.distribution.volume_fraction, r.condition)
                : fmt::format("{} profiles do not determine the densities of {} classes", o.used, classes);
     throw Error("unstable", found,
-                options.method == "inverse" ? "use fewer classes, or method: em"
-                : classes > 1               ? "use fewer classes"
-                                            : "use a larger photograph")
+                options.method == Method::Inverse ? "use fewer classes, or method: em"
+                : classes > 1                     ? "use fewer classes"
+                                                  : "use a larger photograph")
         .parameter("classes");
   }
 }

@@ -14,8 +14,10 @@
 
 namespace terrazzo::unfolding {
 
+enum class Method { Em, Nnls, Inverse };
+
 struct UnfoldOptions {
-  std::string method = "em";  // "em", "nnls" or "inverse"
+  Method method = Method::Em;
   int classes = 0;  // number of size classes; 0: as many as the K matrix has, fewer if profiles are few
   // Size of the smallest profile that can be seen, mm; < 0: the smallest observed.
   double smallest_visible = -1;

@@ -23,27 +23,27 @@ double total(const SizeDistribution& d, int power) {
 TEST(Distribution, LawsHaveTheirMoments) {
   SizeLaw law;
   law.classes = 2000, law.mean = 4, law.sd = 1.2, law.max = 40, law.number_density = 0.001;
-  for (const auto* kind : {"lognormal", "normal"}) {
+  for (const LawKind kind : {LawKind::Lognormal, LawKind::Normal}) {
     law.kind = kind;
     const SizeDistribution d = make_distribution(law, nullptr);
     const double n = total(d, 0), mean = total(d, 1) / n;
-    EXPECT_NEAR(n, 0.001, 1e-9) << kind;
-    EXPECT_NEAR(mean, 4, 0.01) << kind;
-    EXPECT_NEAR(std::sqrt(total(d, 2) / n - mean * mean), 1.2, 0.01) << kind;
+    EXPECT_NEAR(n, 0.001, 1e-9) << static_cast<int>(kind);
+    EXPECT_NEAR(mean, 4, 0.01) << static_cast<int>(kind);
+    EXPECT_NEAR(std::sqrt(total(d, 2) / n - mean * mean), 1.2, 0.01) << static_cast<int>(kind);
   }
-  law.kind = "rosin_rammler", law.exponent = 2;
+  law.kind = LawKind::RosinRammler, law.exponent = 2;
   EXPECT_NEAR(law_cdf(law, 4), 1 - std::exp(-1), 1e-12);
   const SizeDistribution d = make_distribution(law, nullptr);
   EXPECT_NEAR(total(d, 1) / total(d, 0), 4 * std::tgamma(1.5), 0.01);
 }
 
 TEST(Distribution, FillsTheVolumeAsked) {
-  for (const auto* kind : {"lognormal", "uniform", "rosin_rammler", "normal"})
+  for (const LawKind kind : {LawKind::Lognormal, LawKind::Uniform, LawKind::RosinRammler, LawKind::Normal})
     for (const bool of_volume : {false, true}) {
       SizeLaw law;
       law.kind = kind, law.of_volume = of_volume, law.min = 1, law.max = 8, law.volume_fraction = 0.37;
       const SizeDistribution d = make_distribution(law, nullptr);
-      EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << kind;
+      EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << static_cast<int>(kind);
       EXPECT_NEAR(d.volume_fraction, 0.37, 1e-9);
     }
 }

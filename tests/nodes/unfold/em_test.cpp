@@ -134,7 +134,7 @@ TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
       const Profiles p = truth.sample(1200, 100 + r);
       const double sum = sum_of(p, k, truth, mean, 1200);
       em += l1_error(unfold(p, k, {}, {}), truth, sum) / kRepetitions;
-      nnls += l1_error(unfold(p, k, {.method = "nnls"}, {}), truth, sum) / kRepetitions;
+      nnls += l1_error(unfold(p, k, {.method = unfolding::Method::Nnls}, {}), truth, sum) / kRepetitions;
     }
     EXPECT_LT(em, at_most[law]) << name;
     EXPECT_LT(em, nnls) << name;
@@ -185,7 +185,9 @@ TEST(UnfoldEm, DensitiesMayJump) {
       const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = hi, .bootstrap = 40}, {});
       em += l1_error(u, truth, sum) / 4, jumps += u.fits[0].jumps / 4;
       nnls +=
-          l1_error(unfold(p, k, {.method = "nnls", .smallest_visible = 0, .d_max = hi}, {}), truth, sum) / 4;
+          l1_error(unfold(p, k, {.method = unfolding::Method::Nnls, .smallest_visible = 0, .d_max = hi}, {}),
+                   truth, sum) /
+          4;
       for (std::size_t j = 0; j < 10; ++j, ++of) {
         const double t =
             truth.between(u.distribution.class_edges[j], u.distribution.class_edges[j + 1]) * sum;

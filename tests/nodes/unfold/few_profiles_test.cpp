@@ -73,17 +73,17 @@ TEST(UnfoldFewProfiles, GiveADistributionOrSayHowManyAreNeeded) {
 TEST(UnfoldFewProfiles, MayBeOfOneSizeOrOfSeveralColors) {
   for (const std::size_t n : {3u, 5u, 17u})
     for (std::uint64_t seed = 1; seed <= 2; ++seed)
-      for (const char* method : {"em", "nnls"}) {
+      for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls}) {
         UnfoldOptions o;
         o.method = method;
         Profiles p = section(n, seed);
         p.classes = 2;
         p.profiles[0].cls = p.profiles[1].cls = 1;
-        EXPECT_EQ(outcome(p, o), "") << n << " profiles, seed " << seed << ", " << method;
+        EXPECT_EQ(outcome(p, o), "") << n << " profiles, seed " << seed << ", " << static_cast<int>(method);
         p = section(n, seed);
         p.area_fraction = 0.3;
         for (auto& q : p.profiles) q.area = 12;
-        EXPECT_EQ(outcome(p, o), "") << n << " equal profiles, " << method;
+        EXPECT_EQ(outcome(p, o), "") << n << " equal profiles, " << static_cast<int>(method);
       }
 }
 

@@ -52,13 +52,14 @@ double number(const SizeDistribution& d, double lo, double hi) {
 
 TEST(Unfold, RecoversUniformSpheres) {
   const Profiles p = section(5, 10, 0.001, 4e6, 3);
-  for (const auto* method : {"em", "nnls", "inverse"}) {
+  for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls, unfolding::Method::Inverse}) {
     UnfoldOptions o;
     o.method = method, o.d_max = 10, o.smallest_visible = 0;
     const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), o, {});
-    EXPECT_NEAR(number(r.distribution, 5, 10), 0.001, 0.00004) << method;
-    EXPECT_NEAR(number(r.distribution, 0, 4), 0, 0.00008) << method;
-    EXPECT_NEAR(r.distribution.volume_fraction, p.area_fraction, 0.02 * p.area_fraction) << method;
+    EXPECT_NEAR(number(r.distribution, 5, 10), 0.001, 0.00004) << static_cast<int>(method);
+    EXPECT_NEAR(number(r.distribution, 0, 4), 0, 0.00008) << static_cast<int>(method);
+    EXPECT_NEAR(r.distribution.volume_fraction, p.area_fraction, 0.02 * p.area_fraction)
+        << static_cast<int>(method);
   }
 }
 
@@ -140,15 +141,17 @@ TEST(Unfold, BadInputIsNamed) {
   // A body whose sections are almost invisible: its K matrix has empty columns or is singular.
   KMatrix blind = test::spheres<10>();
   std::fill(blind.shapes[0].cdf.begin(), blind.shapes[0].cdf.end(), 1.0);
-  for (const auto* method : {"em", "nnls", "inverse"})
-    EXPECT_EQ(code(good, {.method = method, .smallest_visible = 2}, &blind), "bad-kmatrix") << method;
-  EXPECT_EQ(code(good, {.method = "inverse", .smallest_visible = 0, .d_max = 12}, &blind), "singular");
+  for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls, unfolding::Method::Inverse})
+    EXPECT_EQ(code(good, {.method = method, .smallest_visible = 2}, &blind), "bad-kmatrix")
+        << static_cast<int>(method);
+  EXPECT_EQ(code(good, {.method = unfolding::Method::Inverse, .smallest_visible = 0, .d_max = 12}, &blind),
+            "singular");
   // The number of classes of the K matrix does not matter: the result equals that of a matrix
   // with the requested classes.
   const auto solved = [&](int classes) {
     const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
     const KMatrix k = make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
-    return unfolding::unfold(good, k, {.method = "nnls", .classes = 8, .d_max = 12}, {})
+    return unfolding::unfold(good, k, {.method = unfolding::Method::Nnls, .classes = 8, .d_max = 12}, {})
         .distribution.shapes[0]
         .N_V;
   };
@@ -164,7 +167,7 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
       test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
   const KMatrix k = make_kmatrix(solid.as<Shapes>(), {.classes = 14, .orientations = 500});
   UnfoldOptions o;
-  o.method = "inverse", o.d_max = 12, o.smallest_visible = 0;
+  o.method = unfolding::Method::Inverse, o.d_max = 12, o.smallest_visible = 0;
   try {
     unfolding::unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
     FAIL() << "a density of particles that do not fit";
@@ -172,7 +175,7 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
     EXPECT_EQ(e.diagnostic().code, "unstable") << e.what();
     EXPECT_EQ(e.diagnostic().parameter, "classes");
   }
-  for (const auto* method : {"nnls", "em"}) {
+  for (const auto method : {unfolding::Method::Nnls, unfolding::Method::Em}) {
     o.method = method;
     const UnfoldResult r = unfolding::unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
     EXPECT_LT(r.distribution.volume_fraction, 1);
@@ -195,13 +198,13 @@ TEST(Unfold, WithoutAnAreaDensitiesAreRelative) {
   Profiles p = section(5, 10, 0.001, 1e5, 3);
   const UnfoldResult known = unfolding::unfold(p, test::spheres<10>(), {.d_max = 10, .bootstrap = 10}, {});
   p.observed_area = 0, p.area_fraction = 0;
-  for (const auto* method : {"em", "nnls", "inverse"}) {
+  for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls, unfolding::Method::Inverse}) {
     const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.method = method, .d_max = 10}, {});
     EXPECT_TRUE(r.observations.relative);
     double sum = 0;
     for (const double v : r.distribution.shapes[0].N_V) sum += v;
-    EXPECT_NEAR(sum, 1, 1e-12) << method;
-    EXPECT_EQ(r.distribution.volume_fraction, 0) << method;
+    EXPECT_NEAR(sum, 1, 1e-12) << static_cast<int>(method);
+    EXPECT_EQ(r.distribution.volume_fraction, 0) << static_cast<int>(method);
   }
   const auto& absolute = known.distribution.shapes[0].N_V;
   const auto relative =
