@@ -5,44 +5,17 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "graph/graph.h"
-#include "runtime/action_key.h"
 #include "runtime/file_hashes.h"
+#include "runtime/run_result.h"
 #include "runtime/store.h"
 
 namespace terrazzo {
-
-enum class Status { Unneeded, Computed, Memory, Disk, Failed, Skipped, Cancelled };
-const char* name_of(Status);
-
-struct NodeResult {
-  Status status = Status::Unneeded;
-  double seconds = 0;         // computing time in this run
-  double cached_seconds = 0;  // computing time of the cached result
-  Hash key;                   // action_key()
-  Hash record;                // record_key()
-  std::map<std::string, OutputRecord> outputs;
-  std::map<std::string, double> metrics;
-  std::vector<std::string> warnings;
-  std::vector<FileRecord> files;  // files written
-  std::vector<FileRecord> read;   // input files, companions included
-  std::optional<Diagnostic> error;
-};
-
-struct RunResult {
-  std::vector<NodeResult> nodes;  // as in Graph::nodes
-  double seconds = 0;
-  std::string trouble;  // a failure outside the nodes, such as in the observer; "" if there was none
-  bool failed() const;
-  bool cancelled() const;
-};
 
 // Receives start, progress and completion events of nodes, from any thread, one call at a time.
 struct Observer {
@@ -93,15 +66,5 @@ class Evaluator {
   std::mutex mutex_;
   std::unordered_map<Hash, std::vector<std::function<void()>>> busy_;
 };
-
-// The nodes for targets given as "NODE", "NODE.PORT" or graph outputs. Throws Error "unknown-node" or
-// "unknown-port".
-std::vector<int> target_nodes(const Graph&, const std::vector<std::string>& targets);
-
-// Marks the nodes that the targets need, including the targets.
-std::vector<bool> needed_nodes(const Graph&, const std::vector<int>& targets);
-
-// The diagnostic of a node's error, with the node's path and the place filled in.
-Diagnostic placed(const Error&, const GraphNode&);
 
 }  // namespace terrazzo

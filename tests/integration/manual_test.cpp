@@ -113,8 +113,9 @@ TEST(Manual, EscapesText) {
   EXPECT_FALSE(std::regex_search(roff, std::regex(R"([^\\]-)")));
   std::istringstream in(roff);
   for (std::string line; std::getline(in, line);)
-    if (!line.empty() && (line[0] == '.' || line[0] == '\''))
+    if (!line.empty() && (line[0] == '.' || line[0] == '\'')) {
       EXPECT_TRUE(std::regex_search(line, std::regex(R"(^\.(TH|SH|SS|TP|PP|RS|RE|nf|fi|br)\b)"))) << line;
+    }
 }
 
 TEST(Manual, GroffRendersItWithoutWarnings) {
