@@ -43,10 +43,11 @@ std::vector<double> confidences_of(std::vector<double> scores) {
 }
 
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
-// they overlap. Scores of bodies count `lead` times, since their outlines are finer.
-NetworkView::Found choose_from_both(const NetworkView& view, const Particles2D& bodies, double lead,
-                                    double least, int width, int height, const SplitOptions& split,
-                                    const Work& work) {
+// they overlap. The colors of the phases must be distinct. Then the outlines of bodies are finer, so their
+// scores count more, and bodies without a rival stay even if the network does not know them.
+NetworkView::Found choose_from_both(const NetworkView& view, const Particles2D& bodies, int width, int height,
+                                    const SplitOptions& split, const Work& work) {
+  const double lead = 1.6, least = NetworkOptions().min_score;
   std::vector<Instance> all = view.instances(work);
   const std::size_t first = all.size();
   const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
@@ -143,12 +144,12 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     if (keep) views[i] = view;
     return std::shared_ptr<const NetworkView>(view);
   };
+  NetworkOptions how;
+  if (options.split.min_area >= 0) how.min_area = options.split.min_area;
   Attempt by_network;
   if (network)
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
-      NetworkOptions how;
-      if (options.split.min_area >= 0) how.min_area = options.split.min_area;
       auto chosen = view->choose(view->instances(work.quiet()), how, work.quiet());
       by_network.add_chosen(std::move(chosen));
       ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
@@ -161,15 +162,20 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   const Image& image = ignored.empty() ? photo : covered;
 
   std::vector<Particles2D> by_color;  // of each section
+  std::vector<bool> distinct;
   const auto by_clusters = [&] {
     std::vector<Mosaic> mosaics;
     for (int i = 0; i < sections; ++i)
       mosaics.push_back(
           make_mosaic(image, i, work.part(0.4 + 0.3 * i / sections, 0.4 + 0.3 * (i + 1) / sections)));
     // Separate phases differ strongly compared with the usual difference between neighboring patches.
+    constexpr double kDistinct = 5;
     double apart = 0, usual = 0;
-    for (const auto& m : mosaics) apart += m.spread, usual += m.contrast;
-    s.distinct_phases = apart >= 5 * usual;
+    for (const auto& m : mosaics) {
+      apart += m.spread, usual += m.contrast;
+      distinct.push_back(m.spread >= kDistinct * m.contrast);
+    }
+    s.distinct_phases = apart >= kDistinct * usual;
     if (settled && settled->ground) {
       s.ground = *settled->ground;
       even_light(mosaics, s.ground.clusters, work.quiet());
@@ -187,11 +193,15 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     }
     return a;
   };
-  const auto by_both = [&](double lead, double least) {
+  // Where colors are not distinct, their bodies only stand in the network's way.
+  const auto by_both = [&] {
     Attempt a;
-    for (int i = 0; i < sections; ++i)
-      a.add_chosen(choose_from_both(*view_of(i, work.quiet()), by_color[i], lead, least, image.width,
-                                    image.height, options.split, work.quiet()));
+    for (int i = 0; i < sections; ++i) {
+      const auto view = view_of(i, work.quiet());
+      a.add_chosen(distinct[i] ? choose_from_both(*view, by_color[i], image.width, image.height,
+                                                  options.split, work.quiet())
+                               : view->choose(view->instances(work.quiet()), how, work.quiet()));
+    }
     return a;
   };
   const auto by_scribbles = [&] {
@@ -221,9 +231,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   Attempt best;
   if (s.method == Method::Auto) {
     Attempt clusters = by_clusters();
-    // Where the phases differ clearly in color, the network has to be much better, and elsewhere a little.
-    const double lead = s.distinct_phases ? 1.6 : 1.1;
-    Attempt both = by_both(lead, s.distinct_phases ? NetworkOptions().min_score : 0);
+    Attempt both = by_both();
     // The average precision to expect, right / (found + missed), if at least what the best of them gets right
     // is there.
     const Attempt::Weight c = clusters.weight(), n = by_network.weight(), t = both.weight();
@@ -232,9 +240,12 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
       return w.right > 0 ? w.right / (w.found + there - w.right) : 0;
     };
     s.reliability = {precision(c), precision(n), precision(t)};
-    const char* e = getenv("TZ_AUTO");
-    const double limit = e ? atof(e) : 1.1;
-    s.method = limit * s.reliability.clusters > s.reliability.both ? Method::Clusters : Method::Both;
+    // The network judges its own particles too, so it has to be a little better.
+    constexpr double kLead = 1.1;
+    s.method = !clusters.labels.classes.empty() && kLead * s.reliability.clusters > s.reliability.both
+                   ? Method::Clusters
+               : std::find(distinct.begin(), distinct.end(), true) != distinct.end() ? Method::Both
+                                                                                     : Method::Network;
     if (settled) s.method = settled->method;
     best = s.method == Method::Clusters ? std::move(clusters) : std::move(both);
   } else {

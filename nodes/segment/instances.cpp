@@ -13,7 +13,7 @@
 namespace terrazzo::segment {
 namespace {
 
-constexpr float kDynamics = 0.12f, kSummit = 0.35f, kOpenBorder = 0.3f, kOverlap = 0.4f;
+constexpr float kDynamics = 0.12f, kSummit = 0.2f, kInside = 0.4f, kOpenBorder = 0.3f, kOverlap = 0.4f;
 constexpr int kLevels = 1024;
 
 float relief_at(const NetworkMaps& m, std::int32_t i) {
@@ -104,7 +104,7 @@ std::vector<Instance> find_instances(const NetworkMaps& m, const Work& work) {
   std::vector<float> relief(n, 0.0f);
   std::vector<std::vector<std::int32_t>> level(kLevels + 1);
   for (std::int32_t i = 0; i < n; ++i) {
-    if (m.inside[i] <= 0.5f || m.not_material[i] > 0.5f) continue;
+    if (m.inside[i] <= kInside || m.not_material[i] > 0.5f) continue;
     relief[i] = relief_at(m, i);
     level[std::clamp(static_cast<int>(relief[i] * kLevels), 0, kLevels)].push_back(i);
   }
@@ -118,7 +118,7 @@ std::vector<Instance> find_instances(const NetworkMaps& m, const Work& work) {
   };
   const auto flooded = [&](std::int32_t i, int now) {
     neighbors(i, m.width, m.height, [&](std::int32_t j) {
-      if (basin[j] >= 0 || queued[j] || m.inside[j] <= 0.5f || m.not_material[j] > 0.5f) return;
+      if (basin[j] >= 0 || queued[j] || m.inside[j] <= kInside || m.not_material[j] > 0.5f) return;
       queued[j] = 1;
       queue[std::min(now, level_of(j))].push_back(j);
     });

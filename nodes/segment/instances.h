@@ -13,9 +13,9 @@ struct Instance {
   double score = 0;                  // 0 to 1
 };
 
-// The basins of distance × inside × (1 − border / 2) where inside exceeds ½. Basins whose pass is less than
+// The basins of distance × inside × (1 − border / 2) where inside exceeds 0.4. Basins whose pass is less than
 // 0.12 below the lower summit are one particle (watershed by dynamics; Grimaud 1992), and so are neighbors
-// along whose common border the map of borders stays below 0.3 on average. Basins with a summit below 0.35
+// along whose common border the map of borders stays below 0.3 on average. Basins with a summit below 0.2
 // are no particles. A mode filter of 3 × 3 pixels takes fringes off the outlines.
 std::vector<Instance> find_instances(const NetworkMaps&, const Work&);
 

@@ -6,7 +6,7 @@
 
 namespace terrazzo::segment {
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(1.95 - 14.02 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(1.97 - 16.41 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, const Network& network, const Work& work) {
   constexpr std::array<double, 4> scales{1, 0.7, 0.5, 1.4};

@@ -101,7 +101,8 @@ void compute(Context& c) {
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
     c.metric("min_area", s.min_area);
-    c.metric("by_network", s.method == Method::Network);
+    c.metric("by_network", s.method == Method::Network || s.method == Method::Both);
+    c.metric("by_clusters", s.method == Method::Clusters || s.method == Method::Both);
     c.metric("by_scribbles", s.method == Method::Scribbles);
     c.metric("uncertain", static_cast<double>(uncertain));
     c.metric("unlikely_dropped", static_cast<double>(s.unlikely));
@@ -109,13 +110,15 @@ void compute(Context& c) {
     c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
     c.metric("holes_filled", static_cast<double>(s.holes));
   }
-  if (!given && options.method == Method::Auto && (s.reliability.clusters > 0 || s.reliability.network > 0)) {
+  if (!given && options.method == Method::Auto && s.reliability.both > 0) {
     c.metric("reliability_of_clusters", s.reliability.clusters);
     c.metric("reliability_of_network", s.reliability.network);
+    c.metric("reliability_of_both", s.reliability.both);
     c.metric("distinct_phases", s.distinct_phases);
-    if (std::max(s.reliability.clusters, s.reliability.network) < 0.5)
+    if (const double expected = s.method == Method::Clusters ? s.reliability.clusters : s.reliability.both;
+        expected < 0.5)
       c.warn("the particles are uncertain: the expected average precision is " +
-             fmt::format("{:.2f}", std::max(s.reliability.clusters, s.reliability.network)) +
+             fmt::format("{:.2f}", expected) +
              "; look at the outlines, set min_confidence, or connect labels");
   }
   if (at_border == s.profiles.profiles.size())
@@ -186,14 +189,14 @@ NodeType segment_node() {
           Parameter::choice("method", "auto", {"auto", "clusters", "network", "scribbles"})
               .word_was("regions", "network")
               .doc_("clusters: separates particles from binder by color. network: finds them with a network "
-                    "that was trained on synthetic "
-                    "photographs. "
-                    "scribbles: learns from the strokes that are connected. auto: scribbles if there are "
-                    "strokes; "
-                    "otherwise runs clusters and network and takes clusters unless the network can be "
-                    "expected to be "
-                    "better, and much better where the phases differ clearly in color; the metrics "
-                    "reliability_of_clusters, reliability_of_network and distinct_phases tell why."))
+                    "that was "
+                    "trained on synthetic photographs. scribbles: learns from the strokes that are "
+                    "connected. auto: "
+                    "scribbles if there are strokes; otherwise runs clusters and network, joins the better "
+                    "of both at "
+                    "every place where the colors of the phases are distinct, and takes the clusters alone "
+                    "unless the "
+                    "rest can be expected to be better. The metrics that start with reliability tell why."))
       .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
                      .doc_("Network of method network, an ONNX file; see the README for its inputs and "
                            "outputs. built_in: "

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Fits confidence_of_score() of network_particles.cpp to the files of calibration.yaml.
 
-calibrate.py FOLDER OFFSET SLOPE, with the logistic function 1 / (1 + exp(OFFSET - SLOPE x)) that the program used. Prints the new
-ones, and how often particles of each confidence are right.
+calibrate.py OFFSET SLOPE FOLDER..., with the logistic function 1 / (1 + exp(OFFSET - SLOPE x)) that the program used. Prints the
+new ones, and how often particles of each confidence are right.
 """
 import csv
 import sys
@@ -11,11 +11,14 @@ import numpy as np
 
 
 def main():
-    folder, offset, slope = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
-    confidence = np.array([float(r["confidence"]) for r in csv.DictReader(open(folder + "/profiles.csv"))])
-    right = np.zeros(len(confidence))
-    for row in csv.DictReader(open(folder + "/matches.csv")):
-        right[int(float(row["label"])) - 1] = 1
+    offset, slope = float(sys.argv[1]), float(sys.argv[2])
+    confidence, right = np.zeros(0), np.zeros(0)
+    for folder in sys.argv[3:]:
+        found = [float(r["confidence"]) for r in csv.DictReader(open(folder + "/profiles.csv"))]
+        matched = np.zeros(len(found))
+        for row in csv.DictReader(open(folder + "/matches.csv")):
+            matched[int(float(row["label"])) - 1] = 1
+        confidence, right = np.append(confidence, found), np.append(right, matched)
     clipped = np.clip(confidence, 1e-9, 1 - 1e-9)
     score = (offset + np.log(clipped / (1 - clipped))) / slope
     a, b = offset, slope

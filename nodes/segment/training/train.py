@@ -64,7 +64,7 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("pictures", type=pathlib.Path, help="folder with one folder per run of pictures.yaml")
     p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
-    p.add_argument("--steps", type=int, default=17000)
+    p.add_argument("--steps", type=int, default=17600)
     p.add_argument("--until", type=int, help="stop at this step, to go on with more pictures")
     p.add_argument("--held-back", nargs="*", help="folders that are not trained on; default: the last one")
     p.add_argument("--batch", type=int, default=6)
