@@ -48,7 +48,13 @@ std::vector<double> confidences_of(std::vector<double> scores) {
 NetworkView::Found choose_from_both(const NetworkView& view, const Particles2D& bodies, int width, int height,
                                     const SplitOptions& split, const Work& work) {
   const double lead = 1.6, least = NetworkOptions().min_score;
-  std::vector<Instance> all = view.instances(work);
+  std::vector<Instance> all;
+  for (Instance& in : view.instances(work)) {
+    // Color decides what is binder.
+    const auto on_bodies =
+        std::count_if(in.pixels.begin(), in.pixels.end(), [&](auto i) { return bodies.labels[i] > 0; });
+    if (2 * on_bodies >= static_cast<std::ptrdiff_t>(in.pixels.size())) all.push_back(std::move(in));
+  }
   const std::size_t first = all.size();
   const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
   all.resize(first + count);
