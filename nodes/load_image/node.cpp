@@ -10,7 +10,7 @@
 namespace terrazzo {
 namespace {
 
-// The metadata may be wrong, so they never set the size of a pixel, but whoever left it as it was should
+// The metadata may be wrong, so they never set the size of a pixel; users who left the default should
 // know.
 void offer(const PixelScale& scale, Context& c) {
   if (std::abs(c.number("pixel_size") - scale.size) <= scale.uncertainty * scale.size) return;

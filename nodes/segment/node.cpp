@@ -45,7 +45,7 @@ Image confidence_picture(const Image& image, const Segmentation& s) {
   return out;
 }
 
-// What a ruler or a scale bar says about the size of a pixel, for whoever knows its unit.
+// The size of a pixel according to a ruler or a scale bar, if its unit is known.
 std::string scale_of(const FoundObject& o) {
   if (!o.scale) return {};
   const ScaleMark& m = *o.scale;
