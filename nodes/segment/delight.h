@@ -8,15 +8,17 @@
 
 namespace terrazzo::segment {
 
-// Removes three things from the photograph, which keeps its mean lightness:
-// - uneven light: a smooth factor, the binder's lightness averaged over an eighth of the picture (particles
-// count a
-//   tenth, since their colors differ);
-// - the shading of rounded particles: a + b·u + c·v + e·h, fitted to each particle's luminance (Lambert's law
-// of a
-//   dome; u, v: position, h: height of the dome at this distance from the outline), brought to the level of
-//   the inner half, as far as it explains the particle's variation;
-// - gloss: pixels of a particle that are far lighter than the rest of it get its median color.
+// Removes three things from the photograph, which keeps its mean lightness.
+//
+// Uneven light is a smooth factor: the binder's lightness averaged over an eighth of the picture. Particles
+// count a tenth, since their colors differ.
+//
+// The shading of a rounded particle is a + b·u + c·v + e·h, fitted to its luminance: Lambert's law of a dome,
+// with position u, v and height h of the dome at this distance from the outline. It is brought to the level
+// of the inner half, as far as it explains the particle's variation.
+//
+// Gloss: pixels of a particle that are far lighter than the rest of it get its median color.
+//
 // Particles of less than 60 pixels keep their colors but for the uneven light. Cast shadows on the binder
 // remain.
 Image delight(const Image&, const Labels&, const IgnoredPixels&, const Work&);

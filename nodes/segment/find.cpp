@@ -43,13 +43,15 @@ std::vector<double> confidences_of(std::vector<double> scores) {
 }
 
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
-// they overlap. The colors of the phases must be distinct. Then the outlines of bodies are finer, so their
-// scores count more, and bodies without a rival stay even if the network does not know them.
-NetworkView::Found choose_from_both(const NetworkView& view, const Particles2D& bodies, int width, int height,
+// they overlap. The colors of the phases must be distinct. Then color decides what is binder, and the
+// outlines of bodies are finer, so their scores count more, and bodies without a rival stay even if the
+// network does not know them.
+NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instance> instances,
+                                    const Particles2D& bodies, int width, int height,
                                     const SplitOptions& split, const Work& work) {
   const double lead = 1.6, least = NetworkOptions().min_score;
   std::vector<Instance> all;
-  for (Instance& in : view.instances(work)) {
+  for (Instance& in : instances) {
     // Color decides what is binder.
     const auto on_bodies =
         std::count_if(in.pixels.begin(), in.pixels.end(), [&](auto i) { return bodies.labels[i] > 0; });
@@ -152,11 +154,17 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   };
   NetworkOptions how;
   if (options.split.min_area >= 0) how.min_area = options.split.min_area;
+  std::vector<std::vector<Instance>> instances(sections);  // kept for Auto like the views
+  const auto instances_of = [&](int i) {
+    return instances[i].empty() ? view_of(i, work.quiet())->instances(work.quiet()) : instances[i];
+  };
   Attempt by_network;
   if (network)
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
-      auto chosen = view->choose(view->instances(work.quiet()), how, work.quiet());
+      auto all = view->instances(work.quiet());
+      if (keep && s.method == Method::Auto) instances[i] = all;
+      auto chosen = view->choose(std::move(all), how, work.quiet());
       by_network.add_chosen(std::move(chosen));
       ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
     }
@@ -204,9 +212,9 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     Attempt a;
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.quiet());
-      a.add_chosen(distinct[i] ? choose_from_both(*view, by_color[i], image.width, image.height,
-                                                  options.split, work.quiet())
-                               : view->choose(view->instances(work.quiet()), how, work.quiet()));
+      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], image.width,
+                                                  image.height, options.split, work.quiet())
+                               : view->choose(instances_of(i), how, work.quiet()));
     }
     return a;
   };

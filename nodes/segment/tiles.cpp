@@ -147,8 +147,7 @@ class Mosaicked {
     }
   }
 
-  // Numbers the particles of each section after those of the one before, as tiles were added section by
-  // section.
+  // Completes the labels. Tiles were added section by section, so their numbers are in order.
   void finish() {
     Labels& labels = found_.result.labels;
     labels.width = photo_.width, labels.height = photo_.height, labels.sections = photo_.sections;

@@ -106,7 +106,7 @@ void dig(Canvas& c, Random& r) {
       for (int x = std::max(0, static_cast<int>(px - 2 * size)); x < std::min<double>(c.width, px + 2 * size);
            ++x) {
         const double d = std::hypot(x - px, y - py) / size + ragged * turbulence(s, Vec3(x, y, 0) / size, 2);
-        if (d < 1) c.z[c.at(x, y)] -= static_cast<float>(depth * std::sqrt(1 - d * d));
+        if (d < 1) c.z[c.at(x, y)] -= static_cast<float>(depth * std::sqrt(std::max(0.0, 1 - d * d)));
       }
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "nodes/common/geometry/components.h"
+
 namespace terrazzo::synthetic_photo {
 namespace {
 
@@ -24,36 +26,30 @@ std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
 
 // Spots of mud and pits within a particle belong to it, as a person would draw it.
 void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
-  constexpr std::size_t kLargest = 60;  // pixels
-  std::vector<std::uint8_t> seen(label.size(), 0);
-  std::vector<std::size_t> hole;
-  for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] != 0 || seen[i]) continue;
-    std::int32_t around = 0;
-    bool closed = true;
-    hole.assign(1, i);
-    seen[i] = 1;
-    for (std::size_t q = 0; q < hole.size(); ++q) {
-      const int x = static_cast<int>(hole[q] % w), y = static_cast<int>(hole[q] / w);
-      const auto visit = [&](int nx, int ny) {
+  constexpr std::int64_t kLargest = 60;  // pixels
+  std::vector<std::int32_t> empty(label.size());
+  for (std::size_t i = 0; i < label.size(); ++i) empty[i] = label[i] == 0;
+  const Components holes = connected_components(empty, w, h, false);
+  // The one particle around each hole; −1: several, or the picture's border.
+  std::vector<std::int32_t> around(holes.count() + 1, 0);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::int32_t hole = holes.ids[static_cast<std::size_t>(y) * w + x];
+      if (hole == 0) continue;
+      const auto meet = [&](int nx, int ny) {
+        std::int32_t& one = around[hole];
         if (nx < 0 || ny < 0 || nx >= w || ny >= h) {
-          closed = false;
+          one = -1;
           return;
         }
-        const std::size_t p = static_cast<std::size_t>(ny) * w + nx;
-        if (label[p] == 0) {
-          if (!seen[p]) seen[p] = 1, hole.push_back(p);
-        } else if (around == 0) {
-          around = label[p];
-        } else if (around != label[p]) {
-          closed = false;
-        }
+        const std::int32_t neighbor = label[static_cast<std::size_t>(ny) * w + nx];
+        if (neighbor != 0 && one != neighbor) one = one == 0 ? neighbor : -1;
       };
-      visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+      meet(x - 1, y), meet(x + 1, y), meet(x, y - 1), meet(x, y + 1);
     }
-    if (closed && hole.size() <= kLargest)
-      for (const auto p : hole) label[p] = around;
-  }
+  for (std::size_t i = 0; i < label.size(); ++i)
+    if (const auto hole = holes.ids[i]; hole > 0 && around[hole] > 0 && holes.sizes[hole - 1] <= kLargest)
+      label[i] = around[hole];
 }
 
 }  // namespace
