@@ -63,7 +63,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   for (std::size_t i = 0; i < bodies.labels.size(); ++i)
     if (const auto id = bodies.labels[i]; id > 0)
       all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
-  const std::vector<double> scores = view.scores(bodies.labels, count);
+  const std::vector<double> scores = view.scores(bodies.labels, count, work);
   for (std::int32_t k = 0; k < count; ++k) all[first + k].score = std::max(least, lead * scores[k]);
   NetworkOptions how;
   how.min_area = split.min_area >= 0 ? split.min_area : std::min(how.min_area, bodies.min_area);
@@ -156,13 +156,13 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   if (options.split.min_area >= 0) how.min_area = options.split.min_area;
   std::vector<std::vector<Instance>> instances(sections);  // kept for Auto like the views
   const auto instances_of = [&](int i) {
-    return instances[i].empty() ? view_of(i, work.quiet())->instances(work.quiet()) : instances[i];
+    return instances[i].empty() ? view_of(i, work.quiet())->instances(how, work.quiet()) : instances[i];
   };
   Attempt by_network;
   if (network)
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
-      auto all = view->instances(work.quiet());
+      auto all = view->instances(how, work.quiet());
       if (keep && s.method == Method::Auto) instances[i] = all;
       auto chosen = view->choose(std::move(all), how, work.quiet());
       by_network.add_chosen(std::move(chosen));
@@ -201,8 +201,9 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     for (int i = 0; i < sections; ++i) {
       Particles2D bodies = find_particles(mosaics[i], s.ground, options.split, work);
       const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
-      a.add(bodies, network ? confidences_of(view_of(i, work.quiet())->scores(bodies.labels, count))
-                            : std::vector<double>(count, 1.0));
+      a.add(bodies, network
+                        ? confidences_of(view_of(i, work.quiet())->scores(bodies.labels, count, work.quiet()))
+                        : std::vector<double>(count, 1.0));
       if (network) by_color.push_back(std::move(bodies));
     }
     return a;
@@ -256,12 +257,19 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     s.reliability = {precision(c), precision(n), precision(t)};
     // The network judges its own particles too, so it has to be a little better.
     constexpr double kLead = 1.1;
-    s.method = !clusters.labels.classes.empty() && kLead * s.reliability.clusters > s.reliability.both
-                   ? Method::Clusters
-               : std::find(distinct.begin(), distinct.end(), true) != distinct.end() ? Method::Both
-                                                                                     : Method::Network;
-    if (settled) s.method = settled->method;
-    best = s.method == Method::Clusters ? std::move(clusters) : std::move(both);
+    const bool joined = std::find(distinct.begin(), distinct.end(), true) != distinct.end();
+    if (settled)
+      s.method = settled->method;
+    else if (!clusters.labels.classes.empty() &&
+             kLead * s.reliability.clusters > std::max(s.reliability.both, s.reliability.network))
+      s.method = Method::Clusters;
+    else if (joined && kLead * s.reliability.both > s.reliability.network)
+      s.method = Method::Both;
+    else
+      s.method = Method::Network;
+    best = s.method == Method::Clusters ? std::move(clusters)
+           : s.method == Method::Both   ? std::move(both)
+                                        : std::move(by_network);
   } else {
     best = network ? std::move(by_network) : s.method == Method::Scribbles ? by_scribbles() : by_clusters();
   }

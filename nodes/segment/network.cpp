@@ -1,12 +1,11 @@
 #include "nodes/segment/network.h"
 
 #include <algorithm>
-#include <mutex>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "graph/diagnostic.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/segment/model_pool.h"
 
 // The model's bytes, in the read-only data of the library.
 __asm__(
@@ -101,66 +100,19 @@ struct View {
   }
 };
 
-Error bad_model(const std::string& why) {
-  return Error(
-      "bad-model", "the network cannot be used: " + why,
-      "use an ONNX model with one input (1, 3, h, w) and one output (1, 4, h, w): inside, border, distance, "
-      "not material");
-}
-
 }  // namespace
 
 std::string built_in_model() { return {terrazzo_segment_model, terrazzo_segment_model_end}; }
 
-// OpenCV's networks keep buffers, so every thread needs its own. They are reused.
-struct Network::Model {
-  std::string bytes;
-  std::mutex mutex;
-  std::vector<std::unique_ptr<cv::dnn::Net>> free;
-
-  std::unique_ptr<cv::dnn::Net> take() {
-    {
-      const std::lock_guard lock(mutex);
-      if (!free.empty()) {
-        auto net = std::move(free.back());
-        free.pop_back();
-        return net;
-      }
-    }
-    try {
-      auto net = std::make_unique<cv::dnn::Net>(cv::dnn::readNetFromONNX(bytes.data(), bytes.size()));
-      if (net->empty()) throw bad_model("it is empty");
-      net->setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-      return net;
-    } catch (const cv::Exception& e) {
-      throw bad_model(e.err);
-    }
-  }
-  void give(std::unique_ptr<cv::dnn::Net> net) {
-    const std::lock_guard lock(mutex);
-    free.push_back(std::move(net));
-  }
-  cv::Mat run(const cv::Mat& tile) {
-    auto net = take();
-    cv::Mat out;
-    try {
-      net->setInput(cv::dnn::blobFromImage(tile));
-      out = net->forward().clone();
-    } catch (const cv::Exception& e) {
-      throw bad_model(e.err);
-    }
-    if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 4 || out.size[2] != tile.rows ||
-        out.size[3] != tile.cols)
-      throw bad_model("its output does not have four maps of the input's size");
-    give(std::move(net));
-    return out;
-  }
+struct Network::Model : ModelPool {
+  using ModelPool::ModelPool;
 };
 
-Network::Network(std::string bytes) : model_(std::make_unique<Model>()) {
-  model_->bytes = std::move(bytes);
-  model_->give(model_->take());
-}
+Network::Network(std::string bytes)
+    : model_(std::make_unique<Model>(
+          std::move(bytes),
+          "use an ONNX model with one input (1, 3, h, w) and one output (1, 4, h, w): inside, border, "
+          "distance, not material")) {}
 Network::~Network() = default;
 
 std::vector<NetworkMaps> Network::operator()(const Image& image, int section, std::span<const double> scales,
@@ -179,7 +131,11 @@ std::vector<NetworkMaps> Network::operator()(const Image& image, int section, st
   work.parallel(tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       View& view = views[tiles[t].view];
-      view.keep(tiles[t], model_->run(view.padded(tiles[t].seen)));
+      const cv::Mat tile = view.padded(tiles[t].seen), out = model_->run(cv::dnn::blobFromImage(tile));
+      if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 4 || out.size[2] != tile.rows ||
+          out.size[3] != tile.cols)
+        model_->refuse("its output does not have four maps of the input's size");
+      view.keep(tiles[t], out);
     }
   });
   std::vector<NetworkMaps> all(views.size());

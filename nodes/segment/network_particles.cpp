@@ -3,8 +3,26 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "nodes/segment/judge.h"
 
 namespace terrazzo::segment {
+namespace {
+
+// How much of each pixel the particles cover: labels are whole pixels, so their stairs are smoothed, on the
+// right side of one half.
+std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, int height) {
+  std::vector<float> out(labels.size());
+  for (std::size_t i = 0; i < labels.size(); ++i) out[i] = labels[i] > 0;
+  cv::Mat m(height, width, CV_32F, out.data());
+  cv::GaussianBlur(m, m, cv::Size(5, 5), 1.0, 1.0, cv::BORDER_REPLICATE);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    out[i] = labels[i] > 0 ? std::max(0.5f, out[i]) : std::min(0.499f, out[i]);
+  return out;
+}
+
+}  // namespace
 
 double confidence_of_score(double score) { return 1 / (1 + std::exp(1.97 - 16.41 * score)); }
 
@@ -15,23 +33,69 @@ NetworkView::NetworkView(const Image& image, int section, const Network& network
   std::vector<double> useful;
   for (const double scale : scales)
     if (scale >= 1 || std::min(image.width, image.height) * scale >= kSmallest) useful.push_back(scale);
-  scales_ = network(image, section, useful, work);
+  std::vector<NetworkMaps> maps = network(image, section, useful, work);
+  std::vector<std::optional<ScaleView>> views(maps.size());
+  work.quiet().parallel(maps.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) views[k].emplace(std::move(maps[k]), useful[k], work.quiet());
+  });
+  for (auto& view : views) scales_.push_back(std::move(*view));
+  near_border_ = scales_.front().near_border().clone();
+  for (const ScaleView& view : scales_) near_border_ = cv::max(near_border_, view.near_border());
 }
 
-std::vector<Instance> NetworkView::instances(const Work& work) const {
-  std::vector<std::vector<Instance>> found(scales_.size());
+std::vector<NetworkView::Place> NetworkView::candidates(double min_area, const Work& work) const {
+  std::vector<std::vector<Candidate>> of_scale(scales_.size());
   work.parallel(scales_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) found[k] = find_instances(scales_[k], work.quiet());
+    for (std::size_t k = begin; k < end; ++k) of_scale[k] = scales_[k].candidates(min_area, work.quiet());
+  });
+  std::vector<Place> places;
+  for (std::size_t k = 0; k < scales_.size(); ++k)
+    for (const Candidate& c : of_scale[k]) places.push_back({&scales_[k], c});
+  return places;
+}
+
+std::optional<Evidence> NetworkView::look_at(const Place& place, double min_area, Cutout& region) const {
+  region = place.view->cut_out(place.candidate);
+  if (cv::countNonZero(region.mask) < std::max(1.0, min_area)) return {};
+  return evidence_of(region, *place.view, near_border_);
+}
+
+void NetworkView::visit_candidates(double min_area, const Work& work, const Visit& visit) const {
+  Cutout region;
+  for (const Place& place : candidates(min_area, work)) {
+    work.check();
+    if (const auto evidence = look_at(place, min_area, region)) visit(region, *evidence);
+  }
+}
+
+std::vector<Instance> NetworkView::instances(const NetworkOptions& options, const Work& work) const {
+  const std::vector<Place> places = candidates(options.min_area, work.quiet());
+  constexpr std::size_t kTogether = 64;
+  std::vector<std::vector<Instance>> parts((places.size() + kTogether - 1) / kTogether);
+  work.parallel(places.size(), kTogether, [&](std::size_t begin, std::size_t end) {
+    std::vector<Cutout> regions;
+    std::vector<Evidence> evidence;
+    for (std::size_t i = begin; i < end; ++i) {
+      Cutout region;
+      const auto seen = look_at(places[i], options.min_area, region);
+      if (!seen) continue;
+      evidence.push_back(*seen);
+      regions.push_back(std::move(region));
+    }
+    const std::vector<float> scores = built_in_judge()(evidence);
+    for (std::size_t k = 0; k < regions.size(); ++k)
+      if (scores[k] >= options.min_score)
+        parts[begin / kTogether].push_back({regions[k].pixels(scales_.front().maps().width), scores[k]});
   });
   std::vector<Instance> all;
-  for (auto& of_scale : found)
-    for (auto& instance : of_scale) all.push_back(std::move(instance));
+  for (auto& part : parts)
+    for (Instance& instance : part) all.push_back(std::move(instance));
   return all;
 }
 
 NetworkView::Found NetworkView::choose(std::vector<Instance> instances, const NetworkOptions& options,
                                        const Work& work) const {
-  const NetworkMaps& own = scales_.front();
+  const NetworkMaps& own = scales_.front().maps();
   Accepted accepted = accept_instances(std::move(instances), own.width, own.height, options.min_area,
                                        options.min_score, work);
   Found found;
@@ -39,24 +103,41 @@ NetworkView::Found NetworkView::choose(std::vector<Instance> instances, const Ne
   Particles2D& out = found.particles;
   out.min_area = options.min_area;
   out.labels = std::move(accepted.labels);
-  out.coverage.resize(out.labels.size());
-  for (std::size_t i = 0; i < out.labels.size(); ++i)
-    out.coverage[i] = out.labels[i] > 0 ? std::max(0.5f, own.inside[i]) : std::min(0.499f, own.inside[i]);
+  out.coverage = softened(out.labels, own.width, own.height);
   return found;
 }
 
-std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& labels, int count) const {
+std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& labels, int count,
+                                        const Work& work) const {
+  const NetworkMaps& own = scales_.front().maps();
+  std::vector<cv::Rect> boxes(count);
+  for (int y = 0; y < own.height; ++y)
+    for (int x = 0; x < own.width; ++x)
+      if (const auto id = labels[static_cast<std::size_t>(y) * own.width + x]; id > 0)
+        boxes[id - 1] |= cv::Rect(x, y, 1, 1);
   std::vector<double> best(count, 0);
-  for (const NetworkMaps& maps : scales_) {
-    const std::vector<double> scores = score_labels(maps, labels, count);
-    for (int k = 0; k < count; ++k) best[k] = std::max(best[k], scores[k]);
-  }
+  work.parallel(count, 16, [&](std::size_t begin, std::size_t end) {
+    for (const ScaleView& view : scales_) {
+      std::vector<Evidence> evidence;
+      std::vector<std::size_t> whose;
+      for (std::size_t k = begin; k < end; ++k) {
+        if (boxes[k].empty()) continue;
+        const Cutout region =
+            cut_out_label(labels, own.width, own.height, static_cast<std::int32_t>(k + 1), boxes[k]);
+        evidence.push_back(evidence_of(region, view, near_border_));
+        whose.push_back(k);
+      }
+      const std::vector<float> scores = built_in_judge()(evidence);
+      for (std::size_t i = 0; i < whose.size(); ++i)
+        best[whose[i]] = std::max<double>(best[whose[i]], scores[i]);
+    }
+  });
   return best;
 }
 
 std::vector<std::uint8_t> NetworkView::not_material() const {
   std::vector<std::uint8_t> out;
-  for (const float v : scales_.front().not_material) out.push_back(v > 0.5f);
+  for (const float v : scales_.front().maps().not_material) out.push_back(v > 0.5f);
   return out;
 }
 

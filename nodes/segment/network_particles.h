@@ -1,7 +1,12 @@
 // Particles by the trained network.
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <vector>
+
 #include "nodes/data/image.h"
+#include "nodes/segment/evidence.h"
 #include "nodes/segment/instances.h"
 #include "nodes/segment/network.h"
 #include "nodes/segment/particles.h"
@@ -10,7 +15,7 @@ namespace terrazzo::segment {
 
 struct NetworkOptions {
   double min_area = 25;     // pixels; smaller particles are dropped
-  double min_score = 0.05;  // particles below it are dropped
+  double min_score = 0.35;  // particles below it are dropped
 };
 
 // What the network says of one section at several scales, since it knows particles of a few to a few hundred
@@ -19,10 +24,15 @@ class NetworkView {
  public:
   NetworkView(const Image&, int section, const Network&, const Work&);
 
-  // The instances of all scales; many overlap.
-  std::vector<Instance> instances(const Work&) const;
+  // The candidates of all scales with their scores, which is the overlap with a particle that the judge
+  // expects; many cover the same place.
+  std::vector<Instance> instances(const NetworkOptions&, const Work&) const;
 
-  // The best ones, by score, among instances of any origin. Coverage is the map of inside.
+  // The evidence of each candidate of at least min_area pixels, to learn from; in a fixed order.
+  using Visit = std::function<void(const Cutout&, const Evidence&)>;
+  void visit_candidates(double min_area, const Work&, const Visit&) const;
+
+  // The best ones, by score, among instances of any origin.
   struct Found {
     Particles2D particles;
     std::vector<double> scores;     // of label k at k − 1
@@ -31,12 +41,20 @@ class NetworkView {
   Found choose(std::vector<Instance>, const NetworkOptions&, const Work&) const;
 
   // The score of each of the labels from 1 to `count` at the scale that judges it best.
-  std::vector<double> scores(const std::vector<std::int32_t>& labels, int count) const;
+  std::vector<double> scores(const std::vector<std::int32_t>& labels, int count, const Work&) const;
   // 1 where the network sees a ruler, frame or text.
   std::vector<std::uint8_t> not_material() const;
 
  private:
-  std::vector<NetworkMaps> scales_;  // the first one is the picture's own
+  struct Place {
+    const ScaleView* view;
+    Candidate candidate;
+  };
+  std::vector<Place> candidates(double min_area, const Work&) const;
+  std::optional<Evidence> look_at(const Place&, double min_area, Cutout&) const;  // none: too small
+
+  std::vector<ScaleView> scales_;  // the first one is the picture's own
+  cv::Mat near_border_;            // the largest of all scales
 };
 
 // The share of particles with such a score that overlap a true one by at least half, among synthetic pictures

@@ -107,16 +107,24 @@ void develop(Picture& p, bool gray, Random& r) {
       const double common = noise * r.normal();
       for (int k = 0; k < 3; ++k) v[k] += static_cast<float>(colored ? noise * r.normal() : common);
     }
-  if (r.uniform() < 0.2) {  // a telephone's noise reduction smears texture and keeps edges
-    cv::bilateralFilter(m, other, 5, r.uniform(0.02, 0.12), r.uniform(1, 2.5));
+  if (r.uniform() < 0.4) {  // a telephone's noise reduction smears texture and keeps edges
+    cv::bilateralFilter(m, other, 7, r.uniform(0.02, 0.2), r.uniform(1, 4));
     other.copyTo(m);
+  } else if (r.uniform() < 0.15) {
+    cv::medianBlur(m, other, r.uniform() < 0.6 ? 3 : 5);
+    other.copyTo(m);
+  }
+  if (!gray && r.uniform() < 0.35) {  // dull colors
+    const auto keep = static_cast<float>(r.uniform(0.3, 0.9));
+    for (auto& v : p.pixels) v = Vec3f::Constant(v.sum() / 3) * (1 - keep) + v * keep;
   }
   if (r.uniform() < 0.35) {
     cv::GaussianBlur(m, other, cv::Size(0, 0), r.uniform(0.6, 1.5));
     const double amount = r.uniform(0.2, 1.2);
     cv::addWeighted(m, 1 + amount, other, -amount, 0, m);
   }
-  const double contrast = r.uniform(0.75, 1.25), gamma = std::exp(0.2 * r.normal());
+  const double contrast = r.uniform() < 0.3 ? r.uniform(0.4, 0.8) : r.uniform(0.75, 1.25),
+               gamma = std::exp(0.2 * r.normal());
   for (auto& v : p.pixels)
     for (int k = 0; k < 3; ++k)
       v[k] = static_cast<float>(std::pow(std::clamp(0.5 + contrast * (v[k] - 0.5), 0.0, 1.0), gamma));

@@ -20,12 +20,13 @@ void compute(Context& c) {
   c.output("image", std::move(photo.image));
   c.output("labels", std::move(photo.labels));
   c.output("not_material", std::move(photo.not_material));
+  c.output("unclear", std::move(photo.unclear));
 }
 
 }  // namespace
 
 NodeType synthetic_photo_node() {
-  return NodeType("SyntheticPhoto", 2)
+  return NodeType("SyntheticPhoto", 3)
       .doc_(
           "Photographs of imaginary aggregates, with the exact labels of their particles: pictures to train "
           "and "
@@ -34,6 +35,10 @@ NodeType synthetic_photo_node() {
       .output("image", "Image", "The photographs, one section each")
       .output("labels", "Labels", "Visible part of each particle that a person would outline")
       .output("not_material", "Labels", "1 where a ruler, frame, chart or caption covers the material")
+      .output(
+          "unclear", "Labels",
+          "1 on particles without a label: they are too small, too faint or cut off by others, and nobody "
+          "can say whether a person would outline them")
       .parameter(
           Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop"})
               .doc_("bank: stones in and on soil. heap: loose stones on each other. section: a plane section "

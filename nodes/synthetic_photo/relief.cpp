@@ -92,10 +92,10 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
   const StoneFamily family(r);
   if (r.uniform() < 0.4) scatter_clods(c, r, work);
   const double area = static_cast<double>(c.width) * c.height, side = std::sqrt(area);
-  const double smallest = r.uniform(7, 18);
+  const double smallest = r.uniform(5, 17);
   const double largest =
       std::min(0.8 * side, std::max(1.5 * smallest, 14 * std::pow(r.uniform(2, 60), r.uniform(0.4, 1))));
-  const double exponent = r.uniform(1.2, 3.2);
+  const double exponent = r.uniform(1.2, 3.6);
   const double allowed = options.heap ? 1 : r.uniform() < 0.4 ? 0.02 : r.uniform(0.02, 0.6);
   const double deepest = options.heap ? 0.1 : r.uniform(0.1, 0.95);
   const double wet = r.uniform() < 0.2 ? r.uniform(0.2, 1) : 0;

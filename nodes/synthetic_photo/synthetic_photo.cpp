@@ -15,7 +15,7 @@ namespace {
 struct One {
   Picture picture;
   std::vector<std::int32_t> labels;
-  std::vector<std::uint8_t> other;
+  std::vector<std::uint8_t> other, unclear;
 };
 
 One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work) {
@@ -44,7 +44,8 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   const std::vector<Vec3f> light = shade(canvas, random_light(r, flat), work);
   One one;
   one.picture = expose(canvas, light, gray, r);
-  one.labels = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.045);
+  Visible visible = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.045);
+  one.labels = std::move(visible.labels), one.unclear = std::move(visible.unclear);
   one.other.resize(one.labels.size());
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x)
@@ -62,7 +63,7 @@ Photo take_photo(const PhotoOptions& options, const Work& work) {
   });
   Photo photo;
   photo.image = Image(options.width, options.height, options.pictures, options.pixel_size);
-  for (Labels* labels : {&photo.labels, &photo.not_material}) {
+  for (Labels* labels : {&photo.labels, &photo.not_material, &photo.unclear}) {
     labels->width = options.width, labels->height = options.height, labels->sections = options.pictures;
     labels->pixel_size = options.pixel_size;
   }
@@ -76,10 +77,11 @@ Photo take_photo(const PhotoOptions& options, const Work& work) {
       count = std::max(count, id);
     }
     photo.labels.classes.resize(before + count, 0);
-    for (const auto o : one.other) photo.not_material.ids.push_back(o);
+    photo.not_material.ids.insert(photo.not_material.ids.end(), one.other.begin(), one.other.end());
+    photo.unclear.ids.insert(photo.unclear.ids.end(), one.unclear.begin(), one.unclear.end());
   }
-  photo.not_material.classes.assign(
-      std::count(photo.not_material.ids.begin(), photo.not_material.ids.end(), 1) > 0 ? 1 : 0, 0);
+  for (Labels* mask : {&photo.not_material, &photo.unclear})
+    mask->classes.assign(std::count(mask->ids.begin(), mask->ids.end(), 1) > 0 ? 1 : 0, 0);
   return photo;
 }
 

@@ -32,6 +32,7 @@ struct Photo {
   Image image;          // one section per picture
   Labels labels;        // the visible part of each particle that a person would outline
   Labels not_material;  // 1 where a ruler, frame or caption covers the material
+  Labels unclear;       // 1 on particles that are too small or too faint for a label
 };
 
 // Everything else about a picture (shapes, sizes, colors, textures, light, camera) is drawn from the seed and

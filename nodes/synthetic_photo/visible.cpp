@@ -54,8 +54,7 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
 
 }  // namespace
 
-std::vector<std::int32_t> visible_particles(const Canvas& c, const Picture& clear, int smallest,
-                                            double contrast) {
+Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, double contrast) {
   const int w = clear.width, h = clear.height;
   const std::vector<std::int32_t> id = halve(c, w, h);
   // 4-connected pieces of equal id
@@ -118,9 +117,11 @@ std::vector<std::int32_t> visible_particles(const Canvas& c, const Picture& clea
     if (p.area < smallest || (p.border > 0 && p.difference < contrast * p.border)) continue;
     number[k] = ++count;
   }
-  std::vector<std::int32_t> out(id.size());
-  for (std::size_t i = 0; i < id.size(); ++i) out[i] = number[piece[i]];
-  fill_holes(out, w, h);
+  Visible out;
+  out.labels.resize(id.size()), out.unclear.resize(id.size());
+  for (std::size_t i = 0; i < id.size(); ++i) out.labels[i] = number[piece[i]];
+  fill_holes(out.labels, w, h);
+  for (std::size_t i = 0; i < id.size(); ++i) out.unclear[i] = id[i] > 0 && out.labels[i] == 0;
   return out;
 }
 

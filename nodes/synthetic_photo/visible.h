@@ -9,10 +9,14 @@
 
 namespace terrazzo::synthetic_photo {
 
-// Labels of the picture's pixels, from 1 without gaps: of each particle the largest connected piece, if it
-// has at least `smallest` pixels and, on average along its border, differs from its surroundings by at least
-// `contrast` (encoded, 0 to 1), so that a person would see it. `clear` is the picture without noise.
-std::vector<std::int32_t> visible_particles(const Canvas&, const Picture& clear, int smallest,
-                                            double contrast);
+struct Visible {
+  std::vector<std::int32_t> labels;   // from 1 without gaps; 0: no particle, or an unclear one
+  std::vector<std::uint8_t> unclear;  // 1 on pieces of particles that have no label
+};
+
+// Of each particle the largest connected piece gets a label, if it has at least `smallest` pixels and, on
+// average along its border, differs from its surroundings by at least `contrast` (encoded, 0 to 1), so that a
+// person would see it. `clear` is the picture without noise.
+Visible visible_particles(const Canvas&, const Picture& clear, int smallest, double contrast);
 
 }  // namespace terrazzo::synthetic_photo

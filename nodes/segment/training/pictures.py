@@ -6,10 +6,11 @@ import numpy as np
 
 
 class Pictures:
-    """All pictures of the folders, in memory: colors, inner border, relative distance and what is not material."""
+    """All pictures of the folders, in memory: colors, inside, inner border, relative distance, what is not material, and
+    where the labels are to be trusted."""
 
     def __init__(self, folders):
-        self.color, self.inside, self.border, self.distance, self.other = [], [], [], [], []
+        self.color, self.inside, self.border, self.distance, self.other, self.clear = [], [], [], [], [], []
         for folder in folders:
             for path in sorted(pathlib.Path(folder).glob("image_*.png")):
                 number = path.stem[len("image_"):]
@@ -24,6 +25,8 @@ class Pictures:
                 self.border.append(border)
                 self.distance.append(distance)
                 self.other.append((other > 0).astype(np.uint8))
+                unclear = cv2.imread(str(path.with_name(f"unclear_{number}.png")), cv2.IMREAD_UNCHANGED)
+                self.clear.append(np.ones(labels.shape, np.uint8) if unclear is None else (unclear == 0).astype(np.uint8))
         if not self.color:
             raise SystemExit("train: there are no pictures")
 
@@ -31,7 +34,7 @@ class Pictures:
         return len(self.color)
 
     def crop(self, random, size):
-        """A crop of size × size pixels: (color (size, size, 3) from 0 to 1, targets (4, size, size))."""
+        """A crop of size × size pixels: (color (size, size, 3) from 0 to 1, targets and weights (5, size, size))."""
         i = int(random.integers(len(self)))
         height, width = self.inside[i].shape
         scale = float(np.exp(random.uniform(np.log(0.75), np.log(1.6))))
@@ -39,7 +42,8 @@ class Pictures:
         y, x = int(random.integers(height - side + 1)), int(random.integers(width - side + 1))
         window = (slice(y, y + side), slice(x, x + side))
         color = self.color[i][window].astype(np.float32) / 255
-        planes = [self.inside[i][window], self.border[i][window], self.distance[i][window], self.other[i][window]]
+        planes = [self.inside[i][window], self.border[i][window], self.distance[i][window], self.other[i][window],
+                  self.clear[i][window]]
         planes = np.stack([p.astype(np.float32) for p in planes], 2)
         planes[:, :, 2] /= 255
         if side != size:

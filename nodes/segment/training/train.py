@@ -18,11 +18,14 @@ from pictures import Pictures
 
 
 def loss_of(logits, target):
-    """Cross entropy of inside, border and not_material, and a smooth absolute error of the distance."""
+    """Cross entropy of inside, border and not_material, and a smooth absolute error of the distance. Where a particle is too
+    small or too faint for a label, the first three do not count."""
     entropy = torch.nn.functional.binary_cross_entropy_with_logits
-    inside = entropy(logits[:, 0], target[:, 0])
-    border = entropy(logits[:, 1], target[:, 1], pos_weight=torch.tensor(2.0))
-    distance = torch.nn.functional.smooth_l1_loss(torch.sigmoid(logits[:, 2]), target[:, 2], beta=0.1)
+    clear = target[:, 4]
+    inside = entropy(logits[:, 0], target[:, 0], weight=clear)
+    border = entropy(logits[:, 1], target[:, 1], weight=clear, pos_weight=torch.tensor(2.0))
+    error = torch.nn.functional.smooth_l1_loss(torch.sigmoid(logits[:, 2]), target[:, 2], beta=0.1, reduction="none")
+    distance = (clear * error).mean()
     other = entropy(logits[:, 3], target[:, 3])
     return inside + 0.5 * border + 2 * distance + 0.3 * other
 
@@ -66,6 +69,7 @@ def main():
     p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
     p.add_argument("--steps", type=int, default=17600)
     p.add_argument("--until", type=int, help="stop at this step, to go on with more pictures")
+    p.add_argument("--start", type=pathlib.Path, help="checkpoint of another training whose weights to start from")
     p.add_argument("--held-back", nargs="*", help="folders that are not trained on; default: the last one")
     p.add_argument("--batch", type=int, default=6)
     p.add_argument("--size", type=int, default=192)
@@ -98,6 +102,10 @@ def main():
         optimizer.load_state_dict(state["optimizer"])
         step, seconds = state["step"], state["seconds"]
     else:
+        if a.start:
+            weights = torch.load(a.start)["average"]
+            network.load_state_dict(weights)
+            average.load_state_dict(weights)
         log.write_text("step,seconds,rate,loss,held_back\n")
         print(sum(w.numel() for w in network.parameters()), "weights", flush=True)
 

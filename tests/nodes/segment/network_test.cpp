@@ -3,12 +3,15 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
 
 #include "nodes/instance_score/instance_score.h"
+#include "nodes/segment/basins.h"
 #include "nodes/segment/instances.h"
+#include "nodes/segment/judge.h"
 #include "nodes/segment/network_particles.h"
 #include "nodes/segment/split.h"
 #include "nodes/synthetic_photo/synthetic_photo.h"
@@ -47,26 +50,26 @@ std::vector<std::int32_t> discs(int width, int height, const std::vector<std::ar
   return labels;
 }
 
-TEST(NetworkInstances, IdealMapsGiveTheLabelsBack) {
+Labels as_labels(std::vector<std::int32_t> ids, int width, int height) {
+  Labels out;
+  out.width = width, out.height = height;
+  out.classes.assign(*std::max_element(ids.begin(), ids.end()), 0);
+  out.ids = std::move(ids);
+  return out;
+}
+
+TEST(NetworkBasins, IdealMapsGiveTheLabelsBack) {
   const int w = 96, h = 80;
   const auto labels =
       discs(w, h, {{20, 20, 12}, {43, 22, 12}, {70, 30, 9}, {30, 55, 15}, {75, 60, 14}, {55, 64, 8}});
-  const auto found = find_instances(ideal_maps(labels, w, h), {});
-  ASSERT_EQ(found.size(), 6u);
-  Labels truth, again;
-  truth.width = again.width = w, truth.height = again.height = h;
-  truth.ids = labels, truth.classes.assign(6, 0);
-  again.ids.assign(labels.size(), 0), again.classes.assign(6, 0);
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    EXPECT_GT(found[k].score, 0.8);
-    for (const auto i : found[k].pixels) again.ids[i] = static_cast<std::int32_t>(k + 1);
-  }
+  const Labels found = as_labels(find_basins(ideal_maps(labels, w, h), {}), w, h);
+  EXPECT_EQ(found.count(), 6);
   // Where two touch, the pass between them may go to either.
-  EXPECT_EQ(instance_score::compare_instances(again, truth).average_precision(0.9), 1);
+  EXPECT_EQ(instance_score::compare_instances(found, as_labels(labels, w, h)).average_precision(0.9), 1);
 }
 
 // Two summits without a border between them are one particle; with a border they are two.
-TEST(NetworkInstances, AFaintBorderJoins) {
+TEST(NetworkBasins, AFaintBorderJoins) {
   const int w = 64, h = 40;
   const auto two = discs(w, h, {{20, 20, 13}, {44, 20, 13}});
   for (const float border : {0.1f, 0.9f}) {
@@ -75,15 +78,106 @@ TEST(NetworkInstances, AFaintBorderJoins) {
       const bool meeting = two[i] > 0 && std::abs(static_cast<int>(i % w) - 32) < 3;
       if (meeting) m.border[i] = border;
     }
-    EXPECT_EQ(find_instances(m, {}).size(), border < 0.3f ? 1u : 2u) << border;
+    const auto found = find_basins(m, {});
+    EXPECT_EQ(*std::max_element(found.begin(), found.end()), border < 0.3f ? 1 : 2) << border;
   }
 }
 
-TEST(NetworkInstances, NothingIsFoundOutsideMaterial) {
+TEST(NetworkBasins, NothingIsFoundOutsideMaterial) {
   const int w = 40, h = 40;
   NetworkMaps m = ideal_maps(discs(w, h, {{20, 20, 10}}), w, h);
   m.not_material.assign(m.inside.size(), 1);
-  EXPECT_TRUE(find_instances(m, {}).empty());
+  const auto found = find_basins(m, {});
+  EXPECT_EQ(std::count(found.begin(), found.end(), 0), w * h);
+}
+
+// Faint maps have no basins, but their levels still show every particle.
+TEST(NetworkCandidates, FaintParticlesAreAmongThem) {
+  const int w = 96, h = 80;
+  const auto labels = discs(w, h, {{20, 20, 12}, {46, 22, 12}, {70, 50, 9}, {90, 20, 14}});
+  const Labels truth = as_labels(labels, w, h);
+  for (const float faint : {1.0f, 0.25f}) {
+    NetworkMaps m = ideal_maps(labels, w, h);
+    for (float& v : m.inside) v *= faint;
+    const ScaleView view(m, 1, {});
+    std::vector<double> best(truth.count(), 0);
+    int basins = 0;
+    for (const Candidate& c : view.candidates(25, {})) {
+      const Cutout region = view.cut_out(c);
+      basins += c.basin > 0;
+      std::vector<std::int32_t> alone(labels.size(), 0);
+      for (const auto i : region.pixels(w)) alone[i] = 1;
+      for (std::int32_t k = 1; k <= truth.count(); ++k) {
+        double both = 0, either = 0;
+        for (std::size_t i = 0; i < labels.size(); ++i)
+          both += alone[i] && labels[i] == k, either += alone[i] || labels[i] == k;
+        best[k - 1] = std::max(best[k - 1], both / either);
+      }
+    }
+    for (const double b : best) EXPECT_GT(b, 0.85) << faint;
+    EXPECT_EQ(basins, faint == 1 ? 4 : 0);
+  }
+}
+
+TEST(NetworkCandidates, EvidenceOfADiscIsKnown) {
+  const int w = 80, h = 64;
+  const auto labels = discs(w, h, {{40, 32, 15}});
+  const ScaleView view(ideal_maps(labels, w, h), 0.7, {});
+  const Cutout disc = cut_out_label(labels, w, h, 1, {25, 17, 31, 31});
+  const Evidence e = evidence_of(disc, view, view.near_border());
+  EXPECT_NEAR(e[0], std::log(3.1416 * 15 * 15), 0.02);
+  EXPECT_NEAR(e[1], std::log(0.7), 1e-5);
+  EXPECT_NEAR(e[2], std::log(1.03 / 0.03), 0.01);  // inside there, nothing around
+  EXPECT_GT(e[3], 3);                              // a border along the outline, none within
+  EXPECT_EQ(e[3], e[4]);                           // at the only scale
+  EXPECT_EQ(e[5], 1);
+  EXPECT_EQ(e[6], 0);
+  EXPECT_LT(e[7], 0.06);           // distance as it should be
+  EXPECT_NEAR(e[8], 1, 0.15);      // round
+  EXPECT_NEAR(e[9], 1, 0.02);      // convex
+  EXPECT_NEAR(e[10], 1, 0.02);     // as long as wide
+  EXPECT_NEAR(e[11], 0.56, 0.03);  // radius / root of the area
+  EXPECT_EQ(e[12], 0);
+  EXPECT_EQ(e[13], 0);
+}
+
+// Regions at the edge and as large as the section have evidence too.
+TEST(NetworkCandidates, EvidenceIsFinite) {
+  const int w = 40, h = 30;
+  std::vector<std::vector<std::int32_t>> all(4, std::vector<std::int32_t>(w * h, 0));
+  std::fill(all[0].begin(), all[0].end(), 1);
+  all[1][0] = 1;
+  for (int x = 0; x < w; ++x) all[2][x] = 1;
+  all[3][15 * w + 20] = 1;
+  for (const auto& labels : all)
+    for (const auto& maps :
+         {ideal_maps(labels, w, h), ideal_maps(std::vector<std::int32_t>(w * h, 0), w, h)}) {
+      const ScaleView view(maps, 1, {});
+      for (const float v :
+           evidence_of(cut_out_label(labels, w, h, 1, {0, 0, w, h}), view, view.near_border()))
+        EXPECT_TRUE(std::isfinite(v));
+    }
+}
+
+TEST(Judge, KnowsAParticleWhenItSeesOne) {
+  const int w = 80, h = 64;
+  const auto labels = discs(w, h, {{40, 32, 15}}), shifted = discs(w, h, {{52, 32, 15}});
+  const ScaleView view(ideal_maps(labels, w, h), 1, {});
+  std::vector<Evidence> evidence;
+  for (const auto* l : {&labels, &shifted})
+    evidence.push_back(evidence_of(cut_out_label(*l, w, h, 1, {0, 0, w, h}), view, view.near_border()));
+  const auto overlap = built_in_judge()(evidence);
+  ASSERT_EQ(overlap.size(), 2u);
+  EXPECT_GT(overlap[0], 0.8);
+  EXPECT_LT(overlap[1], 0.5);
+  EXPECT_TRUE(built_in_judge()({}).empty());
+}
+
+TEST(Judge, OtherFilesAreRefused) {
+  for (const std::string& bytes : {std::string(), std::string("no model")})
+    EXPECT_EQ(test::code_of([&] { Judge judge(bytes); }), "bad-model");
+  const Judge network(built_in_model());  // a model, but not of evidence
+  EXPECT_EQ(test::code_of([&] { network(std::vector<Evidence>(3)); }), "bad-model");
 }
 
 TEST(NetworkInstances, TheBetterOfTwoOverlappingOnesIsKept) {

@@ -49,6 +49,22 @@ TEST(SyntheticPhoto, LabelsAreSingleVisiblePieces) {
     }
 }
 
+// Particles without a label are marked, never together with one, and there are some of them.
+TEST(SyntheticPhoto, UnclearParticlesHaveNoLabel) {
+  std::size_t unclear = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Photo photo = take_photo(small(Scene::Bank, seed), {});
+    ASSERT_EQ(photo.unclear.ids.size(), photo.labels.ids.size());
+    for (std::size_t i = 0; i < photo.labels.ids.size(); ++i) {
+      ASSERT_TRUE(photo.unclear.ids[i] == 0 || photo.labels.ids[i] == 0);
+      unclear += photo.unclear.ids[i] != 0;
+    }
+    all += photo.labels.ids.size();
+  }
+  EXPECT_GT(unclear, 0u);
+  EXPECT_LT(unclear, all / 4);
+}
+
 TEST(SyntheticPhoto, FillSetsTheAreaFractionOfSections) {
   for (const double fill : {0.1, 0.3, 0.5, 0.8}) {
     double sum = 0;

@@ -1,0 +1,57 @@
+// Regions of the network's maps that may be particles.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "nodes/segment/network.h"
+#include "runtime/work.h"
+
+namespace terrazzo::segment {
+
+// A region of a section with its surroundings.
+struct Cutout {
+  cv::Rect box;  // with a margin of 6 pixels where the section goes on
+  cv::Mat mask;  // bytes of the box: 1 within the region, 0 elsewhere
+
+  std::vector<std::int32_t> pixels(int width) const;  // indices in a section of this width, ascending
+};
+
+// A basin of the maps, or a component of the pixels where inside × (1 − border) exceeds `level`.
+struct Candidate {
+  cv::Rect box;            // without a margin
+  std::int32_t basin = 0;  // 0: a component
+  cv::Point seed;          // one of the component's pixels
+  float level = 0;
+};
+
+// The maps of one section at one scale, with what is needed to find and judge regions.
+class ScaleView {
+ public:
+  ScaleView(NetworkMaps maps, double scale, const Work&);
+
+  // All basins, and the 4-connected components of at least half of `min_area` pixels at 19 levels from 0.04
+  // to 0.9. A component with more than 0.93 of the pixels of the one around it, at the level below, is left
+  // out.
+  std::vector<Candidate> candidates(double min_area, const Work&) const;
+  // The candidate as a particle. A component is enlarged by the inner border that the level cuts off,
+  // smoothed by a median of 3 × 3 pixels, without holes.
+  Cutout cut_out(const Candidate&) const;
+
+  const NetworkMaps& maps() const { return maps_; }
+  double scale() const { return scale_; }
+  cv::Mat map(const std::vector<float>& values) const;         // a view of one of the maps
+  const cv::Mat& near_border() const { return near_border_; }  // the largest border of 3 × 3 pixels
+
+ private:
+  NetworkMaps maps_;
+  double scale_;
+  cv::Mat near_border_;
+  std::vector<std::int32_t> basins_;
+};
+
+// A region with a margin, from some of the labels of a section.
+Cutout cut_out_label(const std::vector<std::int32_t>& labels, int width, int height, std::int32_t label,
+                     const cv::Rect& box);
+
+}  // namespace terrazzo::segment
