@@ -22,6 +22,14 @@ cv::Rect with_margin(const cv::Rect& box, int width, int height) {
          cv::Rect(0, 0, width, height);
 }
 
+// At low levels, most of a section is one ragged component. It is no particle and takes long to look at.
+bool sprawls(const cv::Mat& stats, double section) {
+  constexpr double kLarge = 1e4, kShareOfSection = 0.7, kShareOfBox = 0.2;
+  const double area = stats.at<int>(cv::CC_STAT_AREA),
+               box = 1.0 * stats.at<int>(cv::CC_STAT_WIDTH) * stats.at<int>(cv::CC_STAT_HEIGHT);
+  return area > kLarge && (area > kShareOfSection * section || area < kShareOfBox * box);
+}
+
 // What the outside cannot reach belongs to the region.
 void fill_holes_of(cv::Mat& mask) {
   cv::Mat around;
@@ -78,7 +86,7 @@ std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) 
     areas.assign(count, 0);
     for (int k = 1; k < count; ++k) {
       areas[k] = stats.at<int>(k, cv::CC_STAT_AREA);
-      if (areas[k] < 0.5 * min_area) continue;
+      if (areas[k] < 0.5 * min_area || sprawls(stats.row(k), static_cast<double>(inside.total()))) continue;
       Candidate c;
       c.box = {stats.at<int>(k, cv::CC_STAT_LEFT), stats.at<int>(k, cv::CC_STAT_TOP),
                stats.at<int>(k, cv::CC_STAT_WIDTH), stats.at<int>(k, cv::CC_STAT_HEIGHT)};

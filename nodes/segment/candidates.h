@@ -31,8 +31,9 @@ class ScaleView {
   ScaleView(NetworkMaps maps, double scale, const Work&);
 
   // All basins, and the 4-connected components of at least half of `min_area` pixels at 19 levels from 0.04
-  // to 0.9. A component with more than 0.93 of the pixels of the one around it, at the level below, is left
-  // out.
+  // to 0.9. Left out are components with more than 0.93 of the pixels of the one around them, at the level
+  // below, and those above 10,000 pixels that cover more than 0.7 of the section or less than 0.2 of their
+  // box.
   std::vector<Candidate> candidates(double min_area, const Work&) const;
   // The candidate as a particle. A component is enlarged by the inner border that the level cuts off,
   // smoothed by a median of 3 × 3 pixels, without holes.

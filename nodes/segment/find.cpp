@@ -11,11 +11,18 @@
 namespace terrazzo::segment {
 namespace {
 
-// Objects that the network recognizes, unless they are so small that they may be a mistake.
-void ignore_objects(const std::vector<std::uint8_t>& found, int section, const Image& image,
+// Objects that the network recognizes, unless they are so small or so doubtful that they may be a mistake: an
+// overlooked ruler shows, but particles that are left out by mistake do not.
+void ignore_objects(const std::vector<float>& not_material, int section, const Image& image,
                     IgnoredPixels& ignored, std::vector<FoundObject>& objects) {
-  const Components parts =
-      connected_components({found.begin(), found.end()}, image.width, image.height, true);
+  constexpr double kSure = 0.85;
+  std::vector<std::int32_t> found;
+  for (const float v : not_material) found.push_back(v > 0.5f);
+  const Components parts = connected_components(found, image.width, image.height, true);
+  std::vector<double> certainty(parts.count(), 0);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    if (const auto k = parts.ids[i]; k > 0)
+      certainty[k - 1] += not_material[i] / static_cast<double>(parts.sizes[k - 1]);
   std::vector<FoundObject> boxes(parts.count(), {section, image.width, image.height, -1, -1, 0});
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
@@ -28,13 +35,13 @@ void ignore_objects(const std::vector<std::uint8_t>& found, int section, const I
   const auto smallest =
       std::max<std::int64_t>(200, static_cast<std::int64_t>(image.width) * image.height / 1000);
   const std::size_t before = objects.size();
-  for (const FoundObject& b : boxes)
-    if (b.pixels >= smallest) objects.push_back(b);
+  const auto counts = [&](std::size_t k) { return boxes[k].pixels >= smallest && certainty[k] >= kSure; };
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    if (counts(k)) objects.push_back(boxes[k]);
   if (objects.size() == before) return;
   ignored.resize(image.pixels.size(), 0);
   for (std::size_t i = 0; i < parts.ids.size(); ++i)
-    if (const auto k = parts.ids[i]; k > 0 && boxes[k - 1].pixels >= smallest)
-      ignored[image.index(0, 0, section) + i] = 1;
+    if (const auto k = parts.ids[i]; k > 0 && counts(k - 1)) ignored[image.index(0, 0, section) + i] = 1;
 }
 
 std::vector<double> confidences_of(std::vector<double> scores) {
@@ -256,14 +263,14 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     };
     s.reliability = {precision(c), precision(n), precision(t)};
     // The network judges its own particles too, so it has to be a little better.
-    constexpr double kLead = 1.1;
+    constexpr double kLead = 1.1, kLeadOverBodies = 1.45;
     const bool joined = std::find(distinct.begin(), distinct.end(), true) != distinct.end();
     if (settled)
       s.method = settled->method;
     else if (!clusters.labels.classes.empty() &&
              kLead * s.reliability.clusters > std::max(s.reliability.both, s.reliability.network))
       s.method = Method::Clusters;
-    else if (joined && kLead * s.reliability.both > s.reliability.network)
+    else if (joined && kLeadOverBodies * s.reliability.both > s.reliability.network)
       s.method = Method::Both;
     else
       s.method = Method::Network;

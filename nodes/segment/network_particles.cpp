@@ -24,7 +24,7 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
 
 }  // namespace
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(1.97 - 16.41 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(5.02 - 9.47 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, const Network& network, const Work& work) {
   constexpr std::array<double, 4> scales{1, 0.7, 0.5, 1.4};
@@ -133,12 +133,6 @@ std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& labels,
     }
   });
   return best;
-}
-
-std::vector<std::uint8_t> NetworkView::not_material() const {
-  std::vector<std::uint8_t> out;
-  for (const float v : scales_.front().maps().not_material) out.push_back(v > 0.5f);
-  return out;
 }
 
 }  // namespace terrazzo::segment

@@ -42,8 +42,8 @@ class NetworkView {
 
   // The score of each of the labels from 1 to `count` at the scale that judges it best.
   std::vector<double> scores(const std::vector<std::int32_t>& labels, int count, const Work&) const;
-  // 1 where the network sees a ruler, frame or text.
-  std::vector<std::uint8_t> not_material() const;
+  // From 0 to 1, how likely a pixel shows a ruler, frame or text.
+  const std::vector<float>& not_material() const { return scales_.front().maps().not_material; }
 
  private:
   struct Place {

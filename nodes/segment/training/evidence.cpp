@@ -1,4 +1,4 @@
-// terrazzo_evidence PICTURES SEED FILE: writes what Segment's network shows of the regions of synthetic
+// terrazzo_evidence MODEL PICTURES SEED FILE: writes what a network (ONNX) shows of the regions of synthetic
 // pictures, and how much each region overlaps a particle. judge.py learns from it; `./dev train` calls both.
 //
 // FILE holds 16 floats for each region: its evidence, its largest intersection over union with a particle,
@@ -7,6 +7,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <vector>
 
@@ -50,13 +52,14 @@ std::vector<Row> rows_of(const segment::Network& network, std::uint64_t seed, in
   return rows;
 }
 
-int write_all(int pictures, std::uint64_t seed, const char* path) {
+int write_all(const char* model, int pictures, std::uint64_t seed, const char* path) {
+  std::ifstream in(model, std::ios::binary);
+  const segment::Network network(std::string(std::istreambuf_iterator<char>(in), {}));
   std::FILE* file = std::fopen(path, "wb");
   if (file == nullptr) {
     std::perror(path);
     return 1;
   }
-  const segment::Network network(segment::built_in_model());
   bool good = true;
   std::size_t count = 0;
   for (int k = 0; k < pictures && good; ++k) {
@@ -75,12 +78,12 @@ int write_all(int pictures, std::uint64_t seed, const char* path) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4) {
-    std::fprintf(stderr, "usage: terrazzo_evidence PICTURES SEED FILE\n");
+  if (argc != 5) {
+    std::fprintf(stderr, "usage: terrazzo_evidence MODEL PICTURES SEED FILE\n");
     return 2;
   }
   try {
-    return write_all(std::atoi(argv[1]), std::strtoull(argv[2], nullptr, 10), argv[3]);
+    return write_all(argv[1], std::atoi(argv[2]), std::strtoull(argv[3], nullptr, 10), argv[4]);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "terrazzo_evidence: %s\n", e.what());
     return 1;
