@@ -62,6 +62,8 @@ Cutout cut_out_label(const std::vector<std::int32_t>& labels, int width, int hei
 ScaleView::ScaleView(NetworkMaps maps, double scale, const Work& work)
     : maps_(std::move(maps)), scale_(scale), basins_(find_basins(maps_, work)) {
   cv::dilate(map(maps_.border), near_border_, cv::Mat::ones(3, 3, CV_8U));
+  const cv::Mat inside = map(maps_.inside);
+  within_ = inside - inside.mul(map(maps_.border));
 }
 
 cv::Mat ScaleView::map(const std::vector<float>& values) const {
@@ -69,8 +71,7 @@ cv::Mat ScaleView::map(const std::vector<float>& values) const {
 }
 
 std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) const {
-  constexpr double kSame = 0.93;
-  const cv::Mat inside = map(maps_.inside), cut = inside - inside.mul(map(maps_.border));
+  constexpr double kSame = 0.8;
   std::vector<Candidate> out(*std::max_element(basins_.begin(), basins_.end()));
   for (std::size_t i = 0; i < basins_.size(); ++i)
     if (const auto id = basins_[i]; id > 0) {
@@ -82,11 +83,11 @@ std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) 
   std::vector<int> areas, areas_before;
   for (const float level : levels()) {
     work.check();
-    const int count = cv::connectedComponentsWithStats(cut > level, labels, stats, centers, 4, CV_32S);
+    const int count = cv::connectedComponentsWithStats(within_ > level, labels, stats, centers, 4, CV_32S);
     areas.assign(count, 0);
     for (int k = 1; k < count; ++k) {
       areas[k] = stats.at<int>(k, cv::CC_STAT_AREA);
-      if (areas[k] < 0.5 * min_area || sprawls(stats.row(k), static_cast<double>(inside.total()))) continue;
+      if (areas[k] < 0.5 * min_area || sprawls(stats.row(k), static_cast<double>(within_.total()))) continue;
       Candidate c;
       c.box = {stats.at<int>(k, cv::CC_STAT_LEFT), stats.at<int>(k, cv::CC_STAT_TOP),
                stats.at<int>(k, cv::CC_STAT_WIDTH), stats.at<int>(k, cv::CC_STAT_HEIGHT)};
@@ -106,9 +107,7 @@ Cutout ScaleView::cut_out(const Candidate& c) const {
   if (c.basin > 0) return cut_out_label(basins_, maps_.width, maps_.height, c.basin, c.box);
   Cutout r;
   r.box = with_margin(c.box, maps_.width, maps_.height);
-  const cv::Mat inside = map(maps_.inside)(r.box);
-  const cv::Mat cut = inside - inside.mul(map(maps_.border)(r.box));
-  cv::Mat parts = cut > c.level;
+  cv::Mat parts = within_(r.box) > c.level;
   cv::floodFill(parts, c.seed - r.box.tl(), 1, nullptr, 0, 0, 4);
   r.mask = (parts == 1) / 255;
   static const cv::Mat cross = cv::getStructuringElement(cv::MORPH_CROSS, cv::Size(3, 3));

@@ -31,7 +31,7 @@ class ScaleView {
   ScaleView(NetworkMaps maps, double scale, const Work&);
 
   // All basins, and the 4-connected components of at least half of `min_area` pixels at 19 levels from 0.04
-  // to 0.9. Left out are components with more than 0.93 of the pixels of the one around them, at the level
+  // to 0.9. Left out are components with more than 0.8 of the pixels of the one around them, at the level
   // below, and those above 10,000 pixels that cover more than 0.7 of the section or less than 0.2 of their
   // box.
   std::vector<Candidate> candidates(double min_area, const Work&) const;
@@ -47,7 +47,7 @@ class ScaleView {
  private:
   NetworkMaps maps_;
   double scale_;
-  cv::Mat near_border_;
+  cv::Mat near_border_, within_;  // within: inside × (1 − border)
   std::vector<std::int32_t> basins_;
 };
 

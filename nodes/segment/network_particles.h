@@ -15,7 +15,7 @@ namespace terrazzo::segment {
 
 struct NetworkOptions {
   double min_area = 25;     // pixels; smaller particles are dropped
-  double min_score = 0.35;  // particles below it are dropped
+  double min_score = 0.45;  // particles below it are dropped
 };
 
 // What the network says of one section at several scales, since it knows particles of a few to a few hundred

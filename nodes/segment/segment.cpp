@@ -16,10 +16,10 @@
 namespace terrazzo::segment {
 namespace {
 
-// Measured at 1024² and 2400² pixels, auto: 268 bytes per pixel, and 0.6 GB of buffers that do not grow. In
+// Measured at 1024² and 2400² pixels, auto: 365 bytes per pixel, and 0.6 GB of buffers that do not grow. In
 // tiles, only labels, coverage, confidence and the picture without light are as large as the photograph
 // (estimated).
-constexpr double kBytesWhole = 270, kBytesTiled = 40, kBytesOfTile = 2.4e9;
+constexpr double kBytesWhole = 370, kBytesTiled = 40, kBytesOfTile = 3.1e9;
 
 void check_image(const Image& image) {
   if (image.width <= 0 || image.height <= 0 || image.sections <= 0 ||
