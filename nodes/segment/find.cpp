@@ -263,7 +263,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     };
     s.reliability = {precision(c), precision(n), precision(t)};
     // The network judges its own particles too, so it has to be a little better.
-    constexpr double kLead = 1.1, kLeadOverBodies = 1.45;
+    constexpr double kLead = 1.1, kLeadOverBodies = 1.7;
     const bool joined = std::find(distinct.begin(), distinct.end(), true) != distinct.end();
     if (settled)
       s.method = settled->method;

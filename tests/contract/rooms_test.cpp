@@ -34,7 +34,8 @@ const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"solids/blockwise", 8},
                                            {"solids/reference_2011", 8},
                                            {"solids", 8},
-                                           {"unfolding", 8}};
+                                           {"unfolding", 8},
+                                           {"segment/training", 10}};  // a program, not a node
 
 std::string room_of(const std::string& path) {  // relative to nodes/
   for (const auto depth : {2, 1}) {

@@ -114,6 +114,7 @@ TEST(Segment, HolesAreFilledAndSpecksDroppedAndCounted) {
   test::draw(image, {150, 150, 25}, {0.1f, 0.05f, 0.04f});
   for (int i = 0; i < 5; ++i) test::draw(image, {120.5 + 12 * i, 30.5, 2}, {0.1f, 0.05f, 0.04f});
   SegmentOptions options;
+  options.method = Method::Clusters;
   options.split.min_area = 20;
   const Segmentation s = segment::segment(image, options, {});
   ASSERT_EQ(s.profiles.profiles.size(), 2u);
