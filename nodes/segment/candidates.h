@@ -11,7 +11,7 @@ namespace terrazzo::segment {
 
 // A region of a section with its surroundings.
 struct Cutout {
-  cv::Rect box;  // with a margin of 6 pixels where the section goes on
+  cv::Rect box;  // includes a margin of 6 pixels, clipped to the section
   cv::Mat mask;  // bytes of the box: 1 within the region, 0 elsewhere
 
   std::vector<std::int32_t> pixels(int width) const;  // indices in a section of this width, ascending
