@@ -50,6 +50,14 @@ std::vector<std::int32_t> Cutout::pixels(int width) const {
   return out;
 }
 
+std::vector<cv::Rect> boxes_of_labels(const std::vector<std::int32_t>& labels, int width, int count) {
+  std::vector<cv::Rect> boxes(count);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    if (labels[i] > 0)
+      boxes[labels[i] - 1] |= cv::Rect(static_cast<int>(i % width), static_cast<int>(i / width), 1, 1);
+  return boxes;
+}
+
 Cutout cut_out_label(const std::vector<std::int32_t>& labels, int width, int height, std::int32_t label,
                      const cv::Rect& box) {
   Cutout r;
@@ -72,13 +80,11 @@ cv::Mat ScaleView::map(const std::vector<float>& values) const {
 
 std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) const {
   constexpr double kSame = 0.8;
-  std::vector<Candidate> out(*std::max_element(basins_.begin(), basins_.end()));
-  for (std::size_t i = 0; i < basins_.size(); ++i)
-    if (const auto id = basins_[i]; id > 0) {
-      const auto x = static_cast<int>(i % maps_.width), y = static_cast<int>(i / maps_.width);
-      out[id - 1].box |= cv::Rect(x, y, 1, 1), out[id - 1].basin = id;
-    }
-  std::erase_if(out, [](const Candidate& c) { return c.basin == 0; });
+  std::vector<Candidate> out;
+  std::int32_t basin = 0;
+  for (const cv::Rect& box :
+       boxes_of_labels(basins_, maps_.width, *std::max_element(basins_.begin(), basins_.end())))
+    if (++basin; !box.empty()) out.push_back({box, basin, {}, 0});
   cv::Mat labels, stats, centers, before;
   std::vector<int> areas, areas_before;
   for (const float level : levels()) {

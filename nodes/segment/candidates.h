@@ -51,6 +51,9 @@ class ScaleView {
   std::vector<std::int32_t> basins_;
 };
 
+// The box of each of the labels from 1 to `count`; empty if it has no pixels.
+std::vector<cv::Rect> boxes_of_labels(const std::vector<std::int32_t>& labels, int width, int count);
+
 // A region with a margin, from some of the labels of a section.
 Cutout cut_out_label(const std::vector<std::int32_t>& labels, int width, int height, std::int32_t label,
                      const cv::Rect& box);

@@ -110,11 +110,7 @@ NetworkView::Found NetworkView::choose(std::vector<Instance> instances, const Ne
 std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& labels, int count,
                                         const Work& work) const {
   const NetworkMaps& own = scales_.front().maps();
-  std::vector<cv::Rect> boxes(count);
-  for (int y = 0; y < own.height; ++y)
-    for (int x = 0; x < own.width; ++x)
-      if (const auto id = labels[static_cast<std::size_t>(y) * own.width + x]; id > 0)
-        boxes[id - 1] |= cv::Rect(x, y, 1, 1);
+  const std::vector<cv::Rect> boxes = boxes_of_labels(labels, own.width, count);
   std::vector<double> best(count, 0);
   work.parallel(count, 16, [&](std::size_t begin, std::size_t end) {
     for (const ScaleView& view : scales_) {
