@@ -1,14 +1,14 @@
 #include "graph/node_type.h"
-#include "nodes/anneal/figure.h"
-#include "nodes/anneal/packing.h"
-#include "nodes/anneal/statistics.h"
+#include "nodes/packing/figure.h"
+#include "nodes/packing/packing.h"
+#include "nodes/packing/statistics.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
 
 void compute(Context& c) {
-  using namespace anneal;
+  using namespace packing;
   const auto& distribution = c.input<SizeDistribution>("distribution");
   const auto& shapes = c.input<Shapes>("shapes");
   PackOptions o;

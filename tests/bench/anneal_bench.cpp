@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/anneal/packing.h"
+#include "nodes/packing/packing.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
@@ -31,11 +31,11 @@ void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iter
 
 void pack(benchmark::State& state, const Shapes& shapes, std::int64_t count, double fraction) {
   const auto d = equal_sizes(shapes, fraction);
-  anneal::PackOptions o;
+  packing::PackOptions o;
   o.population.count = count;
   o.population.most = 2'000'000;
   double worst = 0;
-  for (auto _ : state) worst = anneal::pack_particles(d, shapes, nullptr, o).max_penetration;
+  for (auto _ : state) worst = packing::pack_particles(d, shapes, nullptr, o).max_penetration;
   state.counters["penetration"] = worst;
   state.counters["per_particle"] =
       benchmark::Counter(static_cast<double>(count) * 1e-6,

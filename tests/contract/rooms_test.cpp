@@ -19,7 +19,7 @@ std::string content(const fs::path& file) {
   return out.str();
 }
 
-// Rooms by level. A file may include its own room and rooms of lower levels. Node folders have level 9.
+// Rooms by level. A file may include its own room and rooms of lower levels. Node folders have level 10.
 const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"common/geometry", 1},
                                            {"common/texture", 2},
@@ -35,7 +35,9 @@ const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"solids/reference_2011", 8},
                                            {"solids", 8},
                                            {"unfolding", 8},
-                                           {"segment/training", 10}};  // a program, not a node
+                                           {"packing", 8},
+                                           {"tessellation", 9},
+                                           {"segment/training", 11}};  // a program, not a node
 
 std::string room_of(const std::string& path) {  // relative to nodes/
   for (const auto depth : {2, 1}) {
@@ -51,7 +53,7 @@ std::string room_of(const std::string& path) {  // relative to nodes/
 
 int level_of(const std::string& room) {
   const auto it = kLevel.find(room);
-  return it == kLevel.end() ? 9 : it->second;
+  return it == kLevel.end() ? 10 : it->second;
 }
 
 TEST(Rooms, NoIncludePointsUpOrAcross) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/anneal/audit.h"
+#include "nodes/packing/audit.h"
 #include "tests/nodes/anneal/packing_support.h"
 
 namespace terrazzo {
@@ -82,7 +82,7 @@ TEST(Anneal, BinderGapKeepsDistance) {
       least = std::min(least, d.norm() - ball * (p.scale[i] + p.scale[j]));
     }
   EXPECT_GE(least, 0.1 - 1e-6);
-  EXPECT_EQ(anneal::audit(shapes, p, 0.1).worst, 0);
+  EXPECT_EQ(packing::audit(shapes, p, 0.1).worst, 0);
 }
 
 // Volume fractions that frictionless bodies reach when poured and shaken, but loose packings do not.
@@ -127,8 +127,8 @@ TEST(Anneal, PolyhedraKeepTheirDistanceByTheAudit) {
       pack(shapes, test::distribution(shapes, 1, 1.5, 0.3), {{"count", "120"}, {"binder_gap", "0.05"}});
   const auto& p = run.output<Particles>("particles");
   EXPECT_LE(run.metrics.at("max_penetration"), 1e-4);
-  EXPECT_LE(anneal::audit(shapes, p, 0.05).worst, 1e-4);
-  EXPECT_GT(anneal::audit(shapes, p, 0.5).worst, 0.01);
+  EXPECT_LE(packing::audit(shapes, p, 0.05).worst, 1e-4);
+  EXPECT_GT(packing::audit(shapes, p, 0.5).worst, 0.01);
 }
 
 }  // namespace

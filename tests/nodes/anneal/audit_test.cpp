@@ -1,17 +1,17 @@
 #include <gtest/gtest.h>
 
-#include "nodes/anneal/audit.h"
-#include "nodes/anneal/mesh_distance.h"
-#include "nodes/anneal/neighbors.h"
-#include "nodes/anneal/polytope_contact.h"
-#include "nodes/anneal/triangle_overlap.h"
+#include "nodes/packing/audit.h"
+#include "nodes/packing/mesh_distance.h"
+#include "nodes/packing/neighbors.h"
+#include "nodes/packing/polytope_contact.h"
+#include "nodes/packing/triangle_overlap.h"
 #include "runtime/random.h"
 #include "tests/nodes/anneal/brute_force.h"
 
 namespace terrazzo {
 namespace {
 
-using anneal::audit;
+using packing::audit;
 
 Particles two(const Vec3& box, const Vec3& a, const Vec3& b, double scale = 1) {
   Particles p;
@@ -87,15 +87,15 @@ TEST(AnnealAudit, AgreesWithBruteForce) {
 }
 
 TEST(AnnealAudit, TrianglePenetration) {
-  const anneal::Corners flat{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  const packing::Corners flat{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   const auto spike = [](double tip) {
-    return anneal::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)};
+    return packing::Corners{Vec3(.2, .2, tip), Vec3(.2, .3, 1), Vec3(.3, .2, 1)};
   };
-  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0.01)), -1);
-  EXPECT_EQ(anneal::triangle_penetration(flat, spike(0)), 0);
-  EXPECT_NEAR(anneal::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);
-  const anneal::Corners beside{Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)};
-  EXPECT_EQ(anneal::triangle_penetration(flat, beside), -1);
+  EXPECT_EQ(packing::triangle_penetration(flat, spike(0.01)), -1);
+  EXPECT_EQ(packing::triangle_penetration(flat, spike(0)), 0);
+  EXPECT_NEAR(packing::triangle_penetration(flat, spike(-0.01)), 0.01, 1e-12);
+  const packing::Corners beside{Vec3(2, 0, 0), Vec3(3, 0, 0), Vec3(2, 1, 0)};
+  EXPECT_EQ(packing::triangle_penetration(flat, beside), -1);
 }
 
 TEST(AnnealAudit, DistancesBelowTheGap) {
@@ -113,17 +113,17 @@ TEST(AnnealAudit, DistancesBelowTheGap) {
 // Compares the separating axis test with the exact one, for polyhedra of all orientations and depths.
 TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
   const auto shapes = test::shapes_of({test::cube(), test::tetrahedron()});
-  anneal::Polytope polytopes[2] = {anneal::make_polytope(shapes.shapes[0].mesh, 40),
-                                   anneal::make_polytope(shapes.shapes[1].mesh, 40)};
+  packing::Polytope polytopes[2] = {packing::make_polytope(shapes.shapes[0].mesh, 40),
+                                   packing::make_polytope(shapes.shapes[1].mesh, 40)};
   EXPECT_EQ(polytopes[0].faces.size(), 6u);
   EXPECT_EQ(polytopes[0].edges.size(), 12u);
   EXPECT_EQ(polytopes[1].edges.size(), 6u);
-  EXPECT_TRUE(anneal::make_polytope(test::angle(), 40).empty());
+  EXPECT_TRUE(packing::make_polytope(test::angle(), 40).empty());
   int overlapping = 0;
   for (int trial = 0; trial < 400; ++trial) {
     Random random(5, 0, trial);
     Particles p = two(Vec3(20, 20, 20), {10, 10, 10}, {10, 10, 10});
-    anneal::PlacedPolytope bodies[2];
+    packing::PlacedPolytope bodies[2];
     for (int k = 0; k < 2; ++k) {
       p.shape[k] = static_cast<int>(random.below(2));
       p.orientation[k] =
@@ -136,8 +136,8 @@ TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
         3 * random.uniform() * Vec3(random.normal(), random.normal(), random.normal()).normalized();
     p.position[1] += offset;
     Vec3f hint = Vec3f::Zero();
-    anneal::Manifold m;
-    anneal::find_manifold(bodies[0], bodies[1], offset.cast<float>(), 0, hint, m);
+    packing::Manifold m;
+    packing::find_manifold(bodies[0], bodies[1], offset.cast<float>(), 0, hint, m);
     if (std::abs(m.separation) < 1e-4) continue;
     const bool overlap = audit(shapes, p).worst > 0;
     EXPECT_EQ(m.separation < 0, overlap) << "trial " << trial;
@@ -153,7 +153,7 @@ TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
 
 TEST(AnnealAudit, SignedDistanceOfACube) {
   const Mesh mesh = test::cube();  // [0, 1]³
-  const anneal::MeshDistance distance(mesh);
+  const packing::MeshDistance distance(mesh);
   for (int trial = 0; trial < 500; ++trial) {
     Random random(1, 0, trial);
     const Vec3 p(random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2));
@@ -180,7 +180,7 @@ TEST(AnnealNeighbors, FindsAllPairsOfMixedSizes) {
           const Vec3 shift = Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cwiseProduct(box);
           expected += (position[j] + shift - position[i]).norm() < radius[i] + radius[j] + 0.05;
         }
-    EXPECT_EQ(static_cast<int>(anneal::near_pairs(box, position, radius, 0.05).size()), expected);
+    EXPECT_EQ(static_cast<int>(packing::near_pairs(box, position, radius, 0.05).size()), expected);
   }
 }
 

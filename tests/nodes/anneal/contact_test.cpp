@@ -1,4 +1,4 @@
-#include "nodes/anneal/contact.h"
+#include "nodes/packing/contact.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace terrazzo {
 namespace {
 
-using namespace anneal;
+using namespace packing;
 
 // A cylinder along x with 48 sides: no edge is sharp, and rows of vertices run along the straight sides.
 Mesh cylinder(double radius, double length) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "graph/diagnostic.h"
-#include "nodes/anneal/statistics.h"
+#include "nodes/packing/statistics.h"
 #include "runtime/codec.h"
 #include "tests/nodes/anneal/brute_force.h"
 #include "tests/support/run_node.h"
@@ -45,7 +45,7 @@ inline void expect_sound(const Shapes& shapes, const NodeRun& run, double fracti
   EXPECT_EQ(run.metrics.at("max_penetration"), 0);
   EXPECT_EQ(brute::overlaps(shapes, p), 0);
   EXPECT_NEAR(run.metrics.at("packing_fraction"), fraction, 0.01 * fraction);
-  EXPECT_NEAR(run.metrics.at("packing_fraction"), anneal::volume_fraction(shapes, p), 1e-12);
+  EXPECT_NEAR(run.metrics.at("packing_fraction"), packing::volume_fraction(shapes, p), 1e-12);
   for (std::size_t i = 0; i < p.count(); ++i) {
     for (int a = 0; a < 3; ++a) {
       EXPECT_GE(p.position[i][a], 0);

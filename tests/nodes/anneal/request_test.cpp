@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/anneal/limits.h"
-#include "nodes/anneal/population.h"
+#include "nodes/packing/limits.h"
+#include "nodes/packing/population.h"
 #include "tests/nodes/anneal/packing_support.h"
 
 namespace terrazzo {
@@ -131,25 +131,25 @@ TEST(Anneal, BadInput) {
 TEST(Anneal, AsManyAsAreAllowed) {
   const auto shapes = test::shapes_of({test::cube()});
   const auto d = test::distribution(shapes, 1, 2, 0.3);
-  anneal::PopulationOptions o;
+  packing::PopulationOptions o;
   for (std::int64_t most = 100; most < 140; ++most) {
     o.count = o.most = most;
-    EXPECT_NEAR(static_cast<double>(anneal::populate(d, shapes, nullptr, o).particles.count()),
+    EXPECT_NEAR(static_cast<double>(packing::populate(d, shapes, nullptr, o).particles.count()),
                 static_cast<double>(most), 2);
     o.most = most - 1;
-    EXPECT_THROW(anneal::populate(d, shapes, nullptr, o), Error);
+    EXPECT_THROW(packing::populate(d, shapes, nullptr, o), Error);
   }
 }
 
 TEST(Anneal, MoreThanTheMemoryHoldsIsRefusedBeforeTheWork) {
   const auto shapes = test::shapes_of({test::cube()});
-  anneal::PopulationOptions o;
+  packing::PopulationOptions o;
   o.count = 1000;
-  const auto population = anneal::populate(test::distribution(shapes, 1, 1.2, 0.3), shapes, nullptr, o);
-  const auto needed = static_cast<std::uint64_t>(anneal::memory_needed(population, shapes));
-  EXPECT_EQ(error_of([&] { anneal::refuse_what_cannot_be(population, shapes, 0, 2 * needed); }), "no error");
+  const auto population = packing::populate(test::distribution(shapes, 1, 1.2, 0.3), shapes, nullptr, o);
+  const auto needed = static_cast<std::uint64_t>(packing::memory_needed(population, shapes));
+  EXPECT_EQ(error_of([&] { packing::refuse_what_cannot_be(population, shapes, 0, 2 * needed); }), "no error");
   EXPECT_TRUE(error_of([&] {
-                anneal::refuse_what_cannot_be(population, shapes, 0, needed);
+                packing::refuse_what_cannot_be(population, shapes, 0, needed);
               }).starts_with("not-enough-memory"));
 }
 

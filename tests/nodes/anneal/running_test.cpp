@@ -6,8 +6,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "nodes/anneal/packing.h"
-#include "nodes/anneal/spatial_order.h"
+#include "nodes/packing/packing.h"
+#include "nodes/packing/spatial_order.h"
 #include "runtime/random.h"
 #include "tests/nodes/anneal/packing_support.h"
 
@@ -20,9 +20,9 @@ using test::pack;
 TEST(Anneal, StopsWhenCancelled) {
   const auto shapes = test::shapes_of({test::ellipsoid(2)});
   const std::atomic<bool> cancel{true};
-  anneal::PackOptions options;
+  packing::PackOptions options;
   options.population.count = 300;
-  EXPECT_THROW(anneal::pack_particles(test::distribution(shapes, 1, 2, 0.5), shapes, nullptr, options,
+  EXPECT_THROW(packing::pack_particles(test::distribution(shapes, 1, 2, 0.5), shapes, nullptr, options,
                                       Work(&cancel, nullptr)),
                Cancelled);
 }
@@ -32,7 +32,7 @@ TEST(Anneal, StopsWhenCancelled) {
 TEST(Anneal, StopsWithinOneReport) {
   const auto shapes = test::shapes_of({test::peanut(2), test::cube()});
   const auto d = test::distribution(shapes, 1, 2, 0.5);
-  anneal::PackOptions options;
+  packing::PackOptions options;
   options.population.count = 200;
   const auto run = [&](int stop) {
     std::atomic<bool> cancel{false};
@@ -41,7 +41,7 @@ TEST(Anneal, StopsWithinOneReport) {
       if (++reports == stop) cancel = true;
     };
     const auto pack_them = [&] {
-      anneal::pack_particles(d, shapes, nullptr, options, Work(&cancel, &report));
+      packing::pack_particles(d, shapes, nullptr, options, Work(&cancel, &report));
     };
     if (stop > 0)
       EXPECT_THROW(pack_them(), Cancelled) << "at report " << stop;
@@ -78,12 +78,12 @@ TEST(Anneal, SpatialOrderKeepsNeighborsTogether) {
     Random r(1, 0, i);
     points.push_back(Vec3(2 * r.uniform(), 3 * r.uniform(), r.uniform()));
   }
-  const auto order = anneal::spatial_order(Vec3(2, 3, 1), points);
+  const auto order = packing::spatial_order(Vec3(2, 3, 1), points);
   auto sorted = order;
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 0; i < sorted.size(); ++i) ASSERT_EQ(sorted[i], static_cast<std::int32_t>(i));
   auto moved = points;
-  anneal::reorder(moved, order);
+  packing::reorder(moved, order);
   EXPECT_EQ(moved[7], points[static_cast<std::size_t>(order[7])]);
   double step = 0, before = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {

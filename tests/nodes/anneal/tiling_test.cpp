@@ -85,7 +85,7 @@ TEST(Anneal, SectionsAreAlikeAlongTheAxes) {
   EXPECT_GT(run.metrics.at("section_isotropy"), 0.97);
   Particles aligned = run.output<Particles>("particles");
   for (auto& q : aligned.orientation) q = Quat::Identity();
-  const Vec3 cut = anneal::sections_per_area(shapes, aligned);
+  const Vec3 cut = packing::sections_per_area(shapes, aligned);
   EXPECT_NEAR(cut[0] / cut[2], 1.25 / 0.8, 1e-6);
 }
 

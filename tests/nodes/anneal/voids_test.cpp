@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/anneal/statistics.h"
+#include "nodes/packing/statistics.h"
 #include "nodes/colorize/colorize.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/volume.h"

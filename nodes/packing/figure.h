@@ -1,0 +1,13 @@
+// Figure of a packing's statistics.
+#pragma once
+
+#include "nodes/data/image.h"
+#include "nodes/data/linear.h"
+#include "nodes/data/table.h"
+
+namespace terrazzo::packing {
+
+// Plots size_table, pair_correlation and sections_per_area (statistics.h) side by side.
+Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area);
+
+}  // namespace terrazzo::packing

@@ -1,0 +1,41 @@
+// From a distribution and shapes to particles without overlap: population, placement, annealing, audit.
+#pragma once
+
+#include "nodes/packing/population.h"
+#include "runtime/work.h"
+
+namespace terrazzo::packing {
+
+enum class OnJam { Fail, Shrink, Drop };
+
+struct PackOptions {
+  PopulationOptions population;
+  OnJam on_jam = OnJam::Fail;
+  int iterations = 6000;
+};
+
+struct PackResult {
+  Particles particles;
+  std::vector<int> size_class;   // of each particle
+  std::vector<double> expected;  // number of particles requested in each class
+  double requested_fraction = 0;
+  double max_penetration = 0;  // from the audit, relative to the smaller particle's size
+  double coordination = 0;     // mean number of neighbors within 1 % of the smaller particle's size
+  double shrink = 1;           // all particles were scaled by this factor
+  std::size_t kept = 0;        // number of particles kept from `start`
+  std::size_t dropped = 0;
+  double dropped_volume = 0;  // mm³
+  int iterations = 0;
+  std::vector<std::string> notes;  // warnings for the user
+};
+
+// Deepest penetration that the audit accepts, relative to the smaller particle's size.
+inline constexpr double kTolerance = 1e-4;
+
+// Throws the errors of populate() and refuse_what_cannot_be(). Throws Error "jammed" with the volume
+// fraction reached if the particles cannot be packed and on_jam is Fail, "overlap" if the audit finds
+// overlaps that cannot be removed.
+PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                          const PackOptions& options, const Work& work = {});
+
+}  // namespace terrazzo::packing

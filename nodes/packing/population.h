@@ -1,0 +1,47 @@
+// Determines the particles of a box: counts, shapes and sizes from a distribution of number densities.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nodes/data/particles.h"
+#include "nodes/data/shapes.h"
+#include "nodes/data/size_distribution.h"
+#include "runtime/work.h"
+
+namespace terrazzo::packing {
+
+struct PopulationOptions {
+  std::vector<double> edges;  // mm, one to three as in node.cpp; empty: a cube for about `count` particles
+  std::int64_t count = 2000;
+  std::int64_t most = 1'000'000;     // largest number of particles
+  bool keep_volume_fraction = true;  // if densities and volume fraction contradict, keep the volume fraction
+  double binder_gap = 0;             // mm
+  bool all_void = false;
+  std::vector<std::int64_t> void_classes;  // classes whose particles are voids
+  std::uint64_t seed = 1;
+};
+
+struct Population {
+  // Scale and size of all particles; positions only of the kept ones. Kept particles are first, then the
+  // others by decreasing size.
+  Particles particles;
+  std::size_t kept = 0;            // number of particles from `start`
+  std::vector<int> size_class;     // of each particle
+  double requested_fraction = 0;   // Σ N_V·V
+  double fraction = 0;             // volume fraction of the particles
+  std::vector<double> expected;    // number of particles of each size class in this box, not rounded
+  std::vector<std::string> notes;  // warnings for the user
+};
+
+// Counts come from rounding the running sum from the largest class down, with the offset that best
+// matches the volume fraction. Sizes are stratified within their class and shifted within it until
+// the fraction matches. Shapes of entries with shape −1 are drawn in proportion to their
+// probabilities. Particles of `start` (may be null) are kept if their class has room. Throws Error
+// "no-shapes", "bad-shape", "bad-distribution", "bad-size", "no-particles", "box-too-small",
+// "too-many-particles", "impossible-density", "open-mesh", "no-such-class".
+Population populate(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                    const PopulationOptions& options, const Work& work = {});
+
+}  // namespace terrazzo::packing
