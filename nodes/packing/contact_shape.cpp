@@ -5,8 +5,8 @@
 #include <map>
 #include <numbers>
 
-#include "nodes/packing/aabb_tree.h"
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/packing/aabb_tree.h"
 
 namespace terrazzo::packing {
 namespace {

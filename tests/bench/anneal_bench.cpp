@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/packing/packing.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/packing/packing.h"
 #include "nodes/shape/rock.h"
 #include "nodes/shape/solids.h"
 #include "nodes/shape/stones.h"

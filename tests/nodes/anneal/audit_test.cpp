@@ -114,7 +114,7 @@ TEST(AnnealAudit, DistancesBelowTheGap) {
 TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
   const auto shapes = test::shapes_of({test::cube(), test::tetrahedron()});
   packing::Polytope polytopes[2] = {packing::make_polytope(shapes.shapes[0].mesh, 40),
-                                   packing::make_polytope(shapes.shapes[1].mesh, 40)};
+                                    packing::make_polytope(shapes.shapes[1].mesh, 40)};
   EXPECT_EQ(polytopes[0].faces.size(), 6u);
   EXPECT_EQ(polytopes[0].edges.size(), 12u);
   EXPECT_EQ(polytopes[1].edges.size(), 6u);

@@ -23,7 +23,7 @@ TEST(Anneal, StopsWhenCancelled) {
   packing::PackOptions options;
   options.population.count = 300;
   EXPECT_THROW(packing::pack_particles(test::distribution(shapes, 1, 2, 0.5), shapes, nullptr, options,
-                                      Work(&cancel, nullptr)),
+                                       Work(&cancel, nullptr)),
                Cancelled);
 }
 

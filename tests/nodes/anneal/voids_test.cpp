@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/packing/statistics.h"
 #include "nodes/colorize/colorize.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/gltf.h"
+#include "nodes/packing/statistics.h"
 #include "nodes/voxelize/voxelize.h"
 #include "tests/nodes/anneal/brute_force.h"
 #include "tests/support/code_of.h"
