@@ -1,6 +1,7 @@
 #include "graph/node_type.h"
 #include "nodes/packing/figure.h"
 #include "nodes/packing/packing.h"
+#include "nodes/packing/request.h"
 #include "nodes/packing/statistics.h"
 #include "runtime/context.h"
 
@@ -12,11 +13,8 @@ void compute(Context& c) {
   const auto& distribution = c.input<SizeDistribution>("distribution");
   const auto& shapes = c.input<Shapes>("shapes");
   PackOptions o;
-  if (c.keyword("size") != "auto") o.population.edges = c.numbers("size");
-  o.population.count = c.integer("count");
-  o.population.keep_volume_fraction = c.text("conserve") == "volume_fraction";
+  o.population = read_population(c);
   o.population.binder_gap = c.number("binder_gap");
-  o.population.seed = c.seed();
   o.population.all_void = c.keyword("voids") == "all";
   if (c.keyword("voids").empty()) o.population.void_classes = c.ints("voids");
   o.iterations = static_cast<int>(c.integer("iterations"));
@@ -55,8 +53,8 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  return NodeType("Anneal", 7)
-      .doc_(
+  NodeType type("Anneal", 7);
+  type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "
           "independent, exact audit of the triangles verifies the result.")
@@ -68,19 +66,9 @@ NodeType anneal_node() {
       .output("particles", "Particles", "The packing in the box [0, size)")
       .output("sizes", "Table", "Requested and achieved number of particles per size class")
       .output("correlation", "Table", "Pair correlation of the particle centers")
-      .output("figure", "Image", "Plots of sizes, pair correlation, and sections per area along x, y and z")
-      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto")
-                     .unit_("mm")
-                     .above(0)
-                     .count(1, 3)
-                     .doc_("Edge length of the box: one value for a cube, two for x = y and z, or three for "
-                           "x, y and z. auto: a cube for about `count` particles, at least three times the "
-                           "largest particle unless that would need ten times as many."))
-      .parameter(Parameter::integer("count", 2000)
-                     .range(1, 1000000)
-                     .doc_("Number of particles for which an automatic box is sized"))
-      .parameter(Parameter::seed().doc_("Random seed of positions, orientations and sizes"))
-      .parameter(
+      .output("figure", "Image", "Plots of sizes, pair correlation, and sections per area along x, y and z");
+  packing::declare_population(type);
+  type.parameter(
           Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
               .doc_("What to do if the particles cannot be packed. fail: report an error. shrink: shrink all "
                     "particles by one factor until they fit. drop: remove as few particles as necessary."))
@@ -93,15 +81,12 @@ NodeType anneal_node() {
                      .range(0, 1e6)
                      .doc_("Classes of the distribution whose particles are holes, as in foams, sponges and "
                            "aerated concrete. Voids are packed like other particles."))
-      .parameter(Parameter::choice("conserve", "volume_fraction", {"volume_fraction", "number_density"})
-                     .doc_("Quantity to keep if the shapes' volumes contradict the distribution's volume "
-                           "fraction. volume_fraction: scale all number densities to keep the volume "
-                           "fraction. number_density: keep the number densities."))
       .parameter(Parameter::integer("iterations", 6000)
                      .range(1, 1000000)
                      .doc_("Number of steps after which the particles are considered jammed. More steps "
                            "reach denser packings."))
       .compute_(compute);
+  return type;
 }
 
 }  // namespace terrazzo

@@ -245,7 +245,16 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
       density *= factor;
     }
   }
-  if (!(out.requested_fraction < 1))
+  if (o.fills_space && out.requested_fraction > 1) {
+    out.notes.push_back(
+        fmt::format("the number densities imply a volume fraction of {:.3f}; they were scaled to "
+                    "fill the box",
+                    out.requested_fraction));
+    for (auto& c : cells) c.density /= out.requested_fraction;
+    density /= out.requested_fraction;
+    out.requested_fraction = 1;
+  }
+  if (!(out.requested_fraction < 1) && !o.fills_space)
     throw Error("impossible-density",
                 fmt::format("the particles would fill {:.3f} of the box; it must be less than 1",
                             out.requested_fraction),

@@ -18,6 +18,7 @@ struct PopulationOptions {
   std::int64_t most = 1'000'000;     // largest number of particles
   bool keep_volume_fraction = true;  // if densities and volume fraction contradict, keep the volume fraction
   double binder_gap = 0;             // mm
+  bool fills_space = false;          // the particles may fill the whole box; larger volume fractions become 1
   bool all_void = false;
   std::vector<std::int64_t> void_classes;  // classes whose particles are voids
   std::uint64_t seed = 1;

@@ -46,7 +46,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType voxelize_node() {
-  return NodeType("Voxelize", 4)
+  return NodeType("Voxelize", 5)
       .doc_(
           "Converts particles, binder and fine detail to tileable OpenVDB grids: density, surface, Cd and "
           "id.")

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/voxelize/closest.h"
+
 namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
@@ -12,7 +14,55 @@ Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1
   if (has_voids) holes.assign(n, 0);
 }
 
-void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, const MeshSdf& sdf,
+namespace {
+
+// Unsigned distances in voxels from the cells of the box to the mesh, clamped to the band. `to_mesh` turns
+// cell coordinates relative to `center` into those of the mesh, whose unit is `unit` voxels.
+void exact_distances(const Mesh& mesh, const CellBox& box, const Mat3& to_mesh, const Vec3& center,
+                     double unit, std::vector<float>& distance) {
+  constexpr int kEdge = 4;
+  const ClosestTriangle closest(mesh);
+  const double band = kBand / unit, reach = 0.5 * std::sqrt(3.0) * (kEdge - 1) / unit;
+  const auto in_mesh = [&](const Vec3& cell) {
+    return Vec3(to_mesh * (box.lo.cast<double>() + cell - center));
+  };
+  for (int z = 0; z < box.size.z(); z += kEdge)
+    for (int y = 0; y < box.size.y(); y += kEdge)
+      for (int x = 0; x < box.size.x(); x += kEdge) {
+        // One query at a block's center detects whether all its cells are far from the surface.
+        const Vec3i lo(x, y, z), hi = (lo.array() + kEdge).min(box.size.array());
+        const Vec3 middle = in_mesh(lo.cast<double>() + Vec3::Constant(0.5 * (kEdge - 1)));
+        const double limit = band + reach, to_middle = std::sqrt(closest.distance2(middle, limit * limit));
+        for (int k = lo.z(); k < hi.z(); ++k)
+          for (int j = lo.y(); j < hi.y(); ++j)
+            for (int i = lo.x(); i < hi.x(); ++i) {
+              double d = band;
+              if (to_middle < limit) {
+                const Vec3 p = in_mesh(Vec3(i, j, k));
+                const double bound = std::min(band, to_middle + (p - middle).norm() * (1 + 1e-12));
+                d = std::sqrt(closest.distance2(p, bound * bound));
+              }
+              distance[box.index(box.lo.x() + i, box.lo.y() + j, box.lo.z() + k)] =
+                  static_cast<float>(d * unit);
+            }
+      }
+}
+
+void sampled_distances(const MeshSdf& sdf, const CellBox& box, const Mat3& to_mesh, const Vec3& center,
+                       double unit, std::vector<float>& distance) {
+  const float to_voxels = static_cast<float>(unit), band = static_cast<float>(kBand);
+  std::size_t at = 0;
+  for (int k = 0; k < box.size.z(); ++k)
+    for (int j = 0; j < box.size.y(); ++j) {
+      Vec3 q = to_mesh * ((box.lo + Vec3i(0, j, k)).cast<double>() - center);
+      for (int i = 0; i < box.size.x(); ++i, ++at, q += to_mesh.col(0))
+        distance[at] = std::min(std::abs(sdf.at(q)) * to_voxels, band);
+    }
+}
+
+}  // namespace
+
+void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, const MeshSdf* sdf,
                 double voxel) {
   const std::size_t p = static_cast<std::size_t>(stamp.particle);
   const double scale = particles.scale[p];
@@ -32,18 +82,14 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
   scan_mesh(vertices, shape.mesh.triangles, stamp.box, lines, stamp.scan);
 
   const Mat3 to_mesh = turn.transpose() * (voxel / scale);
-  const float unit = static_cast<float>(scale / voxel), band = static_cast<float>(kBand);
   stamp.distance.resize(stamp.box.count());
-  std::size_t at = 0;
-  for (int k = 0; k < stamp.box.size.z(); ++k)
-    for (int j = 0; j < stamp.box.size.y(); ++j) {
-      Vec3 q = to_mesh * ((stamp.box.lo + Vec3i(0, j, k)).cast<double>() - center);
-      for (int i = 0; i < stamp.box.size.x(); ++i, ++at, q += to_mesh.col(0)) {
-        // The scan's sign is exact; the sign of an interpolated distance is unreliable very near the surface.
-        const float d = std::min(std::abs(sdf.at(q)) * unit, band);
-        stamp.distance[at] = stamp.scan.inside[at] ? -d : d;
-      }
-    }
+  if (sdf)
+    sampled_distances(*sdf, stamp.box, to_mesh, center, scale / voxel, stamp.distance);
+  else
+    exact_distances(shape.mesh, stamp.box, to_mesh, center, scale / voxel, stamp.distance);
+  // The scan's sign is exact; the sign of an interpolated distance is unreliable very near the surface.
+  for (std::size_t at = 0; at < stamp.distance.size(); ++at)
+    if (stamp.scan.inside[at]) stamp.distance[at] = -stamp.distance[at];
 }
 
 void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& particles, const Work& work) {

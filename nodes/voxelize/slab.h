@@ -37,8 +37,9 @@ struct Stamp {
   std::vector<float> distance;
 };
 
-// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh.
-void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf& sdf, double voxel);
+// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh; without one (null), distances
+// are computed from the triangles.
+void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf* sdf, double voxel);
 
 // Adds the stamps in order, independent of the number of threads.
 void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);

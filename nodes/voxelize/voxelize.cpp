@@ -50,7 +50,8 @@ void check(const Particles& particles, const Shapes& shapes) {
 }
 
 // Distance lattices by shape and octave of size. The spacing is at most half a voxel for particles up to 32
-// voxels long and at most one voxel up to 256; longer ones use 256 cells.
+// voxels long and at most one voxel up to 256; longer ones use 256 cells. A lattice that few particles would
+// share takes longer to make than their distances.
 class Sdfs {
  public:
   Sdfs(const Particles& particles, const Shapes& shapes, double voxel, const Work& work) {
@@ -70,6 +71,10 @@ class Sdfs {
       // The level set's band plus a margin for interpolation, limited for particles smaller than a voxel.
       band = std::max(band, std::min((kBand + 0.1) * cells / voxels + 1.8, 8.0 * kBand));
     }
+    constexpr int kFew = 4;
+    std::map<Key, int> uses;
+    for (const Key& key : key_) ++uses[key];
+    std::erase_if(band_, [&](const auto& entry) { return uses[entry.first] <= kFew; });
     double done = 0;
     for (const auto& [key, band] : band_) {
       const double next = done + 1.0 / static_cast<double>(band_.size());
@@ -77,7 +82,11 @@ class Sdfs {
       done = next;
     }
   }
-  const MeshSdf& of(std::size_t particle) const { return sdfs_.at(key_[particle]); }
+  // Null if the particle's distances are to be computed from its mesh.
+  const MeshSdf* of(std::size_t particle) const {
+    const auto it = sdfs_.find(key_[particle]);
+    return it == sdfs_.end() ? nullptr : &it->second;
+  }
 
  private:
   using Key = std::pair<std::int32_t, int>;

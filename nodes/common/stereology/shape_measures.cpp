@@ -91,6 +91,18 @@ double max_section_area(const Mesh& mesh, const Work& work) {
   return best;
 }
 
+double quick_max_section_area(const Mesh& mesh) {
+  if (mesh.vertices.empty() || mesh.triangles.empty()) return 0;
+  const std::size_t directions = mesh.triangles.size() > 500 ? 16 : 80;  // many triangles are rounder
+  DepthSweep sweep(mesh);
+  Candidate best{Vec3::UnitZ(), 0};
+  for (std::size_t i = 0; i < directions; ++i) {
+    const Vec3 u = half_sphere_direction(i, directions);
+    if (const double area = largest(sweep, u); area > best.area) best = {u, area};
+  }
+  return climb(sweep, best, 0.25, 0.04, {}).area;
+}
+
 Shape measure_shape(std::string name, Mesh mesh, double probability, const Work& work) {
   if (const auto faults = mesh_faults(mesh); !faults.empty()) {
     std::string text;

@@ -9,6 +9,8 @@ namespace terrazzo {
 // Area of the largest section over all planes in mm²: a search over quasi-random directions with exact depth,
 // then local ascent.
 double max_section_area(const Mesh&, const Work& = {});
+// The same from few directions, for thousands of meshes: at most TODO % too small for convex polyhedra.
+double quick_max_section_area(const Mesh&);
 
 // Moves the centroid to the origin and computes volume, surface area, mean caliper diameter and largest
 // section.

@@ -1,0 +1,263 @@
+#include "nodes/tessellation/fill_space.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <numeric>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/stereology/shape_measures.h"
+#include "nodes/packing/placement.h"
+#include "nodes/packing/schedule.h"
+#include "nodes/tessellation/grow.h"
+#include "nodes/tessellation/section_fit.h"
+#include "runtime/random.h"
+
+namespace terrazzo::tessellation {
+namespace {
+
+constexpr std::uint64_t kAxes = 0x61786573;
+constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
+constexpr double kFilm = 0.35;          // largest share of the binder that is film between particles
+constexpr int kShownSections = 30000;   // of all particles together
+
+Quat random_rotation(Random& r) {  // uniform (Shoemake 1992)
+  const double u = r.uniform(), a = 2 * std::numbers::pi * r.uniform(),
+               b = 2 * std::numbers::pi * r.uniform();
+  return Quat(std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a),
+              std::sqrt(u) * std::sin(b));
+}
+
+// A crystal whose z axis is within a normal distribution of tilts about the box's z axis.
+Quat fiber_rotation(Random& r, double spread) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const double tilt = spread * kDegree * std::sqrt(-2 * std::log(1 - r.uniform())),
+               towards = 2 * std::numbers::pi * r.uniform(), spin = 2 * std::numbers::pi * r.uniform();
+  const Vec3 axis(std::cos(towards), std::sin(towards), 0);
+  return Quat(Eigen::AngleAxisd(tilt, axis) * Eigen::AngleAxisd(spin, Vec3::UnitZ()));
+}
+
+class Filler {
+ public:
+  Filler(const SizeDistribution& distribution, const Shapes& shapes, const FillOptions& options)
+      : shapes_(shapes), options_(options), distribution_(distribution) {
+    options_.population.fills_space = true;
+  }
+  FillResult run(const Work& work);
+
+ private:
+  const Shapes& shapes_;
+  FillOptions options_;
+  SizeDistribution distribution_;
+  packing::Population population_;
+  FillResult result_;
+  bool thinned_ = false;  // whether the gap had to be smaller
+
+  void populate(const Work& work);
+  void fill(const Work& work);
+  void fill_by_laguerre(const Work& work);
+  void fill_by_growth(const Work& work);
+  double growth_gap();
+  void pack_cores(double factor, const Work& work);
+  void add(std::vector<Mesh>& meshes, const Work& work);
+  Eigen::MatrixXd shown(const Work& work) const;
+};
+
+void Filler::populate(const Work& work) {
+  population_ = packing::populate(distribution_, shapes_, nullptr, options_.population, work);
+  const Particles& p = population_.particles;
+  result_.wanted.clear();
+  for (std::size_t i = 0; i < p.count(); ++i)
+    result_.wanted.push_back(shapes_.shapes[p.shape[i]].volume * std::pow(p.scale[i], 3));
+  // Counts are whole numbers, so the sum may be slightly off.
+  const double sum = std::accumulate(result_.wanted.begin(), result_.wanted.end(), 0.0);
+  for (double& v : result_.wanted) v *= population_.requested_fraction * p.box.prod() / sum;
+}
+
+// Makes particle shapes of meshes in the coordinates of the box (Laguerre) or about the positions (growth).
+void Filler::add(std::vector<Mesh>& meshes, const Work& work) {
+  const Particles& from = population_.particles;
+  Particles& p = result_.particles = from;
+  const bool placed = options_.method == Method::Laguerre;
+  result_.shapes.shapes.assign(meshes.size(), {});
+  work.parallel(meshes.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Mesh mesh = std::move(meshes[i]);
+      if (const auto faults = mesh_faults(mesh); !faults.empty())
+        throw Error("open-mesh", fmt::format("the surface of grain {} is not closed: {}", i, faults.front()),
+                    "change `seed`");
+      if (placed) p.orientation[i] = Quat::Identity();
+      Random random(options_.population.seed, kAxes, i);
+      if (options_.axes == CrystalAxes::Uniform) p.orientation[i] = random_rotation(random);
+      if (options_.axes == CrystalAxes::Fiber) p.orientation[i] = fiber_rotation(random, options_.spread);
+      const Vec3 centroid = mesh_centroid(mesh);
+      p.position[i] = placed ? centroid : Vec3(from.position[i] + centroid);
+      for (int a = 0; a < 3; ++a) {
+        p.position[i][a] -= std::floor(p.position[i][a] / p.box[a]) * p.box[a];
+        if (!(p.position[i][a] < p.box[a])) p.position[i][a] = 0;
+      }
+      const Mat3 back = p.orientation[i].toRotationMatrix().transpose();
+      transform(mesh, back, -back * centroid);
+      Shape& s = result_.shapes.shapes[i];
+      s.name = fmt::format("grain {}", i + 1);
+      s.probability = 1.0 / static_cast<double>(meshes.size());
+      s.volume = mesh_volume(mesh), s.surface_area = mesh_surface_area(mesh);
+      s.mean_caliper = mesh_mean_caliper(mesh), s.max_section_area = quick_max_section_area(mesh);
+      s.smooth = !placed && shapes_.shapes[from.shape[i]].smooth;
+      s.mesh = std::move(mesh);
+      p.shape[i] = static_cast<std::int32_t>(i), p.scale[i] = 1, p.size[i] = s.size();
+    }
+  });
+}
+
+void Filler::fill_by_laguerre(const Work& work) {
+  Grains grains =
+      laguerre_grains(population_.particles.box, result_.wanted, options_.grains, work.part(0, 0.8));
+  result_.gap = grains.gap, result_.faces = grains.faces;
+  add(grains.meshes, work.part(0.8, 1));
+}
+
+// Packs the particles at `factor` of their size; overlaps that remain are cut by growth.
+void Filler::pack_cores(double factor, const Work& work) {
+  Particles& p = population_.particles;
+  std::vector<packing::ContactShape> contact(shapes_.shapes.size());
+  std::vector<bool> used(contact.size(), false);
+  for (std::int32_t s : p.shape)
+    if (!used[s])
+      used[s] = true, contact[s] = packing::make_contact_shape(shapes_.shapes[s].mesh, work.quiet());
+  packing::Packing packed;
+  packed.box = p.box, packed.shape = p.shape;
+  packed.position = p.position, packed.orientation = p.orientation;
+  std::vector<double> radius;
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    packed.scale.push_back(factor * p.scale[i]), packed.size.push_back(factor * p.size[i]);
+    radius.push_back(std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[p.shape[i]].volume) *
+                     packed.scale[i]);
+  }
+  packing::place_at_random(packed, 0, radius, options_.population.seed, work.quiet());
+  packing::AnnealOptions anneal;
+  anneal.seed = options_.population.seed;
+  anneal.iterations = options_.iterations;
+  anneal.enough = 0.9;
+  packing::pack(contact, packed, anneal, work);
+  p.position = packed.position, p.orientation = packed.orientation;
+  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] = packed.scale[i] * packed.shrink;
+  result_.packed_fraction = population_.requested_fraction * std::pow(factor * packed.shrink, 3);
+}
+
+// The gap of growth. Films as thick as that which all the binder would make leave no room to grow.
+double Filler::growth_gap() {
+  const double wanted = options_.grains.gap.value_or(0);
+  const Particles& p = population_.particles;
+  double surface = 0;  // at full size
+  const double factor = std::pow(population_.requested_fraction / result_.packed_fraction, 2.0 / 3);
+  for (std::size_t i = 0; i < p.count(); ++i)
+    surface += factor * shapes_.shapes[p.shape[i]].surface_area * p.scale[i] * p.scale[i];
+  const double most = kFilm * 2 * (1 - population_.requested_fraction) * p.box.prod() / surface;
+  if (wanted > most && !thinned_) {
+    thinned_ = true;
+    result_.notes.push_back(fmt::format(
+        "the gap of {:.3g} mm would need more binder than there is; {:.3g} mm is used", wanted, most));
+  }
+  return std::min(wanted, most);
+}
+
+void Filler::fill_by_growth(const Work& work) {
+  const double factor = std::min(1.0, std::cbrt(options_.start_fraction / population_.requested_fraction));
+  auto T0 = std::chrono::steady_clock::now();
+  auto lap = [&](const char* w) {
+    fprintf(stderr, "  %s %.2f\n", w,
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - T0).count());
+  };
+  pack_cores(factor, work.part(0, 0.4));
+  lap("packed");
+  GrowOptions grow_options;
+  grow_options.gap = result_.gap = growth_gap();
+  grow_options.gap_variation = options_.grains.gap_variation;
+  grow_options.seed = options_.population.seed;
+  Grown grown = grow(shapes_, population_.particles, result_.wanted, grow_options, work.part(0.4, 0.9));
+  result_.flat = grown.flat;
+  lap("grown");
+  {
+    size_t t = 0;
+    for (auto& m : grown.meshes) t += m.triangles.size();
+    fprintf(stderr, "  tri %zu\n", t / grown.meshes.size());
+  }
+  add(grown.meshes, work.part(0.9, 1));
+  lap("measured");
+}
+
+void Filler::fill(const Work& work) {
+  auto T0 = std::chrono::steady_clock::now();
+  struct TT {
+    decltype(T0) t;
+    ~TT() {
+      fprintf(stderr, "fill total %.2f\n",
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count());
+    }
+  } tt{T0};
+  if (options_.method == Method::Laguerre)
+    fill_by_laguerre(work);
+  else
+    fill_by_growth(work);
+  result_.size_class = population_.size_class;
+  double sum = 0, wanted = 0;
+  for (std::size_t i = 0; i < result_.wanted.size(); ++i)
+    sum += result_.shapes.shapes[i].volume, wanted += result_.wanted[i];
+  result_.fraction = sum / result_.particles.box.prod();
+  result_.worst = 0;
+  for (std::size_t i = 0; i < result_.wanted.size(); ++i)
+    result_.worst = std::max(
+        result_.worst, std::abs(result_.shapes.shapes[i].volume / result_.wanted[i] * wanted / sum - 1));
+}
+
+Eigen::MatrixXd Filler::shown(const Work& work) const {
+  const int each = std::max(4, kShownSections / static_cast<int>(result_.particles.count()));
+  return profile_densities(result_.shapes, result_.particles, result_.size_class, distribution_.class_edges,
+                           each, options_.population.seed, work);
+}
+
+FillResult Filler::run(const Work& work) {
+  populate(work);
+  result_.notes = population_.notes;
+  result_.requested_fraction = population_.requested_fraction;
+  result_.expected = population_.expected;
+  const Particles first = population_.particles;
+  const std::vector<int> first_class = population_.size_class;
+  const double stages = options_.corrections + 1;
+  fill(work.part(0, 0.9 / stages));
+
+  const int each = std::max(40, kWantedSections / static_cast<int>(shapes_.shapes.size()));
+  const Eigen::VectorXd wanted = profile_densities(shapes_, first, first_class, distribution_.class_edges,
+                                                   each, options_.population.seed, work.quiet())
+                                     .colwise()
+                                     .sum();
+  Eigen::MatrixXd now = shown(work.quiet());
+  result_.misfit_before = misfit(wanted, now.colwise().sum());
+  // Less than half of what one section would show by chance needs no correction.
+  const Vec3& edges = result_.particles.box;
+  result_.misfit_by_chance = sampling_misfit(wanted, wanted.sum() * std::pow(edges.prod(), 2.0 / 3));
+  result_.misfit_after = result_.misfit_before;
+  for (int k = 0; k < options_.corrections && result_.misfit_after > 0.5 * result_.misfit_by_chance; ++k) {
+    correct(distribution_, wanted, now);
+    populate(work);
+    fill(work.part((0.9 + k) / stages, (1.9 + k) / stages));
+    now = shown(work.quiet());
+    result_.misfit_after = misfit(wanted, now.colwise().sum());
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+FillResult fill_space(const SizeDistribution& distribution, const Shapes& shapes, const FillOptions& options,
+                      const Work& work) {
+  return Filler(distribution, shapes, options).run(work);
+}
+
+}  // namespace terrazzo::tessellation

@@ -1,0 +1,51 @@
+// From a distribution and shapes to particles that fill space, by a Laguerre tessellation or by growth.
+#pragma once
+
+#include "nodes/data/image.h"
+#include "nodes/data/table.h"
+#include "nodes/packing/population.h"
+#include "nodes/tessellation/laguerre.h"
+
+namespace terrazzo::tessellation {
+
+enum class Method { Laguerre, Grow };
+enum class CrystalAxes { None, Uniform, Fiber };
+
+struct FillOptions {
+  Method method = Method::Laguerre;
+  packing::PopulationOptions population;  // binder_gap is that of growth
+  LaguerreOptions grains;
+  double start_fraction = 0.6;  // largest volume fraction at which growth begins
+  int iterations = 600;         // of packing before growth
+  int corrections = 2;          // see section_fit.h
+  CrystalAxes axes = CrystalAxes::None;
+  double spread = 10;  // of a fiber's axes about z, degrees
+};
+
+struct FillResult {
+  Particles particles;  // shape i belongs to particle i, at scale 1
+  Shapes shapes;
+  std::vector<int> size_class;
+  std::vector<double> wanted;    // volume of each particle, mm³
+  std::vector<double> expected;  // particles of each size class
+  double requested_fraction = 0, fraction = 0;
+  double worst = 0;            // largest relative error of a volume
+  double gap = 0;              // mean thickness of the binder between grains, mm (Laguerre)
+  double faces = 0;            // mean number of faces (Laguerre)
+  double flat = 0;             // share of the surface that is flat contact (growth)
+  double packed_fraction = 0;  // where growth began
+  // Misfit of profile sizes between the sections of the result and those that the distribution stands for: at
+  // first, after corrections, and what one section of the box would have by chance.
+  double misfit_before = 0, misfit_after = 0, misfit_by_chance = 0;
+  std::vector<std::string> notes;
+};
+
+// Throws the errors of populate(), laguerre_grains() and pack_particles().
+FillResult fill_space(const SizeDistribution& distribution, const Shapes& shapes, const FillOptions& options,
+                      const Work& work = {});
+
+// One row per particle: class, wanted and actual volume, size, surface, mean caliper diameter, sphericity.
+Table particle_table(const Shapes& shapes, const Particles& particles, const std::vector<double>& wanted);
+Image fill_figure(const SizeDistribution& distribution, const FillResult& result);
+
+}  // namespace terrazzo::tessellation

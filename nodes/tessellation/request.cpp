@@ -1,0 +1,111 @@
+#include "nodes/tessellation/request.h"
+
+#include <fmt/format.h>
+
+#include "graph/diagnostic.h"
+#include "nodes/packing/request.h"
+#include "nodes/tessellation/joints.h"
+
+namespace terrazzo::tessellation {
+
+NodeType& declare_fill(NodeType& type) {
+  return type
+      .parameter(
+          Parameter::optional_number("gap", "auto")
+              .unit_("mm")
+              .range(0, 1e6)
+              .doc_("Thickness of the binder between neighbors. auto: laguerre chooses it to meet the "
+                    "volume fraction; grow takes the median that the input `profiles` shows, or 0 without "
+                    "that input."))
+      .parameter(
+          Parameter::optional_number("gap_variation", "auto")
+              .range(0, 1)
+              .doc_("How much the gap varies from face to face, relative to its mean. auto: as much as "
+                    "the input `profiles` shows, or 0 without that input."))
+      .parameter(Parameter::number("roundness", 0)
+                     .range(0, 1)
+                     .doc_("laguerre: how round the edges of grains are. 0 is sharp."))
+      .parameter(Parameter::number("roughness", 0)
+                     .range(0, 0.1)
+                     .doc_("laguerre: root mean square displacement of faces, in mean grain diameters. Both "
+                           "sides of a face share it, so that neighbors fit each other."))
+      .parameter(
+          Parameter::integer("rounds", 5)
+              .range(0, 1000)
+              .doc_("laguerre: how often each seed moves to the centroid of its cell. More rounds make "
+                    "rounder grains."))
+      .parameter(Parameter::numbers("stretch", {1})
+                     .range(0.05, 20)
+                     .count(1, 3)
+                     .doc_("laguerre: proportions of grains along x, y and z, as in rolled metal. One value: "
+                           "equiaxed grains."))
+      .parameter(
+          Parameter::integer("corrections", 2)
+              .range(0, 50)
+              .doc_("How often the sizes are corrected after comparing sections of the result with the "
+                    "profiles that the distribution stands for"))
+      .parameter(Parameter::choice("crystal_axes", "none", {"none", "uniform", "fiber"})
+                     .doc_("Orientation of each grain's crystal, stored as the particle's orientation. none: "
+                           "that of packing, if any. uniform: random. fiber: crystal z near the box's z."))
+      .parameter(Parameter::number("fiber_spread", 10)
+                     .range(0, 90)
+                     .unit_("degrees")
+                     .doc_("Standard deviation of the tilt of a fiber's axes"));
+}
+
+void check_fill(const NodeParameters& p) {
+  if (p.numbers("stretch").size() == 2)
+    throw Error("bad-stretch", "stretch has two values", "give one value or three: x, y and z")
+        .parameter("stretch");
+}
+
+FillOptions read_fill(const Context& c, Method method) {
+  FillOptions o;
+  o.method = method;
+  o.population = packing::read_population(c);
+  o.grains.gap = c.optional_number("gap");
+  Joints joints;
+  if (const auto* profiles = c.optional<Profiles>("profiles"))
+    joints = measure_joints(*profiles, c.work().quiet());
+  if (method == Method::Grow && !o.grains.gap) o.grains.gap = joints.thickness;
+  o.grains.gap_variation = c.optional_number("gap_variation").value_or(joints.variation);
+  o.grains.roundness = c.number("roundness");
+  o.grains.roughness = c.number("roughness");
+  o.grains.rounds = static_cast<int>(c.integer("rounds"));
+  if (const auto s = c.numbers("stretch"); s.size() == 3) o.grains.stretch = Vec3(s[0], s[1], s[2]);
+  o.grains.seed = c.seed();
+  o.corrections = static_cast<int>(c.integer("corrections"));
+  o.axes = c.choice<CrystalAxes>("crystal_axes");
+  o.spread = c.number("fiber_spread");
+  return o;
+}
+
+void output_fill(Context& c, const SizeDistribution& distribution, FillResult r) {
+  for (const auto& note : r.notes) c.warn(note);
+  if (r.fraction < 0.995 * r.requested_fraction)
+    c.warn(fmt::format("the particles fill {:.3f} of the box; {:.3f} was requested", r.fraction,
+                       r.requested_fraction));
+  if (r.worst > 0.05)
+    c.warn(fmt::format("the volume of one particle is off by {:.0f} %: its neighbors leave it no room",
+                       100 * r.worst));
+  c.metric("particles", static_cast<double>(r.particles.count()));
+  c.metric("packing_fraction", r.fraction);
+  c.metric("requested_fraction", r.requested_fraction);
+  c.metric("worst_volume_error", r.worst);
+  c.metric("box_x", r.particles.box[0]);
+  c.metric("box_y", r.particles.box[1]);
+  c.metric("box_z", r.particles.box[2]);
+  c.metric("gap", r.gap);
+  c.metric("faces", r.faces);
+  c.metric("flat_contact", r.flat);
+  c.metric("core_fraction", r.packed_fraction);
+  c.metric("section_misfit_before", r.misfit_before);
+  c.metric("section_misfit", r.misfit_after);
+  c.metric("section_misfit_by_chance", r.misfit_by_chance);
+  c.output("table", particle_table(r.shapes, r.particles, r.wanted));
+  c.output("figure", fill_figure(distribution, r));
+  c.output("particles", std::move(r.particles));
+  c.output("shapes", std::move(r.shapes));
+}
+
+}  // namespace terrazzo::tessellation
