@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kAxes = 0x61786573;
 constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
-constexpr double kFilm = 0.35;          // largest share of the binder that is film between particles
+constexpr double kFilm = 0.45;           // largest share of the binder that is film between particles
 constexpr int kShownSections = 30000;   // of all particles together
 
 Quat random_rotation(Random& r) {  // uniform (Shoemake 1992)

@@ -21,7 +21,7 @@ constexpr std::uint64_t kJointWidths = 0x6a6f696e7473;
 constexpr double kReach = 1.8;    // neighbors are those whose bounding spheres meet when enlarged by this
 constexpr double kLargest = 4;    // largest factor of growth
 constexpr int kRounds = 60;       // of moving the planes
-constexpr double kEnough = 2e-3;  // relative shortfall of a volume that needs no more rounds
+constexpr double kEnough = 0.01;  // relative shortfall of a volume that needs no more rounds
 constexpr double kMove = 0.25;    // how far, relative to the difference of the factors of growth
 constexpr double kInside =
     0.02;  // smallest distance of a plane from a center, relative to the particle's radius

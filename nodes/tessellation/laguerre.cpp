@@ -72,7 +72,8 @@ void Laguerre::make_cells(const Work& work) {
 
 double Laguerre::gap_of(std::size_t i, const Plane& plane, double gap) const {
   if (options_.gap_variation == 0 || plane.neighbor < 0) return gap;
-  const auto [low, high] = std::minmax<std::uint64_t>(i, static_cast<std::uint64_t>(plane.neighbor));
+  const auto j = static_cast<std::size_t>(plane.neighbor);
+  const std::uint64_t low = std::min(i, j), high = std::max(i, j);
   return gap * (1 + options_.gap_variation * Random(mix64(options_.seed) ^ low, kGaps, high).uniform(-1, 1));
 }
 
@@ -157,7 +158,7 @@ Grains Laguerre::run() {
       const double taken = std::cbrt(cell_volume[i]) - std::cbrt(out.volume[i]);
       cell_volume[i] = std::pow(std::cbrt(factor * wanted_[i]) + taken, 3);
     }
-    if (lost > 0 && round == kEnlargements)
+    if (lost == n || (lost > 0 && round == kEnlargements))
       throw Error(
           "gap-too-wide",
           fmt::format("{} of {} grains are thinner than the gap of {:.4g} mm", lost, n, out.gap),
