@@ -10,9 +10,9 @@
 namespace terrazzo::packing {
 namespace {
 
-constexpr std::size_t kTriangles = 2500, kSamples = 20000;
+constexpr std::size_t kTriangles = 2500, kSamples = 4000;
 
-// Largest distance of `mesh`'s vertices and triangle centers from another surface; stops beyond `enough`.
+// Largest distance of some thousand of `mesh`'s triangles from another surface; stops beyond `enough`.
 double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
   double worst = 0;
   const std::size_t stride = 1 + mesh.triangles.size() / kSamples;
@@ -20,7 +20,7 @@ double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
     const auto& tri = mesh.triangles[t];
     const Vec3 &a = mesh.vertices[tri[0]], &b = mesh.vertices[tri[1]], &c = mesh.vertices[tri[2]];
     for (const Vec3& p : {a, b, c, Vec3((a + b + c) / 3)})
-      worst = std::max(worst, std::abs(from.signed_distance(p)));
+      worst = std::max(worst, std::abs(from.signed_distance(p, 2 * enough)));
   }
   return worst;
 }
