@@ -60,7 +60,8 @@ constexpr double kNear = 0.05, kHopeless = 0.15;
 // Share of the reached volume fraction that jams no more. Dropping is stricter, because every particle must
 // keep its size.
 constexpr double kBelow = 0.975, kBelowDrop = 0.96;
-constexpr int kDrops = 8;  // largest number of times that particles are dropped
+constexpr double kEasy = 0.15, kRaise = 1.04;  // share of the steps; growth of the particles
+constexpr int kDrops = 8;                      // largest number of times that particles are dropped
 
 void reorder_all(Particles& p, const std::vector<std::int32_t>& order) {
   reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
@@ -100,6 +101,8 @@ class Packer {
   void prepare();
   void estimate();
   void fit_to(double fraction);
+  void scale_all(double factor);
+  void raise(const Work& work);
   void leave_out(double volume);
   void remove(const std::vector<bool>& keep);
   void place();
@@ -188,9 +191,32 @@ void Packer::fit_to(double fraction) {
     leave_out((population_.fraction - fraction) * p.box.prod());
     return;
   }
-  goal_ = std::cbrt(fraction / population_.fraction);
-  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] *= goal_, p.size[i] *= goal_;
-  population_.fraction = fraction;
+  scale_all(std::cbrt(fraction / population_.fraction));
+}
+
+void Packer::scale_all(double factor) {
+  Particles& p = population_.particles;
+  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] *= factor, p.size[i] *= factor;
+  population_.fraction *= std::pow(factor, 3);
+  goal_ *= factor;
+}
+
+// If the packing took few steps, the estimate was too low: aims higher, and keeps what was reached if that
+// jams.
+void Packer::raise(const Work& work) {
+  while (goal_ < 1 && state_.free && audit_.worst == 0 && packing_.shrink == 1 &&
+         budget_.used < kEasy * options_.iterations) {
+    const Packing before = packing_;
+    const Population population = population_;
+    const AuditResult audited = audit_;
+    const double goal = goal_, factor = std::min(kRaise, 1 / goal_);
+    scale_all(factor);
+    packing_.scale = population_.particles.scale, packing_.size = population_.particles.size;
+    anneal_and_audit(1 / factor, 0.5 * options_.iterations, work);
+    if (packing_.shrink * factor > 1 && audit_.worst == 0) continue;
+    packing_ = before, population_ = population, audit_ = audited, goal_ = goal;
+    return;
+  }
 }
 
 // Leaves out particles of about this volume, evenly over all sizes; those of `start` only if there are no
@@ -339,6 +365,7 @@ PackResult Packer::run() {
   const double begin = reachable_.fraction > 0 ? 0.15 : 0.05;
   anneal_and_audit(resumed ? 1.0 : 0.6, options_.iterations, work_.part(begin, 0.95));
 
+  if (options_.on_jam == OnJam::Shrink) raise(work_.part(0.95, 1));
   const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
   if (packing_.shrink < 1 && options_.on_jam == OnJam::Fail) {
     throw Error("jammed",
