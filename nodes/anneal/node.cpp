@@ -32,6 +32,8 @@ void compute(Context& c) {
   c.metric("box_y", r.particles.box[1]);
   c.metric("box_z", r.particles.box[2]);
   c.metric("iterations", r.iterations);
+  c.metric("steps", r.steps);
+  if (r.reachable > 0) c.metric("reachable_fraction", r.reachable);
   c.metric("shrink", r.shrink);
   c.metric("dropped", static_cast<double>(r.dropped));
   c.metric("kept", static_cast<double>(r.kept));
@@ -53,7 +55,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  NodeType type("Anneal", 7);
+  NodeType type("Anneal", 8);
   type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "
@@ -71,7 +73,9 @@ NodeType anneal_node() {
   type.parameter(
           Parameter::choice("on_jam", "fail", {"fail", "shrink", "drop"})
               .doc_("What to do if the particles cannot be packed. fail: report an error. shrink: shrink all "
-                    "particles by one factor until they fit. drop: remove as few particles as necessary."))
+                    "particles by one factor until they fit. drop: leave out particles of all sizes until "
+                    "the others fit. A trial of a sample estimates beforehand how dense they can be; shrink "
+                    "and drop then pack slightly less."))
       .parameter(Parameter::number("binder_gap", 0)
                      .unit_("mm")
                      .range(0, 1e6)
@@ -84,7 +88,8 @@ NodeType anneal_node() {
       .parameter(Parameter::integer("iterations", 6000)
                      .range(1, 1000000)
                      .doc_("Number of steps after which the particles are considered jammed. More steps "
-                           "reach denser packings."))
+                           "reach denser packings. A step is an iteration of all particles, or of some if "
+                           "their shapes need many contact tests."))
       .compute_(compute);
   return type;
 }

@@ -3,9 +3,9 @@
 #include "graph/node_type.h"
 #include "graph/utf8.h"
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/reduce.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/load_mesh/read_mesh.h"
-#include "nodes/load_mesh/reduce.h"
 #include "nodes/load_mesh/repair.h"
 #include "runtime/context.h"
 

@@ -8,7 +8,8 @@ namespace terrazzo::pack {
 namespace {
 
 constexpr double kNoBinder = 0.97;  // volume fraction
-constexpr double kHopeless = 0.66;  // volume fraction from which packing is not tried
+constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
+constexpr double kNear = 0.02;      // how far above the estimate it is tried
 constexpr int kIterations = 1500;
 
 }  // namespace
@@ -28,10 +29,11 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
         fraction);
     return choice;
   }
-  if (fraction < kHopeless) try {
+  if (fraction < kDense) try {
       packing::PackOptions pack;
       pack.population = options;
       pack.iterations = kIterations;
+      pack.hopeless = kNear;
       choice.packed = packing::pack_particles(distribution, shapes, nullptr, pack, work);
       choice.method = Method::Anneal;
       choice.reason = fmt::format("rigid particles reach the volume fraction of {:.3f}", fraction);

@@ -33,6 +33,10 @@ namespace {
 
 using Solid = Auditor::Solid;
 
+// Work of the calling thread, in samples of a distance field; the factors are measured times.
+thread_local std::size_t tests = 0;
+constexpr std::size_t kBoxes = 2, kTriangles = 20, kDistance = 60;
+
 // b's frame relative to a's, both unscaled: p ↦ linear p + offset.
 struct Map {
   Mat3 linear;
@@ -74,12 +78,14 @@ double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
     const auto [i, j] = stack.back();
     stack.pop_back();
     const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
+    tests += kBoxes;
     if (!boxes_meet(m.box, n.box, b_to_a, magnitude)) continue;
     if (m.right == 0 && n.right == 0) {
       for (int y = n.first; y < n.first + n.count; ++y) {
         Corners cb = corners(*b.mesh, b.tree.triangles[y]);
         for (auto& p : cb) p = b_to_a(p);
         for (int x = m.first; x < m.first + m.count; ++x) {
+          tests += kTriangles;
           deepest = std::max(deepest, triangle_penetration(corners(*a.mesh, a.tree.triangles[x]), cb));
         }
       }
@@ -104,11 +110,13 @@ double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound
     const auto [i, j] = stack.back();
     stack.pop_back();
     const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
+    tests += kBoxes;
     if (box_distance(m.box, n.box) >= bound) continue;
     if (m.right == 0 && n.right == 0) {
       for (int y = n.first; y < n.first + n.count; ++y) {
         Corners cb = corners(*b.mesh, b.tree.triangles[y]);
         for (auto& p : cb) p = b_to_a(p);
+        tests += kTriangles * static_cast<std::size_t>(m.count);
         for (int x = m.first; x < m.first + m.count; ++x)
           bound = std::min(bound, triangle_distance(corners(*a.mesh, a.tree.triangles[x]), cb));
       }
@@ -127,6 +135,7 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
   const double scale = own_to_other.linear.col(0).norm();
   const auto probe = [&](const Vec3& v) {
     const Vec3 p = own_to_other(v);
+    tests += kDistance;
     if (box.squared_distance(p) == 0) deepest = std::max(deepest, -other.distance.signed_distance(p));
   };
   std::vector<int> stack{0};
@@ -137,6 +146,7 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
     const double radius = 0.5 * (node.box.high - node.box.low).norm() * scale;
     const Vec3 center = own_to_other(node.box.center());
     if (box.squared_distance(center) > radius * radius) continue;
+    tests += kDistance;
     if (radius - other.distance.signed_distance(center) <= deepest) continue;
     if (node.right != 0) {
       stack.insert(stack.end(), {node.right, k + 1});
@@ -153,6 +163,7 @@ double deepest_point(const Solid& own, const Solid& other, const Map& own_to_oth
 
 double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, const Solid& b, double scale_b,
                      const Mat3& rotation_b, const Vec3& offset, double gap) {
+  tests += static_cast<std::size_t>(a.points.rows() + b.points.rows()) / 8;
   // Most neighbors are separated by a plane perpendicular to the line between their centers.
   if (const double distance = offset.norm(); distance > 0) {
     const Vec3 n = offset / distance;
@@ -240,11 +251,28 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
   for (std::size_t i = 0; i < n; ++i) reach[i] = radius[i] + 0.5 * gap;
   const Cells cells(particles.box, particles.position, reach);
 
+  // Pairs of which neither particle has moved since the last audit still have the depth found then.
+  const bool again = last_.count() == n && last_.box == particles.box && last_gap_ == gap;
+  std::vector<std::uint8_t> moved(n, 1);
+  for (std::size_t i = 0; again && i < n; ++i)
+    moved[i] = last_.shape[i] != particles.shape[i] || last_.scale[i] != particles.scale[i] ||
+               last_.position[i] != particles.position[i] ||
+               last_.orientation[i].coeffs() != particles.orientation[i].coeffs();
+  const auto known_depth = [&](std::int32_t i, std::int32_t j) {
+    const auto at =
+        std::lower_bound(last_found_.begin(), last_found_.end(), std::pair(i, j),
+                         [](const Penetration& p, const std::pair<std::int32_t, std::int32_t>& key) {
+                           return std::pair(p.a, p.b) < key;
+                         });
+    return at != last_found_.end() && at->a == i && at->b == j ? at->depth : 0.0;
+  };
+
   constexpr std::size_t kGrain = 32;
   std::vector<std::vector<Penetration>> parts((n + kGrain - 1) / kGrain);
-  std::vector<std::size_t> tested(parts.size(), 0);
+  std::vector<std::size_t> tested(parts.size(), 0), work_done(parts.size(), 0);
   work.parallel(n, kGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<std::int32_t> near;
+    tests = 0;
     for (std::size_t s = begin; s < end; ++s) {
       work.check();
       const auto i = static_cast<std::int32_t>(s);
@@ -256,7 +284,8 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
       std::sort(near.begin(), near.end());
       near.erase(std::unique(near.begin(), near.end()), near.end());
       for (std::int32_t j : near) {
-        double depth = 0;
+        const bool known = !moved[i] && !moved[j];
+        double depth = known ? known_depth(i, j) : 0;
         // Centers are inside the box and bounding spheres fit into it, so only the 27
         // nearest images can meet.
         for (int z = -1; z <= 1; ++z)
@@ -267,6 +296,7 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
                   particles.position[j] - particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box);
               if (offset.norm() >= reach[i] + reach[j]) continue;
               ++tested[begin / kGrain];
+              if (known) continue;
               depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i],
                                                     rotation[i], *solids[particles.shape[j]],
                                                     particles.scale[j], rotation[j], offset, gap));
@@ -276,11 +306,14 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
               {i, j, depth, depth / std::min(particles.size[i], particles.size[j])});
       }
     }
+    work_done[begin / kGrain] = tests;
   });
   for (std::size_t k = 0; k < parts.size(); ++k) {
     result.found.insert(result.found.end(), parts[k].begin(), parts[k].end());
     result.pairs += tested[k];
+    result.tests += work_done[k] / 6;
   }
+  last_ = particles, last_gap_ = gap, last_found_ = result.found;
   for (const auto& p : result.found) result.worst = std::max(result.worst, p.relative);
   return result;
 }

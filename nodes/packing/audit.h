@@ -21,13 +21,15 @@ struct AuditResult {
   std::vector<Penetration> found;  // ordered by a, then b
   double worst = 0;                // largest `relative`
   std::size_t pairs = 0;           // number of neighbors tested
+  std::size_t tests = 0;           // work done, in about the unit of the contact search (Budget)
 };
 
 // Tests every pair of particles whose bounding spheres meet, in all periodic images: triangles against
 // triangles through one BVH per shape, then containment of one in the other. The depth of a pair is the
 // larger of two exact measures: the depth of a vertex or triangle center of one inside the other, and the
 // shortest translation that separates two intersecting triangles. Bodies closer than `gap` (mm) count as
-// penetrating by the difference.
+// penetrating by the difference. Between calls it remembers the pairs, and does not test again those of which
+// neither particle has moved.
 class Auditor {
  public:
   struct Solid;                            // a shape's BVH
@@ -38,6 +40,9 @@ class Auditor {
  private:
   const Shapes& shapes_;
   std::vector<std::unique_ptr<Solid>> solids_;  // of the shapes used so far
+  Particles last_;                              // as of the last call
+  double last_gap_ = 0;
+  std::vector<Penetration> last_found_;
 };
 
 // A single audit.

@@ -18,6 +18,7 @@ struct Probe {
   };
   std::vector<Point>& points;
   float weight = 0, gap = 1e30f;
+  int tests = 0;  // samples of the field
 };
 
 struct Frame {  // maps the elements' frame to that of the field
@@ -48,6 +49,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   frame.direction(e.half, h);
   const float length = e.half_length * frame.scale;
   const float middle = field.value(c);
+  ++probe.tests;
   if (middle - length > threshold) {
     probe.gap = std::min(probe.gap, middle - length);
     return middle - length;
@@ -57,6 +59,7 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
     Vec3f p, n;
   };
   const auto sample = [&](float at) {
+    ++probe.tests;
     End end;
     end.at = at;
     for (int a = 0; a < 3; ++a) end.p[a] = c[a] + at * h[a];
@@ -115,6 +118,7 @@ float probe_element(Probe& probe, const Frame& frame, const DistanceField& field
   float c[3], g[3];
   frame.point(e.center, c);
   const float v = field.value(c, g);
+  ++probe.tests;
   if (v >= threshold) {
     probe.gap = std::min(probe.gap, v);
     return v;
@@ -134,6 +138,7 @@ void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, con
   const auto far = static_cast<float>(other.bounding_radius);
   if (c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > far * far) return;
   const float v = field.value(c, g);
+  ++probe.tests;
   if (v >= 0) return;
   Vec3f n(g[0], g[1], g[2]);
   const float norm = n.norm();
@@ -153,6 +158,7 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
     const auto& node = nodes[k];
     float c[3];
     frame.point(node.center, c);
+    ++probe.tests;
     const float clearance = field.value(c) - node.radius * frame.scale;
     if (clearance > keep) {
       probe.gap = std::min(probe.gap, clearance);
@@ -187,7 +193,7 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   } else {
     const Probe found = probe_tree(tree, frame, other.shape->field, threshold, threshold + slack * inverse,
                                    candidates, points);
-    probe.weight = found.weight, probe.gap = found.gap;
+    probe.weight = found.weight, probe.gap = found.gap, probe.tests = found.tests;
   }
   if (probe.weight > 0)
     for (const Ball& ball : own.shape->core) probe_ball(probe, frame, *other.shape, ball);
@@ -221,6 +227,7 @@ Contact contact_of_polytopes(const Body& a, const Body& b, const Vec3f& offset, 
     const ContactPoint& q = manifold.points[k];
     if (q.depth > 0) contact.add(-manifold.normal, q.p, q.p - offset, q.depth, q.depth);
   }
+  contact.tests = manifold.tests;
   if (contact.depth == 0) contact.gap = std::max(manifold.separation - margin, 0.f);
   return finished(contact);
 }
@@ -277,10 +284,12 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
   const float gap_a = of_a.gap * b.scale - margin;
   if (!known && of_a.weight == 0 && gap_a > 0.5f * a.scale * static_cast<float>(a.shape->gyration)) {
     candidates.known = false;
+    contact.tests = of_a.tests;
     contact.gap = gap_a;  // so far apart that the other direction cannot find a contact either
     return contact;
   }
   const Probe of_b = probe_body(b, a, -offset, margin, detail, slack, known, candidates.of_b, points_b);
+  contact.tests = of_a.tests + of_b.tests + static_cast<int>(points_a.size() + points_b.size());
   if (of_a.weight == 0 && of_b.weight == 0) {
     contact.gap = std::max(std::min(gap_a, of_b.gap * a.scale - margin), 0.f);
     return contact;

@@ -29,6 +29,7 @@ struct Contact {
   float weight = 0;  // sum of weights while points are added
   float depth = 0;   // deepest penetration of the margin, mm; 0 if there is none
   float gap = 0;     // if depth is 0, a lower bound of the distance beyond the margin, mm
+  int tests = 0;     // work done: samples of a distance field, or as much arithmetic
   // n points from b to a, the direction in which a must move. Arms start at each body's center. `push` is the
   // required motion, `depth` how far the point is inside the margin.
   void add(const Vec3f& n, const Vec3f& arm_a, const Vec3f& arm_b, float depth, float push);

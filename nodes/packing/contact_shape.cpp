@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/packing/aabb_tree.h"
+#include "nodes/packing/simplify.h"
 
 namespace terrazzo::packing {
 namespace {
@@ -19,7 +20,8 @@ constexpr int kLeaf = 4;
 // Radius of a packed sphere, as a fraction of the way from the sphere of the mesh's volume to its corners:
 // less would need many tries to rotate the corners away.
 constexpr double kCorners = 0.15;
-constexpr std::size_t kFaces = 40;  // largest number of faces of a polyhedron tested by separating axes
+constexpr double kSimplify = 0.005;  // largest deviation of the mesh for contact, in sizes
+constexpr std::size_t kFaces = 40;   // largest number of faces of a polyhedron tested by separating axes
 
 Element point_element(const Vec3& p) {
   Element e;
@@ -212,9 +214,15 @@ double field_error(const Mesh& mesh, const DistanceField& field) {
 
 }  // namespace
 
-ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
+ContactShape make_contact_shape(const Mesh& original, const Work& work) {
   ContactShape s;
-  for (const auto& v : mesh.vertices) s.bounding_radius = std::max(s.bounding_radius, v.norm());
+  const bool round = is_sphere(original) || !make_polytope(original, kFaces).empty();
+  const Simplified simple =
+      round ? Simplified{original}
+            : simplified(original, kSimplify * 2 * std::cbrt(0.75 / std::numbers::pi * mesh_volume(original)),
+                         work);
+  const Mesh& mesh = simple.mesh;
+  for (const auto& v : original.vertices) s.bounding_radius = std::max(s.bounding_radius, v.norm());
   const double r = s.bounding_radius;
   s.gyration = 0.6 * r;
   s.field = DistanceField::of(mesh, kCells, work);
@@ -260,7 +268,7 @@ ContactShape make_contact_shape(const Mesh& mesh, const Work& work) {
   s.error = 1e-6 * r;
   // A sphere that encloses its mesh needs no allowance.
   if (s.field.kind() == DistanceField::Kind::Grid)
-    s.error += kAllowance * (field_error(mesh, s.field) + 0.5 * choice.missed);
+    s.error += kAllowance * (field_error(mesh, s.field) + 0.5 * choice.missed + simple.deviation);
   return s;
 }
 

@@ -32,8 +32,7 @@ double memory_needed(const Population& population, const Shapes& shapes) {
   return bytes;
 }
 
-void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
-                           std::uint64_t available) {
+void refuse_impossible_density(const Population& population, const Shapes& shapes, double binder_gap) {
   const Particles& p = population.particles;
   const auto inner = inner_radii(shapes, p.shape);
   std::vector<double> radius(p.count());
@@ -53,11 +52,15 @@ void refuse_what_cannot_be(const Population& population, const Shapes& shapes, d
                             binder_gap > 0 ? fmt::format(" with a binder gap of {} mm", binder_gap) : "",
                             worst, densest),
                 "lower the volume fraction or binder_gap");
+}
+
+void refuse_what_memory_cannot_hold(const Population& population, const Shapes& shapes,
+                                    std::uint64_t available) {
   const double needed = memory_needed(population, shapes);
   if (needed > 0.9 * static_cast<double>(available))
     throw Error("not-enough-memory",
                 fmt::format("packing {} particles needs about {:.1f} GB of memory; {:.1f} GB are free",
-                            p.count(), needed / 1e9, static_cast<double>(available) / 1e9),
+                            population.particles.count(), needed / 1e9, static_cast<double>(available) / 1e9),
                 "make the box smaller, or leave out the smallest classes")
         .parameter("size");
 }

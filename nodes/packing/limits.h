@@ -10,9 +10,11 @@ namespace terrazzo::packing {
 double memory_needed(const Population& population, const Shapes& shapes);
 
 // Throws Error "impossible-density" if the inscribed balls of the particles, reduced to one size, would be
-// denser than balls of one size can be (π/√18, Hales 2005), and "not-enough-memory" if more than 90 % of
-// `available` bytes are needed.
-void refuse_what_cannot_be(const Population& population, const Shapes& shapes, double binder_gap,
-                           std::uint64_t available = available_memory());
+// denser than balls of one size can be (π/√18, Hales 2005).
+void refuse_impossible_density(const Population& population, const Shapes& shapes, double binder_gap);
+
+// Throws Error "not-enough-memory" if more than 90 % of `available` bytes are needed.
+void refuse_what_memory_cannot_hold(const Population& population, const Shapes& shapes,
+                                    std::uint64_t available = available_memory());
 
 }  // namespace terrazzo::packing

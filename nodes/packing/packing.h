@@ -11,7 +11,9 @@ enum class OnJam { Fail, Shrink, Drop };
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
-  int iterations = 6000;
+  int iterations = 6000;  // steps until the particles are considered jammed; see Budget
+  // How far above the estimate a volume fraction is refused at once if on_jam is Fail.
+  double hopeless = 0.15;
 };
 
 struct PackResult {
@@ -20,21 +22,25 @@ struct PackResult {
   std::vector<double> expected;  // number of particles requested in each class
   double requested_fraction = 0;
   double max_penetration = 0;  // from the audit, relative to the smaller particle's size
+  double reachable = 0;        // volume fraction that the estimate expected to reach; 0 without an estimate
   double coordination = 0;     // mean number of neighbors within 1 % of the smaller particle's size
   double shrink = 1;           // all particles were scaled by this factor
   std::size_t kept = 0;        // number of particles kept from `start`
   std::size_t dropped = 0;
-  double dropped_volume = 0;  // mm³
-  int iterations = 0;
+  double dropped_volume = 0;       // mm³
+  int iterations = 0;              // of all bodies
+  double steps = 0;                // work done without the trial; see Budget
   std::vector<std::string> notes;  // warnings for the user
 };
 
 // Deepest penetration that the audit accepts, relative to the smaller particle's size.
 inline constexpr double kTolerance = 1e-4;
 
-// Throws the errors of populate() and refuse_what_cannot_be(). Throws Error "jammed" with the volume
-// fraction reached if the particles cannot be packed and on_jam is Fail, "overlap" if the audit finds
-// overlaps that cannot be removed.
+// Estimates first how dense the particles can be. If more is requested and on_jam is Shrink or Drop, slightly
+// less than the estimate is packed. The work is bounded for any shapes and densities. Throws the errors of
+// populate() and limits.h. Throws Error "jammed" with the volume fraction reached if the
+// particles cannot be packed and on_jam is Fail, "overlap" if the audit finds overlaps that cannot be
+// removed.
 PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                           const PackOptions& options, const Work& work = {});
 

@@ -172,6 +172,7 @@ void find_manifold(const PlacedPolytope& a, const PlacedPolytope& b, const Vec3f
                    Vec3f& hint, Manifold& out) {
   const Polytope &pa = *a.polytope, &pb = *b.polytope;
   out.count = 0;
+  out.tests = static_cast<int>(pa.vertices.size() + pb.vertices.size()) / 16;
   if (!hint.isZero(0)) {
     const float s = separation_along(hint, a, b, offset);
     if (s > margin) {
@@ -179,6 +180,9 @@ void find_manifold(const PlacedPolytope& a, const PlacedPolytope& b, const Vec3f
       return;
     }
   }
+  out.tests += static_cast<int>(pa.faces.size() * pb.vertices.size() + pb.faces.size() * pa.vertices.size() +
+                                pa.edges.size() * pb.edges.size()) /
+               8;
   const Frames frames(a, b, offset);
   const Best best = best_axis(pa, pb, frames, margin / a.scale);
   out.separation = best.separation * a.scale;

@@ -16,6 +16,7 @@ struct Manifold {
   // Largest over all axes; < 0 if the bodies overlap, otherwise a lower bound of the distance.
   float separation = 0;
   int count = 0;
+  int tests = 0;  // work done, in samples of a distance field
   ContactPoint points[kMost];
 };
 

@@ -113,6 +113,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
     x.energy += y.energy;
     x.pairs += y.pairs;
     x.touching += y.touching;
+    x.tests += y.tests;
     return x;
   };
   Overlap none;
@@ -121,6 +122,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
       pairs_.size(), 256, none,
       [&](std::size_t begin, std::size_t end) {
         Overlap sum = none;
+        sum.tests = end - begin;
         for (std::size_t k = begin; k < end; ++k) {
           const Pair& p = pairs_[k];
           const double travelled = travel_[p.a] + travel_[p.b];
@@ -136,6 +138,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
           contacts_[k] =
               find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin),
                            detail, candidates, static_cast<float>(slack));
+          sum.tests += static_cast<std::size_t>(contacts_[k].tests);
           // Other elements may come as close as the remaining slack.
           const double left = candidates.known ? slack - (travelled - noted_[k]) : 1e300;
           slack_[k] =
@@ -179,16 +182,19 @@ void Relaxation::move(const Work& work) {
           Demand demand;
           float deepest = 0;
           int touching = 0;
+          bool overlaps = !local;
           for (std::int32_t e = incidence_.begin[i]; e < incidence_.begin[i + 1]; ++e) {
             const Contact& c = contacts_[incidence_.entry[e] >> 1];
             if (!(c.depth > 0)) continue;
+            const Pair& p = pairs_[incidence_.entry[e] >> 1];
+            overlaps = overlaps || c.depth > surplus * std::min(packing_.size[p.a], packing_.size[p.b]);
             add(demand, (incidence_.entry[e] & 1) == 0 ? c.a : c.b);
             deepest = std::max(deepest, c.depth);
             ++touching;
           }
           strain_[i] = deepest / packing_.size[i];
           Vec3 v = Vec3::Zero(), w = Vec3::Zero();
-          if (touching > 0) {
+          if (touching > 0 && overlaps) {
             const double arm = bodies_[i].shape->gyration * bodies_[i].scale;
             Vec3 dx, dw;
             solve(demand, arm, dx, dw);

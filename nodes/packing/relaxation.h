@@ -29,6 +29,7 @@ struct Overlap {
   double energy = 0;         // Σ depth²
   std::size_t pairs = 0;     // number of pairs that overlap
   std::size_t touching = 0;  // number of pairs closer than the target distance
+  std::size_t tests = 0;     // work done to find the contacts; see Budget
 };
 
 // Additional distance between surfaces, for contacts that are known to be missed.
@@ -50,6 +51,9 @@ class Relaxation {
   Detail detail = Detail::Fine;
   double surplus = 0.002;  // target distance beyond the required one, in sizes; ensures termination
   double step_length = kCold, memory = 0.87;
+  // Moves only bodies that overlap, and not those closer than the surplus. The others stay where they are, so
+  // that the audit need not test them again.
+  bool local = false;
   Margins extra;
 
   // One iteration. Returns the overlap found. Moves nothing if it is at most `enough`.

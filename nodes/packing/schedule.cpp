@@ -12,20 +12,22 @@ constexpr int kAgitated = 150;  // number of iterations with it
 constexpr double kRate = 0.02;  // rate of shrinking, in mean overlaps per iteration
 constexpr double kGain = 3e-4;  // growth in kPatience rounds below which the bodies are considered jammed
 constexpr int kPatience = 5;
+constexpr double kGrowth = 0.2;  // share of the steps for growth: crowded thin shapes take many tests
 
 enum class Outcome { Free, Stalled, OutOfTime };
 
 class Schedule {
  public:
   Schedule(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
-           const Work& work)
+           Budget& budget, const Work& work)
       : packing_(packing),
         options_(options),
+        budget_(budget),
         work_(work),
         quiet_(work.quiet()),
         relax_(shapes, packing, options.binder_gap) {
     relax_.extra = options.extra;
-    limit_ = options.iterations;
+    most_ = limit_ = std::max(1.0, std::min(options.steps, budget.left()));
   }
 
   AnnealResult run();
@@ -33,16 +35,18 @@ class Schedule {
  private:
   Packing& packing_;
   const AnnealOptions& options_;
+  Budget& budget_;
   const Work& work_;
   Work quiet_;  // without progress reports, for the loops within an iteration
   Relaxation relax_;
   std::uint64_t shakes_ = 0;
-  int used_ = 0, limit_ = 0;  // iterations
+  int iterations_ = 0;
+  double used_ = 0, limit_ = 0, most_ = 0;  // steps; limit_ grows if a free state needs more than `most_`
   Overlap last_;
   Packing best_;  // positions and size of the densest free state
 
-  int left() const { return limit_ - used_; }
-  void tell();
+  double left() const { return limit_ - used_; }
+  void iterate(double enough);
   Outcome relax(double tolerance, int most, double least_progress);
   void set(double shrink, bool fine, double surplus);
   void grow();
@@ -53,13 +57,16 @@ class Schedule {
   void restore();
 };
 
-void Schedule::tell() {
-  if (used_ % 8 != 0) return;
-  const double f = static_cast<double>(used_) / limit_;
+void Schedule::iterate(double enough) {
+  last_ = relax_.step(enough, quiet_);
+  const double steps = std::max(1.0, Budget::steps(last_.tests, packing_.count()));
+  used_ += steps;
+  budget_.used += steps;
+  if (++iterations_ % 8 != 0) return;
   char note[96];
   std::snprintf(note, sizeof note, "penetration %.4f, size %.3f", std::max(last_.worst, 0.0),
                 packing_.shrink);
-  work_.progress(f, note);
+  work_.progress(budget_.progress(), note);
 }
 
 void Schedule::set(double shrink, bool fine, double surplus) {
@@ -77,9 +84,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
   int kicks = 0;
   for (int k = 0; k < most; ++k) {
     if (left() <= 0) return Outcome::OutOfTime;
-    last_ = relax_.step(tolerance, quiet_);
-    ++used_;
-    tell();
+    iterate(tolerance);
     if (last_.worst <= tolerance) return Outcome::Free;
     if (k % 40 == 39) {
       if (last_.energy > before * (1 - least_progress)) {
@@ -102,12 +107,12 @@ void Schedule::grow() {
   double rate = 0.06;
   set(std::min(1.0, options_.start_shrink), false, 0.005);
   relax(0.03, 60, 0.05);
-  while (packing_.shrink < options_.aim && left() > 0) {
-    const int before = used_;
+  while (packing_.shrink < options_.aim && left() > 0 && used_ < std::max(kGrowth * limit_, 400.0)) {
+    const int before = iterations_;
     set(std::min(options_.aim, packing_.shrink * (1 + rate)), false, 0.005);
     relax(0.03, 40, 0.05);
-    if (used_ - before < 10) rate = std::min(0.1, rate * 1.5);
-    if (used_ - before >= 40) rate = std::max(0.01, rate * 0.6);
+    if (iterations_ - before < 10) rate = std::min(0.1, rate * 1.5);
+    if (iterations_ - before >= 40) rate = std::max(0.01, rate * 0.6);
     if (last_.worst > 0.15) return;
   }
   relax(0.005, 200, 0.2);
@@ -141,11 +146,10 @@ bool Schedule::free_by_shrinking(double down) {
 // they become free just at their jamming density. Returns false if time runs out.
 bool Schedule::decompress() {
   for (;;) {
+    // The first free state may cost half as much again, because nothing else can be returned.
     if (left() <= 0 && !best_.position.empty()) return false;
-    last_ = relax_.step(0, quiet_);
-    ++used_;
-    tell();
-    if (last_.worst <= 0) break;
+    iterate(0);
+    if (last_.worst <= 0 || left() <= -0.5 * most_) break;
     const double mean = std::sqrt(last_.energy / static_cast<double>(std::max<std::size_t>(last_.pairs, 1)));
     if (last_.worst < 1e-4 || mean < 2e-5) break;
     const double before = packing_.shrink;
@@ -189,8 +193,11 @@ AnnealResult Schedule::run() {
   if (packing_.count() == 0) return result.free = true, result;
   if (options_.settle) {
     set(packing_.shrink, true, 0.0005);
-    result.free = relax(0, 400, 0.1) == Outcome::Free ||
-                  (packing_.shrink < options_.enough ? decompress() : compact(0.01, Relaxation::kCold));
+    relax_.local = options_.local;
+    result.free = relax(0, 400, 0.1) == Outcome::Free;
+    relax_.local = false;
+    result.free =
+        result.free || (packing_.shrink < options_.enough ? decompress() : compact(0.01, Relaxation::kCold));
   } else {
     grow();
     if (packing_.shrink == options_.aim) {
@@ -200,7 +207,8 @@ AnnealResult Schedule::run() {
     if (!result.free) result.free = compact(relax_.spheres() ? 0.1 : 0.05, kHot);
   }
   if (packing_.shrink > 1) packing_.shrink = 1;
-  result.iterations = used_;
+  result.iterations = iterations_;
+  result.steps = used_;
   result.overlap = last_;
   return result;
 }
@@ -208,8 +216,8 @@ AnnealResult Schedule::run() {
 }  // namespace
 
 AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
-                  const Work& work) {
-  return Schedule(shapes, packing, options, work).run();
+                  Budget& budget, const Work& work) {
+  return Schedule(shapes, packing, options, budget, work).run();
 }
 
 std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing,

@@ -53,6 +53,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
       packing_.count(), kGrain, none,
       [&](std::size_t begin, std::size_t end) {
         Overlap part = none;
+        part.tests = static_cast<std::size_t>(first_neighbor_[end] - first_neighbor_[begin]);
         for (std::size_t i = begin; i < end; ++i) {
           const Vec3 p = packing_.position[i];
           const double radius = radius_[i], size = packing_.size[i];
@@ -87,7 +88,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
       },
       [](Overlap x, const Overlap& y) {
         x.worst = std::max(x.worst, y.worst);
-        x.energy += y.energy, x.pairs += y.pairs, x.touching += y.touching;
+        x.energy += y.energy, x.pairs += y.pairs, x.touching += y.touching, x.tests += y.tests;
         return x;
       });
   sum.energy *= 0.5, sum.pairs /= 2, sum.touching /= 2;

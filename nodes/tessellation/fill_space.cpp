@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint64_t kAxes = 0x61786573;
 constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
-constexpr double kFilm = 0.45;           // largest share of the binder that is film between particles
+constexpr double kFilm = 0.45;          // largest share of the binder that is film between particles
 constexpr int kShownSections = 30000;   // of all particles together
 
 Quat random_rotation(Random& r) {  // uniform (Shoemake 1992)
@@ -142,9 +142,10 @@ void Filler::pack_cores(double factor, const Work& work) {
   packing::place_at_random(packed, 0, radius, options_.population.seed, work.quiet());
   packing::AnnealOptions anneal;
   anneal.seed = options_.population.seed;
-  anneal.iterations = options_.iterations;
   anneal.enough = 0.9;
-  packing::pack(contact, packed, anneal, work);
+  packing::Budget budget;
+  budget.limit = options_.iterations;
+  packing::pack(contact, packed, anneal, budget, work);
   p.position = packed.position, p.orientation = packed.orientation;
   for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] = packed.scale[i] * packed.shrink;
   result_.packed_fraction = population_.requested_fraction * std::pow(factor * packed.shrink, 3);

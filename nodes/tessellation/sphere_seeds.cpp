@@ -13,7 +13,7 @@ namespace terrazzo::tessellation {
 
 Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint64_t seed, const Work& work) {
   constexpr double kFraction = 0.55;
-  constexpr int kIterations = 600;
+  constexpr double kSteps = 600;
   const std::size_t n = volume.size();
   const double total = std::accumulate(volume.begin(), volume.end(), 0.0);
   std::vector<std::size_t> order(n);  // largest first, as placement needs it
@@ -36,9 +36,10 @@ Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint
   packing::place_at_random(packed, 0, radius, seed, work.quiet());
   packing::AnnealOptions options;
   options.seed = seed;
-  options.iterations = kIterations;
   options.enough = 0.9;  // free of overlap is not needed, only an even spread
-  packing::pack(spheres, packed, options, work);
+  packing::Budget budget;
+  budget.limit = kSteps;
+  packing::pack(spheres, packed, options, budget, work);
 
   Seeds seeds;
   seeds.box = box;

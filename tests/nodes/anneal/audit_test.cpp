@@ -184,5 +184,42 @@ TEST(AnnealNeighbors, FindsAllPairsOfMixedSizes) {
   }
 }
 
+// The second audit tests only the pairs of particles that moved, and finds the same.
+TEST(AnnealAudit, RemembersThePairsThatDidNotMove) {
+  const auto shapes = test::shapes_of({test::cube(), test::peanut(2)});
+  Particles p;
+  p.box = Vec3::Constant(6);
+  p.resize(60);
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    Random r(1, 2, i);
+    p.shape[i] = static_cast<std::int32_t>(i % 2);
+    p.position[i] = Vec3(r.uniform(), r.uniform(), r.uniform()) * 6;
+    p.orientation[i] = Quat(r.normal(), r.normal(), r.normal(), r.normal()).normalized();
+    p.scale[i] = 1, p.size[i] = shapes.shapes[p.shape[i]].size();
+  }
+  packing::Auditor auditor(shapes);
+  const auto first = auditor(p);
+  ASSERT_GT(first.found.size(), 20u);
+  const auto expect_equal = [](const packing::AuditResult& a, const packing::AuditResult& b) {
+    ASSERT_EQ(a.found.size(), b.found.size());
+    for (std::size_t k = 0; k < a.found.size(); ++k) {
+      EXPECT_EQ(a.found[k].a, b.found[k].a);
+      EXPECT_EQ(a.found[k].b, b.found[k].b);
+      EXPECT_EQ(a.found[k].depth, b.found[k].depth);
+    }
+    EXPECT_EQ(a.worst, b.worst);
+    EXPECT_EQ(a.pairs, b.pairs);
+  };
+  const auto again = auditor(p);
+  expect_equal(again, first);
+  EXPECT_EQ(again.tests, 0u);
+  for (const std::size_t i : {3, 17, 40}) p.position[i][0] = std::fmod(p.position[i][0] + 0.3, 6);
+  p.scale[20] *= 0.9, p.size[20] *= 0.9;
+  const auto moved = auditor(p);
+  expect_equal(moved, packing::audit(shapes, p));
+  EXPECT_LT(moved.tests, first.tests / 2);
+  expect_equal(auditor(p, 0.1), packing::audit(shapes, p, 0.1));
+}
+
 }  // namespace
 }  // namespace terrazzo

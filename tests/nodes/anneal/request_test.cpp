@@ -147,9 +147,10 @@ TEST(Anneal, MoreThanTheMemoryHoldsIsRefusedBeforeTheWork) {
   o.count = 1000;
   const auto population = packing::populate(test::distribution(shapes, 1, 1.2, 0.3), shapes, nullptr, o);
   const auto needed = static_cast<std::uint64_t>(packing::memory_needed(population, shapes));
-  EXPECT_EQ(error_of([&] { packing::refuse_what_cannot_be(population, shapes, 0, 2 * needed); }), "no error");
+  EXPECT_EQ(error_of([&] { packing::refuse_what_memory_cannot_hold(population, shapes, 2 * needed); }),
+            "no error");
   EXPECT_TRUE(error_of([&] {
-                packing::refuse_what_cannot_be(population, shapes, 0, needed);
+                packing::refuse_what_memory_cannot_hold(population, shapes, needed);
               }).starts_with("not-enough-memory"));
 }
 

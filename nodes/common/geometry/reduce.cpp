@@ -1,4 +1,4 @@
-#include "nodes/load_mesh/reduce.h"
+#include "nodes/common/geometry/reduce.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
@@ -8,7 +8,7 @@
 
 #include "graph/diagnostic.h"
 
-namespace terrazzo::load_mesh {
+namespace terrazzo {
 namespace {
 
 struct Traits : OpenMesh::DefaultTraits {
@@ -53,4 +53,4 @@ void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& work) {
   }
 }
 
-}  // namespace terrazzo::load_mesh
+}  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Simplification of scanned meshes.
+// Simplification of meshes.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include "nodes/common/geometry/mesh.h"
 #include "runtime/work.h"
 
-namespace terrazzo::load_mesh {
+namespace terrazzo {
 
 // Collapses edges until at most `triangles` remain, those first that change the surface least (Garland and
 // Heckbert 1997, by OpenMesh). The mesh stays closed. Collapses that would fold the surface are skipped, so
@@ -14,4 +14,4 @@ namespace terrazzo::load_mesh {
 // "bad-mesh" if surfaces touch along an edge or at a vertex.
 void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& = {});
 
-}  // namespace terrazzo::load_mesh
+}  // namespace terrazzo

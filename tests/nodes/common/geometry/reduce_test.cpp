@@ -1,5 +1,5 @@
 // Simplification of scanned meshes.
-#include "nodes/load_mesh/reduce.h"
+#include "nodes/common/geometry/reduce.h"
 
 #include <gtest/gtest.h>
 
