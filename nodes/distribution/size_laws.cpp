@@ -81,8 +81,8 @@ void check_law(const SizeLaw& law) {
   if (law.volume_fraction >= 0 && law.number_density >= 0)
     throw Error("both-given", "volume_fraction and number_density are both set", "set only one of them")
         .parameter("number_density");
-  if (law.volume_fraction >= 1)
-    throw Error("too-full", fmt::format("volume_fraction must be below 1; it is {}", law.volume_fraction))
+  if (law.volume_fraction > 1)
+    throw Error("too-full", fmt::format("volume_fraction must be at most 1; it is {}", law.volume_fraction))
         .parameter("volume_fraction");
   law.kind == LawKind::Classes ? check_classes(law) : static_cast<void>(law_edges(law));
 }
@@ -120,7 +120,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   if (!(out.volume_fraction > 0))
     throw Error("bad-classes", "the distribution has no particles",
                 "raise volume_fraction or number_density");
-  if (out.volume_fraction >= 1)
+  if (out.volume_fraction > 1 + 1e-9)
     throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", out.volume_fraction),
                 "lower the densities or the sizes");
   out.d_max = out.class_edges.back();

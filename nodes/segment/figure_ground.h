@@ -10,7 +10,8 @@
 namespace terrazzo::segment {
 
 struct Hint {
-  enum class Kind { Auto, Darkest, Lightest, Color } kind = Kind::Auto;
+  // None: every pixel belongs to a particle.
+  enum class Kind { Auto, Darkest, Lightest, Color, None } kind = Kind::Auto;
   Vec3f color = Vec3f::Zero();  // as from patch_color()
 };
 

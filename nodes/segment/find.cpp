@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/segment/fill_gaps.h"
 #include "nodes/segment/network_particles.h"
 
 namespace terrazzo::segment {
@@ -99,6 +101,8 @@ struct Attempt {
   std::vector<double> confidence;
   double min_area = 0;
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
+  std::vector<std::int32_t> filled;  // by fill(), until its last section
+  std::vector<double> filled_confidence;
 
   void add(Particles2D found, const std::vector<double>& judged) {
     const std::int32_t before = labels.count();
@@ -108,6 +112,27 @@ struct Attempt {
     coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
     min_area = found.min_area;
     specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
+  }
+
+  // Leaves no pixel of the section without a particle. Called for the sections in order, from the first.
+  void fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
+    const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
+    if (section == 0) filled = {}, filled_confidence = {};
+    const auto begin = labels.ids.begin() + static_cast<std::ptrdiff_t>(section * plane);
+    std::vector<std::int32_t> own(begin, begin + static_cast<std::ptrdiff_t>(plane));
+    std::map<std::int32_t, std::int32_t> names;  // numbers of all sections → 1 to n
+    for (auto& id : own)
+      if (id > 0) id = names.try_emplace(id, static_cast<std::int32_t>(names.size()) + 1).first->second;
+    const std::int32_t count = fill_gaps(own, image, section);
+    std::vector<double> judged(count, 1);
+    if (judge) judged = confidences_of(judge->scores(own, count, work.quiet()));
+    const auto before = static_cast<std::int32_t>(filled_confidence.size());
+    for (const auto id : own) filled.push_back(id + before);
+    filled_confidence.insert(filled_confidence.end(), judged.begin(), judged.end());
+    if (section + 1 < image.sections) return;
+    labels.ids = std::move(filled), confidence = std::move(filled_confidence);
+    labels.classes.assign(confidence.size(), 0);
+    coverage.assign(coverage.size(), 1);
   }
 
   void add_chosen(NetworkView::Found chosen) {
@@ -142,6 +167,8 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   s.method = options.method;
   if (s.method == Method::Auto && options.scribbles.particles && options.scribbles.binder)
     s.method = Method::Scribbles;
+  const bool fills = options.binder.kind == Hint::Kind::None;
+  if (s.method == Method::Auto && fills) s.method = Method::Network;
   // Who knows the binder or the number of clusters has chosen the method.
   if (s.method == Method::Auto && (options.binder.kind != Hint::Kind::Auto || options.clusters > 0))
     s.method = Method::Clusters;
@@ -173,7 +200,8 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
       if (keep && s.method == Method::Auto) instances[i] = all;
       auto chosen = view->choose(std::move(all), how, work.quiet());
       by_network.add_chosen(std::move(chosen));
-      ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
+      // Without a binder the network takes plain grains for charts.
+      if (!fills) ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
     }
   Image covered;
   if (!ignored.empty()) {
@@ -280,6 +308,9 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   } else {
     best = network ? std::move(by_network) : s.method == Method::Scribbles ? by_scribbles() : by_clusters();
   }
+  if (fills)
+    for (int i = 0; i < sections; ++i)
+      best.fill(i, image, network ? view_of(i, work.quiet()).get() : nullptr, work);
   s.labels = std::move(best.labels);
   s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = sections;
   s.labels.pixel_size = image.pixel_size;

@@ -12,6 +12,13 @@ namespace terrazzo {
 namespace {
 using namespace segment;
 
+void check(const NodeParameters& p) {
+  if (p.keyword("binder") == "none" && p.choice<Method>("method") == Method::Clusters)
+    throw Error("needs-binder", "method clusters separates particles from a binder, but binder is none",
+                "set method to network, scribbles or auto")
+        .parameter("binder");
+}
+
 Hint hint_of(const Context& c) {
   Hint hint;
   const std::string word = c.keyword("binder");
@@ -19,6 +26,8 @@ Hint hint_of(const Context& c) {
     hint.kind = Hint::Kind::Darkest;
   else if (word == "lightest")
     hint.kind = Hint::Kind::Lightest;
+  else if (word == "none")
+    hint.kind = Hint::Kind::None;
   else if (word.empty()) {
     const auto rgb = c.numbers("binder");
     hint.kind = Hint::Kind::Color;
@@ -167,11 +176,15 @@ NodeType segment_node() {
           Parameter::optional_integer("clusters", "auto")
               .range(2, 12)
               .doc_("Number of color clusters. auto: the largest number of clearly separate clusters."))
-      .parameter(Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
-                     .keyword("darkest")
-                     .keyword("lightest")
-                     .doc_("Color of the binder. darkest, lightest: the cluster that is the binder. auto: "
-                           "the binder that leaves the most convex particles."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Color, "binder", "auto")
+              .keyword("darkest")
+              .keyword("lightest")
+              .keyword("none")
+              .doc_("Color of the binder. darkest, lightest: the cluster that is the binder. auto: "
+                    "the binder that leaves the most convex particles. none: there is no binder, as in "
+                    "granite and metals; the particles that the network or scribbles find grow until "
+                    "they meet."))
       .parameter(Parameter::number("split", 0.5)
                      .range(0, 1)
                      .doc_("Strength of splitting touching particles. 0: never. 1: at every neck."))
@@ -220,6 +233,7 @@ NodeType segment_node() {
                     "see output delit. auto: on where the network found the particles, off for clusters, "
                     "scribbles and given labels."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"))
+      .check_(check)
       .compute_(compute);
 }
 

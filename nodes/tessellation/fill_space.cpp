@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 
@@ -170,38 +168,17 @@ double Filler::growth_gap() {
 
 void Filler::fill_by_growth(const Work& work) {
   const double factor = std::min(1.0, std::cbrt(options_.start_fraction / population_.requested_fraction));
-  auto T0 = std::chrono::steady_clock::now();
-  auto lap = [&](const char* w) {
-    fprintf(stderr, "  %s %.2f\n", w,
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - T0).count());
-  };
   pack_cores(factor, work.part(0, 0.4));
-  lap("packed");
   GrowOptions grow_options;
   grow_options.gap = result_.gap = growth_gap();
   grow_options.gap_variation = options_.grains.gap_variation;
   grow_options.seed = options_.population.seed;
   Grown grown = grow(shapes_, population_.particles, result_.wanted, grow_options, work.part(0.4, 0.9));
   result_.flat = grown.flat;
-  lap("grown");
-  {
-    size_t t = 0;
-    for (auto& m : grown.meshes) t += m.triangles.size();
-    fprintf(stderr, "  tri %zu\n", t / grown.meshes.size());
-  }
   add(grown.meshes, work.part(0.9, 1));
-  lap("measured");
 }
 
 void Filler::fill(const Work& work) {
-  auto T0 = std::chrono::steady_clock::now();
-  struct TT {
-    decltype(T0) t;
-    ~TT() {
-      fprintf(stderr, "fill total %.2f\n",
-              std::chrono::duration<double>(std::chrono::steady_clock::now() - t).count());
-    }
-  } tt{T0};
   if (options_.method == Method::Laguerre)
     fill_by_laguerre(work);
   else

@@ -37,8 +37,8 @@ struct Stamp {
   std::vector<float> distance;
 };
 
-// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh; without one (null), distances
-// are computed from the triangles.
+// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh; without one (null),
+// distances are computed from the triangles.
 void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf* sdf, double voxel);
 
 // Adds the stamps in order, independent of the number of threads.
