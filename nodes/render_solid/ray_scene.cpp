@@ -6,22 +6,11 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 
 #include "graph/diagnostic.h"
 
 namespace terrazzo::render_solid {
-
-struct RayScene::Handles {
-  RTCDevice device = nullptr;
-  RTCScene top = nullptr;
-  bool plain = false;  // one mesh without transformation: no instances
-  std::vector<RTCScene> meshes;
-  ~Handles() {
-    if (top) rtcReleaseScene(top);
-    for (RTCScene s : meshes) rtcReleaseScene(s);
-    if (device) rtcReleaseDevice(device);
-  }
-};
 
 namespace {
 
@@ -38,6 +27,37 @@ const char* words(RTCError e) {
   }
 }
 
+// One device for all scenes that exist: Embree cannot make a device for each of a thousand shapes.
+std::shared_ptr<RTCDeviceTy> shared_device() {
+  static std::mutex mutex;
+  static std::weak_ptr<RTCDeviceTy> last;
+  const std::lock_guard lock(mutex);
+  if (auto device = last.lock()) return device;
+  std::shared_ptr<RTCDeviceTy> device(rtcNewDevice(nullptr), [](RTCDevice d) {
+    if (d) rtcReleaseDevice(d);
+  });
+  if (!device)
+    throw Error("embree", std::string("the ray tracer Embree could not be set up: ") +
+                              words(rtcGetDeviceError(nullptr)));
+  last = device;
+  return device;
+}
+
+}  // namespace
+
+struct RayScene::Handles {
+  std::shared_ptr<RTCDeviceTy> device;
+  RTCScene top = nullptr;
+  bool plain = false;  // one mesh without transformation: no instances
+  std::vector<RTCScene> meshes;
+  ~Handles() {
+    if (top) rtcReleaseScene(top);
+    for (RTCScene s : meshes) rtcReleaseScene(s);
+  }
+};
+
+namespace {
+
 void check(RTCDevice device) {
   if (const RTCError e = rtcGetDeviceError(device); e != RTC_ERROR_NONE)
     throw Error("embree", std::string("the ray tracer Embree could not be set up: ") + words(e));
@@ -53,11 +73,8 @@ RTCScene new_scene(RTCDevice device) {
 
 RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Instance>& instances)
     : handles_(std::make_unique<Handles>()) {
-  handles_->device = rtcNewDevice(nullptr);
-  if (!handles_->device)
-    throw Error("embree", std::string("the ray tracer Embree could not be set up: ") +
-                              words(rtcGetDeviceError(nullptr)));
-  RTCDevice device = handles_->device;
+  handles_->device = shared_device();
+  RTCDevice device = handles_->device.get();
   tbb::task_arena alone(1);
   const auto commit = [&](RTCScene scene) { alone.execute([&] { rtcJoinCommitScene(scene); }); };
 

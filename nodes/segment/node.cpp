@@ -184,7 +184,7 @@ NodeType segment_node() {
               .doc_("Color of the binder. darkest, lightest: the cluster that is the binder. auto: "
                     "the binder that leaves the most convex particles. none: there is no binder, as in "
                     "granite and metals; the particles that the network or scribbles find grow until "
-                    "they meet."))
+                    "they meet. Rulers and text are then not recognized; use ignore."))
       .parameter(Parameter::number("split", 0.5)
                      .range(0, 1)
                      .doc_("Strength of splitting touching particles. 0: never. 1: at every neck."))

@@ -187,7 +187,7 @@ void texts(Writer& w, const fs::path& source) {
          "strokes:\n- {radius: 6, points: [[10, 20], [30, 40]]}\n- &a {area: true, parts: [[[0, 0], [9, 0], "
          "[9, 9]]]}\n- *a\n");
   for (const char* graph :
-       {"nodes/packing/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
+       {"nodes/anneal/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
     w.text("graph.yaml", "a.yaml", content(graph));
   std::string json = "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"document\":\"\"}}}";
   while (json.size() % 4) json += ' ';

@@ -1,0 +1,74 @@
+// Laguerre tessellations with given lognormal volumes, by number, and growth of packed stones. The baseline
+// is one Voro++ diagram of the same number of random points with equal weights, on one thread.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <voro++/voro++.hh>
+
+#include "nodes/common/stereology/shape_measures.h"
+#include "nodes/shape/stones.h"
+#include "nodes/tessellation/fill_space.h"
+#include "nodes/tessellation/prescribed_volumes.h"
+#include "nodes/tessellation/sphere_seeds.h"
+#include "runtime/random.h"
+
+namespace terrazzo {
+namespace {
+
+void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
+
+void laguerre_volumes(benchmark::State& state) {
+  const auto n = static_cast<std::size_t>(state.range(0));
+  const Vec3 box = Vec3::Constant(std::cbrt(static_cast<double>(n)));
+  Random random(1);
+  std::vector<double> volume;
+  for (std::size_t i = 0; i < n; ++i) volume.push_back(std::exp(random.normal()));
+  double worst = 0, sum = 0;
+  for (auto _ : state) {
+    tessellation::Seeds seeds = tessellation::sphere_seeds(box, volume, 1);
+    worst = tessellation::fit_volumes(seeds, volume, 1e-3).worst;
+    sum = 0;
+    for (const auto& c : tessellation::power_diagram(seeds)) sum += c.volume;
+  }
+  state.counters["worst"] = worst;
+  state.counters["unfilled"] = std::abs(1 - sum / box.prod());
+}
+BENCHMARK(laguerre_volumes)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(once);
+
+void voro_baseline(benchmark::State& state) {
+  const auto n = static_cast<int>(state.range(0));
+  const double edge = std::cbrt(n);
+  const int blocks = std::max(1, static_cast<int>(edge / 1.7));
+  double sum = 0;
+  for (auto _ : state) {
+    voro::container c(0, edge, 0, edge, 0, edge, blocks, blocks, blocks, true, true, true, 8);
+    Random random(2);
+    for (int i = 0; i < n; ++i)
+      c.put(i, edge * random.uniform(), edge * random.uniform(), edge * random.uniform());
+    benchmark::DoNotOptimize(sum = c.sum_cell_volumes());
+  }
+}
+BENCHMARK(voro_baseline)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(once);
+
+void grow_stones(benchmark::State& state) {
+  StoneOptions kind;
+  kind.kind = "pebble";
+  Shapes shapes;
+  shapes.shapes = {measure_shape("pebble", stone_mesh(kind))};
+  SizeDistribution d;
+  const double size = shapes.shapes[0].size();
+  d.class_edges = {0.7 * size, 1.3 * size};
+  d.shapes = {{-1, 0, {1}, {0}, {0}}};
+  d.volume_fraction = 0.01 * static_cast<double>(state.range(0));
+  tessellation::FillOptions o;
+  o.method = tessellation::Method::Grow;
+  o.population.count = 1200;
+  o.corrections = 0;
+  double worst = 0;
+  for (auto _ : state) worst = tessellation::fill_space(d, shapes, o).worst;
+  state.counters["worst"] = worst;
+}
+BENCHMARK(grow_stones)->Arg(70)->Arg(80)->Arg(90)->Apply(once);
+
+}  // namespace
+}  // namespace terrazzo
