@@ -10,7 +10,7 @@
 namespace terrazzo::packing {
 namespace {
 
-constexpr std::size_t kTriangles = 2500, kSamples = 4000;
+constexpr std::size_t kSamples = 4000;
 
 // Largest distance of some thousand of `mesh`'s triangles from another surface; stops beyond `enough`.
 double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
@@ -27,8 +27,8 @@ double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
 
 }  // namespace
 
-Simplified simplified(const Mesh& mesh, double tolerance, const Work& work) {
-  for (std::size_t most = kTriangles; most <= mesh.triangles.size() / 2; most *= 2) {
+Simplified simplified(const Mesh& mesh, double tolerance, const Work& work, std::size_t fewest) {
+  for (std::size_t most = fewest; most <= mesh.triangles.size() / 2; most *= 2) {
     work.check();
     Mesh fewer = mesh;
     try {

@@ -9,6 +9,7 @@
 #include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/packing/neighbors.h"
+#include "nodes/packing/simplify.h"
 #include "nodes/tessellation/convex_cell.h"
 #include "nodes/tessellation/separating_plane.h"
 #include "nodes/tessellation/split_edges.h"
@@ -18,11 +19,13 @@ namespace terrazzo::tessellation {
 namespace {
 
 constexpr std::uint64_t kJointWidths = 0x6a6f696e7473;
-constexpr double kReach = 1.8;    // neighbors are those whose bounding spheres meet when enlarged by this
-constexpr double kLargest = 4;    // largest factor of growth
-constexpr int kRounds = 60;       // of moving the planes
-constexpr double kEnough = 0.01;  // relative shortfall of a volume that needs no more rounds
-constexpr double kMove = 0.25;    // how far, relative to the difference of the factors of growth
+constexpr double kReach = 1.8;        // neighbors are those whose bounding spheres meet when enlarged by this
+constexpr double kLargest = 4;        // largest factor of growth
+constexpr double kDeviation = 0.005;  // of a simplified shape, in its size
+constexpr std::size_t kFewest = 500;  // triangles of a simplified shape
+constexpr int kRounds = 60;           // of moving the planes
+constexpr double kEnough = 0.01;      // relative shortfall of a volume that needs no more rounds
+constexpr double kMove = 0.25;        // how far, relative to the difference of the factors of growth
 constexpr double kInside =
     0.02;  // smallest distance of a plane from a center, relative to the particle's radius
 
@@ -178,7 +181,10 @@ void Growth::prepare(const Shapes& shapes, const std::vector<double>& volume) {
   std::vector<Mesh> fine(shapes.shapes.size());
   for (std::int32_t s : packed_.shape)
     if (fine[s].vertices.empty()) {
-      fine[s] = shapes.shapes[s].mesh;
+      // Each particle gets a mesh of its own, so it should have few triangles.
+      fine[s] = packing::simplified(shapes.shapes[s].mesh, kDeviation * shapes.shapes[s].size(),
+                                    work_.quiet(), kFewest)
+                    .mesh;
       split_long_edges(fine[s],
                        options_.longest_edge * std::cbrt(6 / std::numbers::pi * shapes.shapes[s].volume));
     }

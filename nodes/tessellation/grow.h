@@ -10,10 +10,10 @@
 namespace terrazzo::tessellation {
 
 struct GrowOptions {
-  double gap = 0;              // distance between the flat faces of neighbors, mm
-  double gap_variation = 0;    // of each pair, relative; 0 to 1
-  std::uint64_t seed = 1;      // of the variation
-  double longest_edge = 0.15;  // of the meshes on which growth is computed, relative to a particle's diameter
+  double gap = 0;             // distance between the flat faces of neighbors, mm
+  double gap_variation = 0;   // of each pair, relative; 0 to 1
+  std::uint64_t seed = 1;     // of the variation
+  double longest_edge = 0.2;  // of the meshes on which growth is computed, relative to a particle's diameter
 };
 
 struct Grown {

@@ -23,7 +23,7 @@ constexpr std::uint64_t kGaps = 0x67617073;
 constexpr int kEnlargements = 12;     // rounds of enlarging cells for what gaps and edges take
 constexpr double kWhole = 1e-6;       // volume fractions closer to 1 than this leave no binder
 constexpr double kEdges = 0.15;       // longest edge of a rounded mesh, in grain diameters
-constexpr double kRoughEdges = 0.09;  // the same of a rough one, in mean grain diameters
+constexpr double kRoughEdges = 0.13;  // the same of a rough one, in mean grain diameters
 
 double diameter_of(double volume) { return std::cbrt(6 / std::numbers::pi * volume); }
 

@@ -15,6 +15,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 SizeDistribution equal_sizes(const Shapes& shapes, double fraction) {
   const double size = shapes.shapes[0].size();

@@ -16,6 +16,8 @@
 
 namespace terrazzo {
 namespace {
+using namespace kmatrix;
+using namespace shape;
 
 const Shape& body() {
   static const Shape shape = measure_shape("ellipsoid", ellipsoid_mesh({1, 0.8, 0.6}, 4));

@@ -20,6 +20,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace render_solid;
 using namespace render_volume;
 
 constexpr int kFrames = 36;

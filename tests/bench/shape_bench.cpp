@@ -12,6 +12,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 using namespace shape_estimate;
 

@@ -16,6 +16,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace residual_synth;
 namespace so = solids;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

@@ -14,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace shape;
 
 void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
 
