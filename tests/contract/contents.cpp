@@ -22,9 +22,9 @@ namespace {
 // Versions of the loaded shared libraries that compute or decode, from their file names.
 std::string libraries() {
   static const std::vector<std::string> that_matter = {
-      "libopenvdb", "libOpenImageIO.", "libOpenColorIO", "libopencv_core", "libopencv_imgproc",
-      "libembree",  "libnifti",        "libdcmdata",     "libdcmjpeg",     "libjpeg.",
-      "libpng",     "libtiff.",        "libOpenEXR-",    "libImath-",      "libwebp."};
+      "libopenvdb", "libOpenImageIO.", "libOpenColorIO", "libopencv_core", "libopencv_imgproc", "libembree",
+      "libvoro",    "libnifti",        "libdcmdata",     "libdcmjpeg",     "libjpeg.",          "libpng",
+      "libtiff.",   "libOpenEXR-",     "libImath-",      "libwebp."};
   std::set<std::string> found;
   ::dl_iterate_phdr(
       [](dl_phdr_info* info, std::size_t, void* out) {

@@ -32,10 +32,13 @@ TEST(Pack, ChoosesByDensity) {
 TEST(Pack, MethodsCanBeForced) {
   EXPECT_EQ(pack_any(0.3, {{"method", "laguerre"}}).metrics.at("by_laguerre"), 1);
   EXPECT_EQ(pack_any(0.3, {{"method", "grow"}}).metrics.at("by_grow"), 1);
-  const auto rigid = pack_any(0.9, {{"method", "anneal"}});
+  const auto rigid = pack_any(0.9, {{"method", "anneal"}, {"count", "25"}});
   EXPECT_EQ(rigid.metrics.at("by_anneal"), 1);
   EXPECT_LT(rigid.metrics.at("shrink"), 1);
-  EXPECT_EQ(test::code_of([] { pack_any(0.9, {{"method", "anneal"}, {"on_jam", "fail"}}); }), "jammed");
+  EXPECT_EQ(test::code_of([] {
+              pack_any(0.9, {{"method", "anneal"}, {"on_jam", "fail"}, {"count", "25"}});
+            }),
+            "jammed");
 }
 
 TEST(Pack, RigidParticlesKeepTheGivenShapes) {
