@@ -25,7 +25,11 @@ constexpr double kDeviation = 0.005;  // of a simplified shape, in its size
 constexpr std::size_t kFewest = 500;  // triangles of a simplified shape
 constexpr int kRounds = 60;           // of moving the planes
 constexpr double kEnough = 0.01;      // relative shortfall of a volume that needs no more rounds
-constexpr double kMove = 0.25;        // how far, relative to the difference of the factors of growth
+constexpr int kRepeats = 4;           // of correcting the volume of a cut mesh
+constexpr int kHalvings = 16;
+constexpr double kExact = 1e-3;  // relative error of a volume that needs no correction
+constexpr double kWidest = 0.4;  // gap of a pair, in the smaller radius
+constexpr double kMove = 0.25;   // how far, relative to the difference of the factors of growth
 constexpr double kInside =
     0.02;  // smallest distance of a plane from a center, relative to the particle's radius
 
@@ -37,7 +41,7 @@ struct Body {
   double reach = 0;            // no point may be farther from the center, mm
   double wanted = 0;           // mm³
   double growth = 1;           // factor
-  double weight = 0;           // mm²; moves its planes outward
+  double pressure = 0;         // moves its planes outward, in squared radii
   std::vector<Plane> planes;
 };
 
@@ -173,7 +177,7 @@ class Growth {
   void place_planes();
   double clamped(double offset, const Body& a, const Body& b, double apart) const;
   void separate_from_images(std::size_t i);
-  void change_weights(double step);
+  void change_pressures(double step);
   void move_planes();
 };
 
@@ -245,7 +249,7 @@ void Growth::place_planes() {
     Separation s = separations[k];
     Body &a = bodies_[pairs[k].a], &b = bodies_[pairs[k].b];
     double apart = s.normal.dot(between);
-    double gap = options_.gap;
+    double gap = std::min(options_.gap, kWidest * std::min(a.radius, b.radius));
     if (options_.gap_variation > 0)
       gap *= 1 + options_.gap_variation * Random(options_.seed, kJointWidths, k).uniform(-1, 1);
     if (apart < 2 * kInside * (a.radius + b.radius) + gap) {  // the plane would miss a center
@@ -263,20 +267,21 @@ void Growth::place_planes() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) separate_from_images(i);
 }
 
-// A particle that had to grow more than others gets a larger weight.
-void Growth::change_weights(double step) {
+// A particle that had to grow more than others presses more.
+void Growth::change_pressures(double step) {
   double mean = 0;
   for (const Body& b : bodies_) mean += b.growth / static_cast<double>(bodies_.size());
-  for (Body& b : bodies_) b.weight += step * b.radius * b.radius * std::clamp(b.growth / mean - 1, -0.3, 0.3);
+  for (Body& b : bodies_) b.pressure += step * std::clamp(b.growth / mean - 1, -0.3, 0.3);
 }
 
-// Sets the planes as those of a power diagram whose seeds have the extents of the bodies as radii. Bodies
-// that touch meet where they touch.
+// Sets the planes as those of a power diagram whose seeds have the extents of the bodies as radii and the
+// pressures in their weights. Bodies that touch meet where they touch.
 void Growth::move_planes() {
   for (const Contact& c : contacts_) {
     Body &a = bodies_[c.a], &b = bodies_[c.b];
     const double apart = c.apart - c.gap;  // of the two faces of the gap, as if it were not there
-    const double offset = clamped(0.5 * (apart + (c.lead + a.weight - b.weight) / apart), a, b, apart);
+    const double offset = clamped(
+        0.5 * (apart + (c.lead + (a.pressure - b.pressure) * a.radius * b.radius) / apart), a, b, apart);
     a.planes[c.plane_a].offset = offset;
     b.planes[c.plane_b].offset = apart - offset;
   }
@@ -295,7 +300,7 @@ Grown Growth::run() {
     for (std::size_t i = 0; i < bodies_.size(); ++i)
       out.worst = std::max(out.worst, 1 - reached[i] / bodies_[i].wanted);
     if (out.worst < kEnough || round == kRounds) break;
-    change_weights(kMove / (1 + 0.2 * round));
+    change_pressures(kMove / (1 + 0.2 * round));
   }
   out.meshes.resize(bodies_.size());
   std::vector<double> flat(bodies_.size(), 0.0), area(bodies_.size(), 0.0);
@@ -303,11 +308,25 @@ Grown Growth::run() {
     for (std::size_t i = begin; i < end; ++i) {
       Body& body = bodies_[i];
       out.meshes[i] = cut(body, flat[i]);
-      if (reached[i] == body.wanted) {  // cutting keeps what triangles across an edge leave out
+      // Cutting keeps what triangles across an edge leave out of the volume at the vertices.
+      if (reached[i] == body.wanted || mesh_volume(out.meshes[i]) > body.wanted) {
         const double wanted = body.wanted;
-        body.wanted *= wanted / mesh_volume(out.meshes[i]);
-        solve_growth(body);
-        out.meshes[i] = cut(body, flat[i]);
+        for (int k = 0; k < kRepeats; ++k) {
+          const double ratio = wanted / mesh_volume(out.meshes[i]);
+          if (std::abs(ratio - 1) < kExact) break;
+          body.wanted *= ratio;
+          solve_growth(body);
+          out.meshes[i] = cut(body, flat[i]);
+        }
+        // Where a plane is close to the center, the vertices say too little about the volume.
+        if (mesh_volume(out.meshes[i]) > 1.02 * wanted) {
+          double low = 0, high = body.growth;
+          for (int k = 0; k < kHalvings; ++k) {
+            body.growth = 0.5 * (low + high);
+            out.meshes[i] = cut(body, flat[i]);
+            (mesh_volume(out.meshes[i]) > wanted ? high : low) = body.growth;
+          }
+        }
       }
       reached[i] = mesh_volume(out.meshes[i]);
       area[i] = mesh_surface_area(out.meshes[i]);
