@@ -7,19 +7,23 @@ namespace {
 double number(const Table::Cell& cell) { return std::get<double>(cell); }
 }  // namespace
 
-Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area) {
+Plot plot_of_sizes(const Table& sizes, const std::string& requested_name, const std::string& achieved_name) {
   Plot by_size;
   by_size.title = "Particles by size", by_size.x_label = "size, mm", by_size.y_label = "particles";
   PlotSeries requested, achieved;
   requested.kind = achieved.kind = PlotSeries::Kind::Bars;
-  requested.name = "requested", achieved.name = "achieved", achieved.color = 1;
+  requested.name = requested_name, achieved.name = achieved_name, achieved.color = 1;
   for (const auto& row : sizes.rows) {
     const double middle = 0.5 * (number(row[0]) + number(row[1]));
     requested.x.push_back(middle), requested.y.push_back(number(row[2]));
     achieved.x.push_back(middle), achieved.y.push_back(number(row[3]));
   }
   by_size.series = {requested, achieved};
+  return by_size;
+}
 
+Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sections_per_area) {
+  const Plot by_size = plot_of_sizes(sizes, "requested", "achieved");
   Plot pairs;
   pairs.title = "Pair correlation of the centers", pairs.x_label = "distance, mm", pairs.y_label = "g";
   PlotSeries g;

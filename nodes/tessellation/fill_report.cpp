@@ -2,13 +2,12 @@
 #include <numbers>
 
 #include "nodes/common/plot/plot.h"
+#include "nodes/packing/figure.h"
 #include "nodes/packing/statistics.h"
 #include "nodes/tessellation/fill_space.h"
 
 namespace terrazzo::tessellation {
 namespace {
-
-double cell_number(const Table::Cell& cell) { return std::get<double>(cell); }
 
 // Surface of the ball of equal volume, relative to the surface (Wadell 1932).
 double sphericity(const Shape& s) {
@@ -47,18 +46,7 @@ Table particle_table(const Shapes& shapes, const Particles& particles, const std
 
 Image fill_figure(const SizeDistribution& distribution, const FillResult& r) {
   const Table sizes = packing::size_table(distribution, r.expected, r.size_class, r.particles.box);
-  Plot by_size;
-  by_size.title = "Particles by size", by_size.x_label = "size, mm", by_size.y_label = "particles";
-  PlotSeries requested, achieved;
-  requested.kind = achieved.kind = PlotSeries::Kind::Bars;
-  requested.name = "distribution", achieved.name = "after corrections", achieved.color = 1;
-  for (const auto& row : sizes.rows) {
-    const double middle = 0.5 * (cell_number(row[0]) + cell_number(row[1]));
-    requested.x.push_back(middle), requested.y.push_back(cell_number(row[2]));
-    achieved.x.push_back(middle), achieved.y.push_back(cell_number(row[3]));
-  }
-  by_size.series = {requested, achieved};
-
+  const Plot by_size = packing::plot_of_sizes(sizes, "distribution", "after corrections");
   std::vector<double> round, error;
   for (std::size_t i = 0; i < r.wanted.size(); ++i) {
     round.push_back(sphericity(r.shapes.shapes[i]));

@@ -13,8 +13,8 @@ enum class CrystalAxes { None, Uniform, Fiber };
 
 struct FillOptions {
   Method method = Method::Laguerre;
-  packing::PopulationOptions population;  // binder_gap is that of growth
-  LaguerreOptions grains;
+  packing::PopulationOptions population;
+  LaguerreOptions grains;       // growth uses only gap (nothing: 0) and gap_variation
   double start_fraction = 0.6;  // largest volume fraction at which growth begins
   int iterations = 600;         // of packing before growth
   int corrections = 2;          // see section_fit.h
@@ -30,7 +30,7 @@ struct FillResult {
   std::vector<double> expected;  // particles of each size class
   double requested_fraction = 0, fraction = 0;
   double worst = 0;            // largest relative error of a volume
-  double gap = 0;              // mean thickness of the binder between grains, mm (Laguerre)
+  double gap = 0;              // mean thickness of the binder between neighbors, mm
   double faces = 0;            // mean number of faces (Laguerre)
   double flat = 0;             // share of the surface that is flat contact (growth)
   double packed_fraction = 0;  // where growth began
@@ -40,7 +40,7 @@ struct FillResult {
   std::vector<std::string> notes;
 };
 
-// Throws the errors of populate(), laguerre_grains() and pack_particles().
+// Throws the errors of populate() and laguerre_grains(), and Error "open-mesh" if a grain is not closed.
 FillResult fill_space(const SizeDistribution& distribution, const Shapes& shapes, const FillOptions& options,
                       const Work& work = {});
 

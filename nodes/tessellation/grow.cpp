@@ -21,6 +21,7 @@ namespace {
 constexpr std::uint64_t kJointWidths = 0x6a6f696e7473;
 constexpr double kReach = 1.8;        // neighbors are those whose bounding spheres meet when enlarged by this
 constexpr double kLargest = 4;        // largest factor of growth
+constexpr double kLongestEdge = 0.2;  // of meshes, in diameters of the shape
 constexpr double kDeviation = 0.005;  // of a simplified shape, in its size
 constexpr std::size_t kFewest = 500;  // triangles of a simplified shape
 constexpr int kRounds = 60;           // of moving the planes
@@ -189,8 +190,7 @@ void Growth::prepare(const Shapes& shapes, const std::vector<double>& volume) {
       fine[s] = packing::simplified(shapes.shapes[s].mesh, kDeviation * shapes.shapes[s].size(),
                                     work_.quiet(), kFewest)
                     .mesh;
-      split_long_edges(fine[s],
-                       options_.longest_edge * std::cbrt(6 / std::numbers::pi * shapes.shapes[s].volume));
+      split_long_edges(fine[s], kLongestEdge * std::cbrt(6 / std::numbers::pi * shapes.shapes[s].volume));
     }
   work_.part(0, 0.1).parallel(bodies_.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -296,10 +296,10 @@ Grown Growth::run() {
     part.parallel(bodies_.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) reached[i] = solve_growth(bodies_[i]);
     });
-    out.worst = 0;
+    double worst = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-      out.worst = std::max(out.worst, 1 - reached[i] / bodies_[i].wanted);
-    if (out.worst < kEnough || round == kRounds) break;
+      worst = std::max(worst, 1 - reached[i] / bodies_[i].wanted);
+    if (worst < kEnough || round == kRounds) break;
     change_pressures(kMove / (1 + 0.2 * round));
   }
   out.meshes.resize(bodies_.size());
@@ -328,13 +328,11 @@ Grown Growth::run() {
           }
         }
       }
-      reached[i] = mesh_volume(out.meshes[i]);
       area[i] = mesh_surface_area(out.meshes[i]);
     }
   });
   double surface = 0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i)
-    out.volume += reached[i], out.flat += flat[i], surface += area[i];
+  for (std::size_t i = 0; i < bodies_.size(); ++i) out.flat += flat[i], surface += area[i];
   out.flat /= surface;
   return out;
 }

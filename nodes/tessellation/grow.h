@@ -10,16 +10,13 @@
 namespace terrazzo::tessellation {
 
 struct GrowOptions {
-  double gap = 0;             // distance between the flat faces of neighbors, mm
-  double gap_variation = 0;   // of each pair, relative; 0 to 1
-  std::uint64_t seed = 1;     // of the variation
-  double longest_edge = 0.2;  // of the meshes on which growth is computed, relative to a particle's diameter
+  double gap = 0;            // distance between the flat faces of neighbors, mm
+  double gap_variation = 0;  // of each pair, relative; 0 to 1
+  std::uint64_t seed = 1;    // of the variation
 };
 
 struct Grown {
   std::vector<Mesh> meshes;  // of each particle, in its own coordinates: centered at `position`, not rotated
-  double volume = 0;         // of all particles, mm³
-  double worst = 0;          // largest shortfall of a particle, relative to the wanted volume
   double flat = 0;           // share of the surface that is flat contact
 };
 
