@@ -1,3 +1,4 @@
+#include "nodes/data/detail.h"
 #include "nodes/data/image.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/labels.h"
@@ -23,6 +24,7 @@ void data_value_types(ValueTypes& types) {
   types.add(value_type<Volume>());
   types.add(value_type<Strokes>());
   types.add(value_type<Table>());
+  types.add(value_type<Detail>());
 }
 
 }  // namespace terrazzo

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/floor_of.h"
 #include "nodes/data/volume.h"
-#include "nodes/render_solid/floor_of.h"
 
 namespace terrazzo::render_solid {
 namespace {

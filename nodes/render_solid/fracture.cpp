@@ -14,7 +14,7 @@ namespace {
 class Fracture : public Solid {
  public:
   Fracture(const Paint& paint, const Particles& particles, const Shapes& shapes, double level,
-           double roughness, std::uint64_t seed, const ResidualField* residual)
+           double roughness, std::uint64_t seed, const residual::ResidualField* residual)
       : paint_(paint), level_(level), roughness_(roughness), seed_(seed), colors_(particles, residual) {
     const double longest = particles.box.maxCoeff();
     longest_ = static_cast<float>(longest);
@@ -202,7 +202,7 @@ class Fracture : public Solid {
 
 std::unique_ptr<Solid> fracture_solid(const Paint& paint, const Particles& particles, const Shapes& shapes,
                                       double level, double roughness, std::uint64_t seed,
-                                      const ResidualField* residual) {
+                                      const residual::ResidualField* residual) {
   check_shown(particles, shapes);
   return std::make_unique<Fracture>(paint, particles, shapes, level, roughness, seed, residual);
 }

@@ -11,7 +11,7 @@ namespace {
 
 class Heap : public Solid {
  public:
-  Heap(const Particles& particles, const Shapes& shapes, const ResidualField* residual)
+  Heap(const Particles& particles, const Shapes& shapes, const residual::ResidualField* residual)
       : colors_(particles, residual), longest_(static_cast<float>(particles.box.maxCoeff())) {
     const double longest = particles.box.maxCoeff();
     std::vector<RayScene::Triangles> meshes;
@@ -66,7 +66,7 @@ class Heap : public Solid {
 }  // namespace
 
 std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& shapes,
-                                      const ResidualField* residual) {
+                                      const residual::ResidualField* residual) {
   check_shown(particles, shapes);
   if (particles.void_count() == particles.count())
     throw Error("no-particles", "all particles are voids, so nothing is left without the binder",

@@ -5,14 +5,15 @@
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/color_config.h"
+#include "nodes/data/detail.h"
 #include "nodes/data/opaque_volume.h"
 #include "nodes/render_solid/color_field.h"
 #include "nodes/render_solid/forms.h"
 #include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/render.h"
-#include "nodes/render_solid/residual_field.h"
 #include "nodes/render_solid/tone.h"
+#include "nodes/residual/residual_field.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -48,17 +49,19 @@ Placement placement_of(const NodeParameters& c) {
 
 // Color sources that must live as long as the rendering.
 struct Material {
-  std::unique_ptr<ResidualField> residual;
+  std::unique_ptr<residual::ResidualField> residual;
   std::unique_ptr<ColorField> field;
   std::unique_ptr<Paint> paint;
 };
 
 // Loads the fine detail of particles and binder, if connected.
 void take_residual(Context& c, Material& m) {
-  const auto* volume = c.optional<Volume>("residual");
+  const auto& particles = c.input<Particles>("particles");
+  if (const auto* detail = c.optional<Detail>("detail"))
+    m.residual = std::make_unique<residual::ResidualField>(*detail, particles, 0, c.work().part(0, 0.05));
+  const auto* volume = c.optional<Volume>("detail");
   if (!volume) return;
-  m.residual =
-      std::make_unique<ResidualField>(*volume, c.input<Particles>("particles").box, c.work().part(0, 0.05));
+  m.residual = std::make_unique<residual::ResidualField>(*volume, particles.box, c.work().part(0, 0.05));
   const double scale = std::exp(m.residual->scale().array().log().abs().maxCoeff());
   c.metric("residual_scale", scale);
   if (scale > 1.25)
@@ -86,7 +89,7 @@ void take_paint(Context& c, const std::string& mode, Material& m) {
     return;
   }
   need(c, "mode '" + mode + "'", "volume");
-  if (c.has("residual"))
+  if (c.has("detail"))
     c.warn("the residual is not used, because colors come from the volume; set color: particles to use it");
   m.field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
   if (m.field->clamped() > 0.01f)
@@ -188,9 +191,10 @@ NodeType render_solid_node() {
                       "Packing to show without its binder, as a fracture, or carved at full resolution. Its "
                       "voids are holes in carved bodies, even if colors come from the volume.")
       .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
-      .optional_input("residual", {"Volume"},
-                      "Grid residual from ResidualSynth: the photograph's fine detail on particles and "
-                      "binder. Used only with colors from particles.")
+      .optional_input("detail", {"Detail", "Volume"},
+                      "Fine detail of particles and binder from DetailSolid, or a volume with the grid "
+                      "residual from ResidualSynth. Used only with colors from particles.")
+      .input_was("residual")
       .optional_input("object", {"Shapes"}, "Body to carve from the solid")
       .output("image", "Image",
               "Picture with one section per frame, in linear values ready for display: 1 is white")

@@ -39,7 +39,7 @@ class FieldPaint : public Paint {
 class ParticlePaint : public Paint {
  public:
   ParticlePaint(const Particles& particles, const Shapes& shapes, double repeat, const Placement& placement,
-                const ResidualField* residual)
+                const residual::ResidualField* residual)
       : index_(particles, shapes),
         box_(particles.box.cast<float>()),
         turn_(placement.turn),
@@ -83,7 +83,7 @@ std::unique_ptr<Paint> field_paint(const ColorField& field, double repeat, const
 }
 
 std::unique_ptr<Paint> particle_paint(const Particles& particles, const Shapes& shapes, double repeat,
-                                      const Placement& placement, const ResidualField* residual) {
+                                      const Placement& placement, const residual::ResidualField* residual) {
   return std::make_unique<ParticlePaint>(particles, shapes, repeat, placement, residual);
 }
 

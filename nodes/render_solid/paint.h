@@ -8,10 +8,13 @@
 #include "nodes/data/shapes.h"
 #include "nodes/render_solid/placement.h"
 
+namespace terrazzo::residual {
+class ResidualField;
+}
+
 namespace terrazzo::render_solid {
 
 class ColorField;
-class ResidualField;
 
 class Paint {
  public:
@@ -32,6 +35,7 @@ std::unique_ptr<Paint> field_paint(const ColorField&, double repeat = 1, const P
 // detail of `residual` if it is not null. All arguments must outlive the paint. Throws the errors of
 // particle_solid.
 std::unique_ptr<Paint> particle_paint(const Particles&, const Shapes&, double repeat = 1,
-                                      const Placement& = {}, const ResidualField* residual = nullptr);
+                                      const Placement& = {},
+                                      const residual::ResidualField* residual = nullptr);
 
 }  // namespace terrazzo::render_solid

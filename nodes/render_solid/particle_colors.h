@@ -5,14 +5,14 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/data/particles.h"
-#include "nodes/render_solid/residual_field.h"
+#include "nodes/residual/residual_field.h"
 
 namespace terrazzo::render_solid {
 
 class ParticleColors {
  public:
   // The residual may be null; otherwise it must outlive this object.
-  explicit ParticleColors(const Particles& particles, const ResidualField* residual = nullptr)
+  explicit ParticleColors(const Particles& particles, const residual::ResidualField* residual = nullptr)
       : residual_(residual) {
     const auto add = [&](const Vec3f& c) {
       flat_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
@@ -34,7 +34,7 @@ class ParticleColors {
 
  private:
   std::vector<Vec3f> flat_, encoded_;  // the binder's last
-  const ResidualField* residual_;
+  const residual::ResidualField* residual_;
 };
 
 }  // namespace terrazzo::render_solid

@@ -10,10 +10,13 @@
 #include "nodes/data/shapes.h"
 #include "nodes/render_solid/placement.h"
 
+namespace terrazzo::residual {
+class ResidualField;
+}
+
 namespace terrazzo::render_solid {
 
 class Paint;
-class ResidualField;
 
 // The holes of a carved body: the voids of a packing, with the same placement as its paint. `particles` may
 // be null or without voids; both must outlive the solid.
@@ -57,7 +60,7 @@ std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object, const Voi
 // Particles in their own colors, without voids, with the fine detail of `residual` if it is not null; the
 // residual must outlive the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
 std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
-                                      const ResidualField* residual = nullptr);
+                                      const residual::ResidualField* residual = nullptr);
 
 // A block broken across by a rough face at `level` (fraction of the height, with an amplitude of
 // `roughness`). Particles whose center is below the face stay whole and stick out; the others are removed and
@@ -65,6 +68,6 @@ std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
 // `paint` provides all colors except those of whole particles' surfaces. Throws the errors of particle_solid.
 std::unique_ptr<Solid> fracture_solid(const Paint&, const Particles&, const Shapes&, double level,
                                       double roughness, std::uint64_t seed,
-                                      const ResidualField* residual = nullptr);
+                                      const residual::ResidualField* residual = nullptr);
 
 }  // namespace terrazzo::render_solid

@@ -1,7 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "nodes/data/detail.h"
+#include "nodes/residual/residual_field.h"
 #include "nodes/section/cut.h"
 #include "nodes/section/section.h"
 #include "nodes/section/volume_section.h"
@@ -36,6 +41,19 @@ SectionChoice choice_of(const NodeParameters& c) {
 
 void check(const NodeParameters& p) { choice_of(p); }
 
+// Takes the extent and the pixel size of the picture at input like, where the parameters leave them open.
+SectionChoice with_picture(Context& c, SectionChoice choice) {
+  const Image* like = c.optional<Image>("like");
+  if (!like) return choice;
+  constexpr int kMost = 1024;
+  if (!(choice.pixel_size > 0)) choice.pixel_size = like->pixel_size;
+  if (choice.axis == "random") {
+    if (!(choice.width > 0)) choice.width = std::min(like->width, kMost) * like->pixel_size;
+    if (!(choice.height > 0)) choice.height = std::min(like->height, kMost) * like->pixel_size;
+  }
+  return choice;
+}
+
 Section section_of_particles(Context& c) {
   const Particles* particles = c.optional<Particles>("particles");
   const Shapes* shapes = c.optional<Shapes>("shapes");
@@ -47,8 +65,12 @@ Section section_of_particles(Context& c) {
                 "connect particles and shapes, or a volume");
   check_particles(*particles, *shapes);
   const SectionLayout layout =
-      choose_planes(choice_of(c), particles->box, true, particles->box.maxCoeff() / 512);
-  Section section = cut_section(*particles, *shapes, layout, c.work());
+      choose_planes(with_picture(c, choice_of(c)), particles->box, true, particles->box.maxCoeff() / 512);
+  std::optional<residual::ResidualField> detail;
+  const Detail* given = c.optional<Detail>("detail");
+  if (given) detail.emplace(*given, *particles, layout.pixel_size, c.work().part(0, 0.1));
+  Section section = cut_section(*particles, *shapes, layout, c.work().part(0.1, 1),
+                                detail ? &*detail : nullptr, given ? given->softness * given->pixel_size : 0);
   if (section.overlap > 1e-4)
     c.warn(fmt::format(
         "particles overlap in a share of {:.2g} of the sections' area, which area_fraction counts once",
@@ -63,8 +85,8 @@ Section section_of_volume(Context& c, bool& colors_alone) {
     throw Error("two-sources", "both particles and a volume are connected", "connect only one of them");
   const Volume& volume = *c.optional<Volume>("volume");
   const VolumeBox box = volume_box(volume);
-  VolumeSection section =
-      cut_volume(volume, choose_planes(choice_of(c), box.size, box.periodic, box.voxel), c.work());
+  VolumeSection section = cut_volume(
+      volume, choose_planes(with_picture(c, choice_of(c)), box.size, box.periodic, box.voxel), c.work());
   colors_alone = section.label_grid.empty();
   if (section.label_grid == "density")
     c.warn("the volume has no grid id: touching particles form one profile");
@@ -103,6 +125,12 @@ NodeType section_node() {
       .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
       .optional_input("volume", {"Volume"},
                       "Volume to cut instead of particles. Uses grid Cd or density, and id for the labels")
+      .optional_input("detail", {"Detail"},
+                      "Fine detail from DetailSolid, added to the colors of particles and "
+                      "binder. Not used for volumes, whose colors contain it")
+      .optional_input("like", {"Image"},
+                      "Picture whose pixel size the sections take, and of random planes also the width and "
+                      "height, up to 1,024 pixels. Parameters that are set apply instead.")
       .output("image", "Image", "Stack of all sections, particles antialiased over the binder")
       .output("labels", "Labels", "Profile at each pixel's center; 0 is binder")
       .output("profiles", "Profiles",

@@ -1,8 +1,13 @@
 #include "nodes/section/section.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/texture/color.h"
+#include "nodes/residual/outline_depth.h"
+#include "nodes/residual/residual_field.h"
 #include "nodes/section/cut.h"
 #include "nodes/section/raster.h"
 
@@ -53,13 +58,56 @@ std::vector<Region> with_images(const std::vector<Region>& regions, const Sectio
 struct Canvas {
   std::vector<Vec3f> color;
   std::vector<float> cover;
+  std::vector<std::int32_t>
+      owner;                 // particle with the largest share of the pixel, −1 if none; only for detail
+  std::vector<float> share;  // of the owner
 };
+
+// Blurs the flat colors and the cover as the photograph blurs outlines. `sigma`: pixels.
+void soften(Vec3f* pixels, Canvas& canvas, const PixelGrid& grid, double sigma) {
+  if (sigma < 0.2) return;
+  const int margin = static_cast<int>(std::ceil(4 * sigma));
+  const auto blur = [&](int type, void* data) {
+    cv::Mat flat(grid.height, grid.width, type, data), wide;
+    cv::copyMakeBorder(flat, wide, margin, margin, margin, margin,
+                       grid.wrap ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
+    cv::GaussianBlur(wide, wide, {0, 0}, sigma);
+    wide(cv::Rect(margin, margin, grid.width, grid.height)).copyTo(flat);
+  };
+  blur(CV_32FC3, pixels);
+  blur(CV_32F, canvas.cover.data());
+}
+
+// Adds the detail of particles and binder to encoded colors, in proportion to their share of each pixel.
+void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, const SectionPlane& plane,
+                const residual::ResidualField& detail, const Work& work) {
+  std::vector<std::int32_t> ids(canvas.owner.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = canvas.share[i] >= 0.5f ? canvas.owner[i] : -1;
+  const auto depth = residual::outline_depth(ids.data(), grid.width, grid.height, grid.wrap);
+  const auto pixel = static_cast<float>(grid.mm_x);
+  work.quiet().parallel(static_cast<std::size_t>(grid.height), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      for (int x = 0; x < grid.width; ++x) {
+        const std::size_t at = row * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
+        const double u = (x + 0.5) * grid.mm_x,
+                     v = (grid.height - static_cast<double>(row) - 0.5) * grid.mm_y;
+        const Vec3f mm = (plane.origin + u * plane.frame.col(0) + v * plane.frame.col(1)).cast<float>();
+        const float cover = canvas.owner[at] < 0 ? 0 : std::min(canvas.cover[at], 1.0f);
+        Vec3f offset = Vec3f::Zero();
+        if (cover > 0) offset += cover * detail.at(mm, canvas.owner[at], depth[at] * pixel);
+        if (cover < 1) offset += (1 - cover) * detail.at(mm, -1, depth[at] * pixel);
+        pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
+      }
+  });
+}
 
 // Paints one section. Where particles overlap, their colors are averaged.
 void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
-           const PixelGrid& grid, const Vec3f& binder, const Work& work) {
+           const PixelGrid& grid, const Vec3f& binder, const SectionPlane& plane,
+           const residual::ResidualField* detail, double softness, const Work& work) {
   const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
-  Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f)};
+  Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f), {}, {}};
+  if (detail) canvas.owner.assign(pixels, -1), canvas.share.assign(pixels, 0.0f);
   for (std::size_t k = 0; k < visible.size(); ++k) {
     work.check();
     const Profile& p = out.profiles.profiles[first + k];
@@ -67,6 +115,10 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
       const std::size_t at = static_cast<std::size_t>(row) * grid.width + x;
       canvas.color[at] += static_cast<float>(share) * p.color;
       canvas.cover[at] += static_cast<float>(share);
+      if (detail && share > canvas.share[at]) {
+        canvas.share[at] = static_cast<float>(share);
+        canvas.owner[at] = static_cast<std::int32_t>(std::get<double>(out.table.rows[first + k][1]));
+      }
     });
     fill_pixels(visible[k], grid, [&](int x, int row) {
       out.labels.ids[out.labels.index(x, row, section)] = static_cast<std::int32_t>(first + k + 1);
@@ -78,12 +130,15 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
     out.image.pixels[section * pixels + at] =
         c > 1 ? Vec3f(canvas.color[at] / c) : Vec3f(canvas.color[at] + (1 - c) * binder);
   }
+  if (!detail) return;
+  soften(&out.image.pixels[section * pixels], canvas, grid, softness / grid.mm_x);
+  add_detail(&out.image.pixels[section * pixels], canvas, grid, plane, *detail, work);
 }
 
 }  // namespace
 
 Section cut_section(const Particles& particles, const Shapes& shapes, const SectionLayout& layout,
-                    const Work& work) {
+                    const Work& work, const residual::ResidualField* detail, double softness) {
   check_particles(particles, shapes);
   const std::vector<Cut> cuts = cut_particles(particles, shapes, layout, work.part(0, 0.5));
   const int sections = static_cast<int>(layout.planes.size());
@@ -122,7 +177,8 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
                        layout.height / layout.pixels_y, layout.tile};
   std::vector<double> covered(sections, 0.0);
   work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
-    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color, work);
+    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color, layout.planes[s],
+          detail, softness, work);
     covered[s] =
         union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
   });

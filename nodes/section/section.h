@@ -10,10 +10,14 @@
 #include "nodes/section/planes.h"
 #include "runtime/work.h"
 
+namespace terrazzo::residual {
+class ResidualField;
+}
+
 namespace terrazzo::section {
 
 struct Section {
-  Image image;        // particle colors over the binder color, antialiased by exact coverage
+  Image image;        // particle colors over the binder color with detail, antialiased by exact coverage
   Labels labels;      // profile k of `profiles` is id k + 1
   Profiles profiles;  // one per connected region
   Table table;        // one row per profile: section, particle, class, area mm², perimeter mm, holes, weight
@@ -23,7 +27,9 @@ struct Section {
 // Cuts the particles of a periodic box. In a tile (axis planes), every profile is whole and has weight 1. In
 // a window, profiles cut by the border have weight 0 and the area and outline of their visible part. Other
 // profiles have the weight window area / (area in which a profile of their width and height is entirely
-// visible), after Miles (1974) and Lantuéjoul (1978). Throws the errors of check_particles.
-Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {});
+// visible), after Miles (1974) and Lantuéjoul (1978). `detail` may be null. `softness`: standard deviation of
+// the blur of outlines, mm. Throws the errors of check_particles.
+Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {},
+                    const residual::ResidualField* detail = nullptr, double softness = 0);
 
 }  // namespace terrazzo::section

@@ -14,8 +14,8 @@ void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
   const Lattice lattice = choose_lattice(particles.box, c.ints("resolution"));
   VoxelReport report;
-  Volume volume = voxelize::voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("residual"),
-                                     lattice, report, c.work());
+  Volume volume = voxelize::voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("detail"),
+                                     lattice, report, c.work(), c.optional<Detail>("detail"));
   c.metric("volume_fraction", report.volume_fraction);
   c.metric("exact_volume_fraction", report.exact_volume_fraction);
   if (c.input<Particles>("particles").void_count() > 0) {
@@ -32,7 +32,7 @@ void compute(Context& c) {
     const double scale = std::exp(report.detail_scale.array().log().abs().maxCoeff());
     c.metric("residual_scale", scale);
     const Vec3 fitting = report.detail_scale.cwiseProduct(report.detail_periods.cast<double>())
-                             .cwiseProduct(c.optional<Volume>("residual")->resolution.cast<double>());
+                             .cwiseProduct(c.optional<Volume>("detail")->resolution.cast<double>());
     if (scale > 1.25)
       c.warn(
           fmt::format("the residual is scaled by {:.2f} × {:.2f} × {:.2f} to tile the box; a residual of "
@@ -53,9 +53,10 @@ NodeType voxelize_node() {
       .input("particles", "Particles", "Particles in a periodic box")
       .input("shapes", "Shapes", "Shapes of the particles")
       .optional_input(
-          "residual", {"Volume"},
-          "Volume with the grid residual, from ResidualSynth: offsets of sRGB-encoded colors, added "
-          "everywhere")
+          "detail", {"Detail", "Volume"},
+          "Fine detail from DetailSolid, or a volume with the grid residual from ResidualSynth: offsets of "
+          "sRGB-encoded colors")
+      .input_was("residual")
       .output("volume", "Volume",
               "Grids density (1 inside, antialiased), surface (level set, mm), Cd (scene-linear color), id "
               "(index of the particle, −1 in the binder) and, if there are voids, void (1 inside, "

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/volume.h"
-#include "nodes/voxelize/detail.h"
+#include "nodes/residual/residual_field.h"
+#include "nodes/voxelize/lattice_residual.h"
 #include "nodes/voxelize/slab.h"
 #include "nodes/voxelize/sparse.h"
 #include "runtime/random.h"
@@ -151,17 +153,42 @@ std::size_t moved(const Eigen::Vector2i& at, const Eigen::Vector2i& shift, const
   return static_cast<std::size_t>((at.y() + shift.y()) % n.y()) * n.x() + (at.x() + shift.x()) % n.x();
 }
 
+// Adds the detail of particles and binder to plane k of the slab, in proportion to their coverage.
+void add_phases(const residual::ResidualField& field, Vec3f* colors, const Slab& slab, std::size_t k, int z0,
+                double voxel, const Vec3f& binder_color) {
+  const Vec3i& n = slab.lattice;
+  const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+  const Vec3f binder = linear_to_srgb(binder_color);
+  for (int j = 0; j < n.y(); ++j)
+    for (int i = 0; i < n.x(); ++i) {
+      const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
+      const Vec3f mm =
+          ((Vec3(i, j, z0 + static_cast<double>(k)).array() + 0.5) * voxel).matrix().cast<float>();
+      const std::int32_t id = slab.id[k * plane + at];
+      const float cover = id < 0 ? 0 : std::min(slab.coverage[k * plane + at], 1.0f);
+      Vec3f offset = Vec3f::Zero();
+      const float depth = std::abs(slab.distance[k * plane + at]) * static_cast<float>(voxel);
+      if (cover > 0) offset += cover * field.at(mm, id, depth);
+      if (cover < 1) offset += (1 - cover) * field.at(mm, -1, depth);
+      const Vec3f flat = colors[at] == binder_color ? binder : linear_to_srgb(colors[at]);
+      colors[at] = srgb_to_linear((flat + offset).cwiseMax(0.0f));
+    }
+}
+
 }  // namespace
 
 Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* residual,
-                const Lattice& lattice, VoxelReport& report, const Work& work) {
+                const Lattice& lattice, VoxelReport& report, const Work& work, const Detail* detail) {
   check(particles, shapes);
   initialize_openvdb();
   const double voxel = lattice.voxel;
   const Vec3i n = lattice.size;
-  const Detail detail = residual ? Detail(*residual, lattice, work.part(0, 0.1)) : Detail();
+  const LatticeResidual grain =
+      residual ? LatticeResidual(*residual, lattice, work.part(0, 0.1)) : LatticeResidual();
+  std::optional<residual::ResidualField> field;
+  if (detail) field.emplace(*detail, particles, voxel, work.part(0, 0.1));
   const Sdfs sdfs(particles, shapes, voxel, work.part(0.1, 0.3));
-  report.detail_periods = detail.periods(), report.detail_scale = detail.scale();
+  report.detail_periods = grain.periods(), report.detail_scale = grain.scale();
 
   using Vec3s = openvdb::Vec3s;
   const auto grid_color = [](const Vec3f& c) { return Vec3s(c.x(), c.y(), c.z()); };
@@ -182,10 +209,10 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
         static_cast<openvdb::GridBase*>(id.get())})
     g->setTransform(voxel_transform(voxel));
 
-  // If the detail repeats within the box, every particle samples it at a different offset. Otherwise
+  // If the residual repeats within the box, every particle samples it at a different offset. Otherwise
   // particles one period apart would have the same texture.
   std::vector<Eigen::Vector2i> shifts;
-  if (detail.periods().maxCoeff() > 1)
+  if (grain.periods().maxCoeff() > 1)
     for (std::size_t p = 0; p < particles.count(); ++p) {
       Random random(1, kShiftStream, p);
       const int x = static_cast<int>(random.below(static_cast<std::uint64_t>(n.x())));
@@ -224,14 +251,15 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
               slab.color[i] =
                   c > 1 ? Vec3f(slab.color[i] / c) : Vec3f(slab.color[i] + (1 - c) * particles.binder_color);
             }
-            if (!detail.empty()) {
+            if (field) add_phases(*field, &slab.color[k * plane], slab, k, z0, voxel, particles.binder_color);
+            if (!grain.empty()) {
               // Add in sRGB-encoded values, in which the residual was measured, and clip at 0.
               Vec3f* colors = &slab.color[k * plane];
               const Vec3f binder = linear_to_srgb(particles.binder_color);
               for (std::size_t i = 0; i < plane; ++i)
                 colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
               std::vector<Vec3f> offsets(plane, Vec3f::Zero());
-              detail.add_plane(z0 + static_cast<int>(k), offsets.data());
+              grain.add_plane(z0 + static_cast<int>(k), offsets.data());
               const std::int32_t* ids = &slab.id[k * plane];
               for (int j = 0; j < n.y(); ++j)
                 for (int i = 0; i < n.x(); ++i) {
@@ -261,7 +289,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
         [&](int i, int j, int k) { return slab.distance[at(i, j, k)] * static_cast<float>(voxel); },
         [&](float v) { return std::abs(v) < band; }, grids);
     const Vec3s binder = grid_color(particles.binder_color);
-    const bool dense = !detail.empty();
+    const bool dense = !grain.empty() || field;
     add_voxels(
         *color, size, z0, z1, [&](int i, int j, int k) { return grid_color(slab.color[at(i, j, k)]); },
         [&](const Vec3s& v) { return dense || v != binder; }, grids);

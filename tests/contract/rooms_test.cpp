@@ -37,6 +37,7 @@ const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"unfolding", 8},
                                            {"packing", 8},
                                            {"tessellation", 9},
+                                           {"residual", 9},
                                            {"segment/training", 11}};  // a program, not a node
 
 std::string room_of(const std::string& path) {  // relative to nodes/

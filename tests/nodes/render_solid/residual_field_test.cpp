@@ -1,5 +1,5 @@
 // A photograph's fine detail on particles and binder.
-#include "nodes/render_solid/residual_field.h"
+#include "nodes/residual/residual_field.h"
 
 #include <gtest/gtest.h>
 
@@ -17,6 +17,7 @@
 namespace terrazzo {
 namespace {
 using namespace render_solid;
+using residual::ResidualField;
 
 Volume noise_volume(int n, double voxel, float strength = 0.1f) {
   initialize_openvdb();

@@ -9,14 +9,14 @@
 
 namespace terrazzo::voxelize {
 
-class Detail {
+class LatticeResidual {
  public:
-  Detail() = default;  // none: zero everywhere
+  LatticeResidual() = default;  // none: zero everywhere
   // Reads the grid `residual` (Vec3SGrid, offsets of sRGB-encoded colors, one period in `resolution`). Each
   // edge of the box holds a whole number of periods, at the scale closest to the residual's own. Resamples
   // with periodic Lanczos kernels (a = 6, widened when downsampling); where voxels coincide, values are
   // copied. Throws Error "no-residual", "bad-residual".
-  Detail(const Volume& residual, const Lattice& lattice, const Work& work);
+  LatticeResidual(const Volume& residual, const Lattice& lattice, const Work& work);
 
   bool empty() const { return field_.empty(); }
   Vec3i periods() const { return periods_; }

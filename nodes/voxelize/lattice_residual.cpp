@@ -1,4 +1,4 @@
-#include "nodes/voxelize/detail.h"
+#include "nodes/voxelize/lattice_residual.h"
 
 #include <fmt/format.h>
 
@@ -39,7 +39,7 @@ std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, cons
 
 }  // namespace
 
-std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
+std::vector<LatticeResidual::Taps> LatticeResidual::taps(int out, int in, int periods) {
   const double ratio = static_cast<double>(in) * periods / out;  // input samples per output sample
   const double width = std::max(1.0, ratio);
   std::vector<Taps> all(out);
@@ -62,7 +62,8 @@ std::vector<Detail::Taps> Detail::taps(int out, int in, int periods) {
   return all;
 }
 
-Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work) : lattice_(lattice) {
+LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice, const Work& work)
+    : lattice_(lattice) {
   const auto grid = residual.find<openvdb::Vec3SGrid>("residual");
   if (!grid)
     throw Error("no-residual", "the volume connected to 'residual' has no Vec3SGrid named residual",
@@ -116,7 +117,7 @@ Detail::Detail(const Volume& residual, const Lattice& lattice, const Work& work)
   });
 }
 
-void Detail::add_plane(int k, Vec3f* colors) const {
+void LatticeResidual::add_plane(int k, Vec3f* colors) const {
   const std::size_t plane = static_cast<std::size_t>(lattice_.size.x()) * lattice_.size.y();
   for (std::size_t t = 0; t < z_[k].weight.size(); ++t) {
     const float w = z_[k].weight[t];

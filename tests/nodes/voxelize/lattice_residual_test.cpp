@@ -1,4 +1,4 @@
-#include "nodes/voxelize/detail.h"
+#include "nodes/voxelize/lattice_residual.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ Volume noise(int n, double voxel) {
   return v;
 }
 
-std::vector<Vec3f> sampled(const Detail& d, const Lattice& l) {
+std::vector<Vec3f> sampled(const LatticeResidual& d, const Lattice& l) {
   const std::size_t plane = static_cast<std::size_t>(l.size.x()) * l.size.y();
   std::vector<Vec3f> out(plane * l.size.z(), Vec3f::Zero());
   for (int k = 0; k < l.size.z(); ++k) d.add_plane(k, &out[k * plane]);
@@ -45,10 +45,10 @@ double variance(const std::vector<Vec3f>& v) {
   return q / n - s / n * s / n;
 }
 
-TEST(Detail, VoxelsOnVoxelsAreCopied) {
+TEST(LatticeResidual, VoxelsOnVoxelsAreCopied) {
   const Volume v = noise(16, 0.1);
   const Lattice l{Vec3i(32, 16, 48), 0.1};
-  const Detail d(v, l, {});
+  const LatticeResidual d(v, l, {});
   EXPECT_EQ(d.periods(), Vec3i(2, 1, 3));
   EXPECT_NEAR((d.scale() - Vec3::Ones()).norm(), 0, 1e-12);
   const auto out = sampled(d, l);
@@ -60,19 +60,19 @@ TEST(Detail, VoxelsOnVoxelsAreCopied) {
                     grid->tree().getValue({i % 16, j, k % 16})[1], 1e-6);
 }
 
-TEST(Detail, AWholeNumberOfPeriodsAtTheNearestScale) {
+TEST(LatticeResidual, AWholeNumberOfPeriodsAtTheNearestScale) {
   const Volume v = noise(16, 0.1);  // period 1.6
   for (const auto& [edge, periods] : {std::pair{1.7, 1}, {2.2, 1}, {2.3, 2}, {2.5, 2}, {0.3, 1}, {8.1, 5}}) {
     const Lattice l{Vec3i::Constant(20), edge / 20};
-    EXPECT_EQ(Detail(v, l, {}).periods().x(), periods) << edge;
+    EXPECT_EQ(LatticeResidual(v, l, {}).periods().x(), periods) << edge;
   }
 }
 
-TEST(Detail, GrainKeepsItsVarianceAtOtherScales) {
+TEST(LatticeResidual, GrainKeepsItsVarianceAtOtherScales) {
   const Volume v = noise(24, 0.1);
   for (const int n : {25, 26, 31}) {
     const Lattice l{Vec3i::Constant(n), 2.4 / n};
-    const auto out = sampled(Detail(v, l, {}), l);
+    const auto out = sampled(LatticeResidual(v, l, {}), l);
     EXPECT_NEAR(variance(out), 1, 0.2) << n;  // trilinear: at most 0.3
     double mean = 0;
     for (const auto& x : out) mean += x.y() / static_cast<double>(out.size());
@@ -80,10 +80,10 @@ TEST(Detail, GrainKeepsItsVarianceAtOtherScales) {
   }
   // Coarser voxels average white noise: its variance scales with the ratio of voxel volumes.
   const Lattice coarse{Vec3i::Constant(8), 0.3};
-  EXPECT_NEAR(variance(sampled(Detail(v, coarse, {}), coarse)), 1.0 / 27, 0.02);
+  EXPECT_NEAR(variance(sampled(LatticeResidual(v, coarse, {}), coarse)), 1.0 / 27, 0.02);
 }
 
-TEST(Detail, TilesInTheBox) {
+TEST(LatticeResidual, TilesInTheBox) {
   // A slow wave: the step across the face of the box is no larger than the steps inside.
   initialize_openvdb();
   auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
@@ -96,14 +96,14 @@ TEST(Detail, TilesInTheBox) {
   Volume v;
   v.resolution = Vec3i::Constant(16), v.grids = {grid};
   const Lattice l{Vec3i::Constant(37), 0.1};  // 3.7 mm: two periods
-  const auto out = sampled(Detail(v, l, {}), l);
+  const auto out = sampled(LatticeResidual(v, l, {}), l);
   double inside = 0;
   for (int i = 0; i < 36; ++i) inside = std::max<double>(inside, std::abs(out[i + 1].x() - out[i].x()));
   EXPECT_LT(std::abs(out[36].x() - out[0].x()), inside * 1.05);
   EXPECT_GT(inside, 0.1);
 }
 
-TEST(Detail, IsAddedEverywhereAndMakesColorsDense) {
+TEST(LatticeResidual, IsAddedEverywhereAndMakesColorsDense) {
   const Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 0.8);
   const Volume v = noise(16, 0.1);
   const Shapes shapes = test::shapes_of(test::cube_mesh());
@@ -123,7 +123,7 @@ TEST(Detail, IsAddedEverywhereAndMakesColorsDense) {
   }
 }
 
-TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
+TEST(LatticeResidual, ParticlesAPeriodApartAreNotAlikeInside) {
   // Two equal cubes half a box apart, with a residual that repeats after half a box.
   Particles p = test::one_particle(Vec3::Constant(3.2), Vec3::Constant(0.8), 1.0);
   const Particles one = p;
@@ -153,7 +153,7 @@ TEST(Detail, ParticlesAPeriodApartAreNotAlikeInside) {
   EXPECT_EQ(outside_alike, outside);    // the binder is one body with tiled detail
 }
 
-TEST(Detail, DarkParticlesStayDark) {
+TEST(LatticeResidual, DarkParticlesStayDark) {
   Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 1.2);
   p.color[0] = Vec3f::Constant(0.02f), p.binder_color = Vec3f::Constant(0.6f);
   Volume v = noise(32, 0.05);
@@ -170,11 +170,11 @@ TEST(Detail, DarkParticlesStayDark) {
   EXPECT_NEAR(dark / n, 0.02, 0.003);  // adding and clipping in linear light would give 0.03
 }
 
-TEST(Detail, BadResidualsAreSaid) {
+TEST(LatticeResidual, BadResidualsAreSaid) {
   const Lattice l{Vec3i::Constant(8), 0.1};
   const auto code = [&](Volume v) -> std::string {
     try {
-      Detail d(v, l, {});
+      LatticeResidual d(v, l, {});
     } catch (const Error& e) {
       return e.diagnostic().code;
     }

@@ -1,0 +1,67 @@
+#include "nodes/data/detail.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "nodes/data/json.h"
+
+namespace terrazzo {
+namespace {
+
+void encode(const Detail& v, Writer& w) {
+  w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness);
+  w.raw_array(v.rim_inside), w.raw_array(v.rim_outside);
+  w.array(v.gain_inside), w.array(v.gain_outside);
+  w.raw_array(v.profile_color), w.array(v.profile_contrast);
+  w.pod<std::uint64_t>(v.phases.size());
+  for (const auto& p : v.phases) {
+    w.bytes(p.color.data(), sizeof(float) * 3);
+    w.pod(p.slope), w.raw_array(p.tile);
+  }
+}
+
+Detail decode_detail(Reader& r) {
+  Detail v;
+  v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
+  v.rim_inside = r.raw_array<Vec3f>(), v.rim_outside = r.raw_array<Vec3f>();
+  v.gain_inside = r.array<float>(), v.gain_outside = r.array<float>();
+  v.profile_color = r.raw_array<Vec3f>(), v.profile_contrast = r.array<float>();
+  if (v.profile_color.size() != v.profile_contrast.size())
+    throw Error("damaged", "the stored detail has lists of different length");
+  v.phases.resize(r.count(24));
+  const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
+  for (auto& p : v.phases) {
+    r.bytes(p.color.data(), sizeof(float) * 3);
+    p.slope = r.pod<float>(), p.tile = r.raw_array<Vec3f>();
+    if (v.size < 1 || p.tile.size() != n * n * n)
+      throw Error("damaged", "the stored detail has a tile of the wrong size");
+  }
+  return v;
+}
+
+nlohmann::json describe(const Detail& v) {
+  nlohmann::json phases = nlohmann::json::array();
+  for (const auto& p : v.phases) {
+    double sum = 0;
+    for (const Vec3f& o : p.tile) sum += o.squaredNorm();
+    phases.push_back(
+        {{"color", json_of(p.color)},
+         {"slope", p.slope},
+         {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
+  }
+  return {{"pixel_size", v.pixel_size},
+          {"size", v.size},
+          {"softness", v.softness},
+          {"phases", std::move(phases)}};
+}
+
+}  // namespace
+
+template <>
+const ValueType& value_type<Detail>() {
+  static const ValueType type = make_value_type<Detail>(
+      "Detail", "Fine detail of binder and particles, as tileable solids", encode, decode_detail, describe);
+  return type;
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,191 @@
+#include "nodes/detail_solid/broad.h"
+
+#include <Eigen/Dense>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "runtime/random.h"
+
+namespace terrazzo::detail_solid {
+namespace {
+
+constexpr int kReach = 48;                                         // pixels
+constexpr int kPairs = 400'000;                                    // of pixels
+constexpr std::array kSigmas = {4.0, 6.0, 9.0, 13.0, 20.0, 30.0};  // pixels
+
+struct Extent {
+  int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;  // inclusive
+};
+
+// Filters the used pixels of one label within its extent, and moves the result from `offset` to `broad`.
+void split_label(Phases& p, const Labels& labels, int section, std::int32_t id, const Extent& e,
+                 std::vector<Vec3f>& broad) {
+  const int w = e.x1 - e.x0 + 1, h = e.y1 - e.y0 + 1;
+  cv::Mat sum(h, w, CV_32FC4, cv::Scalar::all(0));
+  const auto index = [&](int x, int y) {
+    return section * p.plane() + static_cast<std::size_t>(e.y0 + y) * p.width + e.x0 + x;
+  };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = index(x, y);
+      if (labels.ids[i] != id || p.phase[i] < 0) continue;
+      const Vec3f& v = p.offset[i];
+      sum.at<cv::Vec4f>(y, x) = cv::Vec4f(v.x(), v.y(), v.z(), 1);
+    }
+  cv::GaussianBlur(sum, sum, {0, 0}, kBroad, kBroad, cv::BORDER_CONSTANT);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = index(x, y);
+      if (labels.ids[i] != id || p.phase[i] < 0) continue;
+      const cv::Vec4f& v = sum.at<cv::Vec4f>(y, x);
+      broad[i] = Vec3f(v[0], v[1], v[2]) / v[3];
+      p.offset[i] -= broad[i];
+    }
+}
+
+void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
+  const int reach = std::min(static_cast<int>(std::ceil(3 * sigma)), 4 * n);
+  std::vector<float> kernel(static_cast<std::size_t>(n), 0.0f);  // wrapped around the tile
+  for (int t = -reach; t <= reach; ++t)
+    kernel[static_cast<std::size_t>(((t % n) + n) % n)] +=
+        static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
+  double squares = 0;
+  for (const float k : kernel) squares += static_cast<double>(k) * k;
+  for (float& k : kernel)
+    k = static_cast<float>(k / std::sqrt(squares));  // keeps the variance of white noise
+  const std::size_t step[3] = {1, static_cast<std::size_t>(n), static_cast<std::size_t>(n) * n};
+  for (int a = 0; a < 3; ++a) {
+    const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
+    work.quiet().parallel(static_cast<std::size_t>(n), 2, [&](std::size_t begin, std::size_t end) {
+      std::vector<float> line(static_cast<std::size_t>(2 * n)), out(static_cast<std::size_t>(n));
+      for (std::size_t j = begin; j < end; ++j)
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+          float* first = &v[j * step[c] + i * step[b]];
+          for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k)
+            line[k] = line[k + static_cast<std::size_t>(n)] = first[k * step[a]];
+          for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
+            float s = 0;
+            for (std::size_t t = 0; t < static_cast<std::size_t>(n); ++t) s += kernel[t] * line[k + t];
+            out[k] = s;
+          }
+          for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) first[k * step[a]] = out[k];
+        }
+    });
+  }
+}
+
+// Weights ≥ 0 that minimize |A·w − b|², by cyclic coordinate descent.
+Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  const Eigen::MatrixXd gram = A.transpose() * A;
+  const Eigen::VectorXd right = A.transpose() * b;
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(A.cols());
+  for (int round = 0; round < 2000; ++round)
+    for (Eigen::Index k = 0; k < w.size(); ++k)
+      w[k] = std::max(0.0, w[k] + (right[k] - gram.row(k).dot(w)) / gram(k, k));
+  return w;
+}
+
+}  // namespace
+
+std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work& work) {
+  std::vector<Vec3f> broad(phases.offset.size(), Vec3f::Zero());
+  std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
+  for (int s = 0; s < phases.sections; ++s) {
+    work.check();
+    std::fill(extents.begin(), extents.end(), Extent());
+    for (int y = 0; y < phases.height; ++y)
+      for (int x = 0; x < phases.width; ++x) {
+        const std::int32_t id = labels.ids[labels.index(x, y, s)];
+        if (id <= 0) continue;
+        Extent& e = extents[static_cast<std::size_t>(id) - 1];
+        e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
+        e.y1 = std::max(e.y1, y);
+      }
+    split_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, broad);
+    for (std::size_t k = 0; k < extents.size(); ++k)
+      if (extents[k].x1 >= 0)
+        split_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], broad);
+  }
+  return broad;
+}
+
+BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Labels& labels, int phase,
+                     std::uint64_t seed) {
+  BroadModel model;
+  model.sigma.assign(kSigmas.begin(), kSigmas.end());
+  model.variance.assign(kSigmas.size(), Vec3::Zero());
+  std::vector<std::size_t> used;
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] == phase) used.push_back(i), mean += broad[i].cast<double>();
+  if (used.size() < 256) return model;
+  mean /= static_cast<double>(used.size());
+  Mat3 covariance = Mat3::Zero();
+  for (const std::size_t i : used) {
+    const Vec3 d = broad[i].cast<double>() - mean;
+    covariance += d * d.transpose();
+  }
+  model.axes = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors();
+  std::vector<Vec3> sum(kReach, Vec3::Zero());
+  std::vector<double> count(kReach, 0.0);
+  Random random(seed, 0x62726f61);
+  for (int n = 0; n < kPairs; ++n) {
+    const std::size_t i = used[random.below(used.size())];
+    const double r = random.uniform(0, kReach), angle = random.uniform(0, 2 * M_PI);
+    const auto in = static_cast<int>(i % p.plane());
+    const int x = in % p.width + static_cast<int>(std::lround(r * std::cos(angle))),
+              y = in / p.width + static_cast<int>(std::lround(r * std::sin(angle)));
+    if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
+    const std::size_t j = i - static_cast<std::size_t>(in) + static_cast<std::size_t>(y) * p.width + x;
+    if (p.phase[j] != phase || labels.ids[j] != labels.ids[i]) continue;
+    const Vec3 a = model.axes.transpose() * (broad[i].cast<double>() - mean),
+               b = model.axes.transpose() * (broad[j].cast<double>() - mean);
+    const auto bin = static_cast<std::size_t>(r);
+    sum[bin] += a.cwiseProduct(b), ++count[bin];
+  }
+  // Pairs far apart are few in small particles; each distance weighs by its number of pairs.
+  Eigen::MatrixXd A(kReach, static_cast<Eigen::Index>(kSigmas.size()));
+  Eigen::MatrixXd b(kReach, 3);
+  for (int r = 0; r < kReach; ++r) {
+    const double weight = std::sqrt(count[static_cast<std::size_t>(r)]);
+    for (std::size_t k = 0; k < kSigmas.size(); ++k)
+      A(r, static_cast<Eigen::Index>(k)) =
+          weight * std::exp(-(r + 0.5) * (r + 0.5) / (4 * kSigmas[k] * kSigmas[k]));
+    b.row(r) = (sum[static_cast<std::size_t>(r)] / std::max(count[static_cast<std::size_t>(r)], 1.0) * weight)
+                   .transpose();
+  }
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::VectorXd w = nonnegative_fit(A, b.col(c));
+    for (std::size_t k = 0; k < kSigmas.size(); ++k) model.variance[k][c] = w[static_cast<Eigen::Index>(k)];
+  }
+  return model;
+}
+
+std::vector<Vec3f> broad_field(const BroadModel& model, int size, std::uint64_t seed, const Work& work) {
+  std::vector<Vec3f> out(static_cast<std::size_t>(size) * size * size, Vec3f::Zero());
+  const Eigen::Matrix3f axes = model.axes.cast<float>();
+  for (std::size_t k = 0; k < model.sigma.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      if (!(model.variance[k][c] > 1e-9)) continue;
+      work.check();
+      std::vector<float> noise(out.size());
+      work.quiet().parallel(noise.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          noise[i] =
+              static_cast<float>(Random(seed, 0x100 + k * 3 + static_cast<std::size_t>(c), i).normal());
+      });
+      smooth(noise, size, model.sigma[k], work);
+      double mean = 0;
+      for (const float v : noise) mean += v;
+      mean /= static_cast<double>(noise.size());
+      for (float& v : noise) v -= static_cast<float>(mean);
+      const Vec3f direction = axes.col(c) * static_cast<float>(std::sqrt(model.variance[k][c]));
+      for (std::size_t i = 0; i < out.size(); ++i) out[i] += noise[i] * direction;
+    }
+  return out;
+}
+
+}  // namespace terrazzo::detail_solid

@@ -1,0 +1,172 @@
+#include "nodes/detail_solid/phases.h"
+
+#include <fmt/format.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/common/texture/kmeans.h"
+
+namespace terrazzo::detail_solid {
+namespace {
+
+constexpr std::size_t kLeastGroup = 1500;  // of a group's texture
+
+// Marks pixels within `edge` of another label, in one section.
+void exclude_outlines(const Labels& labels, int section, int edge, std::int8_t* phase) {
+  if (edge <= 0) return;
+  const int w = labels.width, h = labels.height;
+  cv::Mat inside(h, w, CV_8U), distance;
+  const auto id = [&](int x, int y) { return labels.ids[labels.index(x, y, section)]; };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const bool border = (x + 1 < w && id(x, y) != id(x + 1, y)) || (x > 0 && id(x, y) != id(x - 1, y)) ||
+                          (y + 1 < h && id(x, y) != id(x, y + 1)) || (y > 0 && id(x, y) != id(x, y - 1));
+      inside.at<std::uint8_t>(y, x) = border ? 0 : 255;
+    }
+  cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (distance.at<float>(y, x) < static_cast<float>(edge) - 0.01f)
+        phase[static_cast<std::size_t>(y) * w + x] = -1;
+}
+
+// Excludes binder pixels farther than `limit` robust standard deviations (1.4826 · median absolute deviation,
+// at least half a step of 8 bits) from the binder's median in any channel, and those beside them. Returns the
+// fraction of the binder's pixels that are farther.
+double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int8_t* phase) {
+  const std::size_t n = static_cast<std::size_t>(w) * h;
+  Vec3f middle = Vec3f::Zero(), reach = Vec3f::Zero();
+  std::vector<float> v;
+  const auto median = [&] {
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    return v[v.size() / 2];
+  };
+  for (int c = 0; c < 3; ++c) {
+    v.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (phase[i] == 0) v.push_back(encoded[i][c]);
+    if (v.empty()) return 0;
+    middle[c] = median();
+    for (float& x : v) x = std::abs(x - middle[c]);
+    reach[c] = static_cast<float>(limit * std::max(1.4826 * median(), 0.002));
+  }
+  const double all = static_cast<double>(v.size());
+  std::vector<std::size_t> far;
+  for (std::size_t i = 0; i < n; ++i)
+    if (phase[i] == 0 && ((encoded[i] - middle).cwiseAbs().array() > reach.array()).any()) far.push_back(i);
+  for (const std::size_t i : far) {
+    const int x = static_cast<int>(i % static_cast<std::size_t>(w)),
+              y = static_cast<int>(i / static_cast<std::size_t>(w));
+    for (int b = std::max(0, y - 1); b <= std::min(h - 1, y + 1); ++b)
+      for (int a = std::max(0, x - 1); a <= std::min(w - 1, x + 1); ++a) {
+        std::int8_t& p = phase[static_cast<std::size_t>(b) * w + a];
+        if (p == 0) p = -1;
+      }
+  }
+  return static_cast<double>(far.size()) / all;
+}
+
+struct Mean {
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  void add(const Vec3f& v) { sum += v.cast<double>(), ++count; }
+  Vec3f value() const { return (sum / std::max(count, 1.0)).cast<float>(); }
+};
+
+// Groups of the profiles by color, from 1 by falling area. `color` is linear and `area` counts used pixels.
+std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vector<double>& area,
+                                const PhaseChoice& choice, const Work& work) {
+  std::vector<int> group(color.size(), 1);
+  std::vector<Vec3> points;
+  std::vector<double> weights;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < color.size(); ++i)
+    if (area[i] > 0)
+      points.push_back(linear_to_oklab(color[i]).cast<double>()), weights.push_back(area[i]),
+          index.push_back(i);
+  for (int k = std::min<int>(choice.groups, static_cast<int>(points.size())); k > 1; --k) {
+    const ColorClusters clusters = kmeans(points, weights, k, choice.seed, work.quiet());
+    std::vector<double> total(static_cast<std::size_t>(clusters.k), 0.0);
+    for (std::size_t i = 0; i < points.size(); ++i)
+      total[static_cast<std::size_t>(clusters.of[i])] += weights[i];
+    if (*std::min_element(total.begin(), total.end()) < static_cast<double>(kLeastGroup)) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) group[index[i]] = clusters.of[i] + 1;
+    break;
+  }
+  return group;
+}
+
+}  // namespace
+
+Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+  if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
+    throw Error(
+        "size-mismatch",
+        fmt::format("the image has {} × {} pixels in {} sections, but the labels have {} × {} in {}",
+                    image.width, image.height, image.sections, labels.width, labels.height, labels.sections),
+        "use labels of the same photograph");
+  for (const auto& p : image.pixels)
+    if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
+  Phases out;
+  out.width = image.width, out.height = image.height, out.sections = image.sections;
+  const std::size_t plane = out.plane(), pixels = image.pixels.size();
+  out.offset.resize(pixels);
+  out.phase.resize(pixels);
+  work.quiet().parallel(pixels, 1 << 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      out.offset[i] = linear_to_srgb(image.pixels[i].cwiseMax(0.0f));
+      out.phase[i] = labels.ids[i] > 0;
+    }
+  });
+  for (int s = 0; s < image.sections; ++s) {
+    work.check();
+    std::int8_t* phase = &out.phase[static_cast<std::size_t>(s) * plane];
+    exclude_outlines(labels, s, choice.edge, phase);
+    if (choice.specks > 0)
+      out.outliers += exclude_specks(&out.offset[static_cast<std::size_t>(s) * plane], choice.specks,
+                                     out.width, out.height, phase) /
+                      image.sections;
+  }
+  // Means in linear light, as the flat colors of particles and binder are.
+  std::vector<Mean> profile(static_cast<std::size_t>(labels.count()));
+  std::vector<Mean> binder(static_cast<std::size_t>(image.sections));
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
+    if (out.phase[i] > 0) profile.at(static_cast<std::size_t>(labels.ids[i]) - 1).add(image.pixels[i]);
+  }
+  std::vector<Vec3f> color, flat;
+  std::vector<double> area;
+  for (const Mean& m : profile) {
+    color.push_back(m.value()), area.push_back(m.count);
+    flat.push_back(linear_to_srgb(m.value()));
+  }
+  const std::vector<int> group = group_profiles(color, area, choice, work);
+  int groups = 0;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (area[k] > 0) groups = std::max(groups, group[k]);
+  std::vector<Mean> of_group(static_cast<std::size_t>(groups));
+  out.pixels.assign(static_cast<std::size_t>(groups) + 1, 0);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (out.phase[i] < 0) {
+      out.offset[i].setZero();
+      continue;
+    }
+    if (out.phase[i] == 0) {
+      out.offset[i] -= linear_to_srgb(binder[i / plane].value());
+    } else {
+      const auto k = static_cast<std::size_t>(labels.ids[i]) - 1;
+      out.phase[i] = static_cast<std::int8_t>(group[k]);
+      out.offset[i] -= flat[k];
+      of_group[static_cast<std::size_t>(group[k]) - 1].add(image.pixels[i]);
+    }
+    ++out.pixels[static_cast<std::size_t>(out.phase[i])];
+  }
+  for (const Mean& m : of_group) out.group_color.push_back(m.value());
+  return out;
+}
+
+}  // namespace terrazzo::detail_solid

@@ -1,0 +1,38 @@
+// What a photograph shows beyond flat colors, separately for its binder and for groups of its particles.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "runtime/work.h"
+
+namespace terrazzo::detail_solid {
+
+// Pixels are ordered as in Image.
+struct Phases {
+  int width = 0, height = 0, sections = 1;
+  std::vector<Vec3f> offset;        // from the flat color, sRGB-encoded
+  std::vector<std::int8_t> phase;   // −1: not used, 0: binder, g: group of particles
+  std::vector<Vec3f> group_color;   // of groups 1, 2 …; mean of their particles, scene-linear
+  std::vector<std::size_t> pixels;  // used pixels of each phase
+  double outliers = 0;              // fraction of the binder's pixels that are particles missed by the labels
+
+  std::size_t plane() const { return static_cast<std::size_t>(width) * height; }
+};
+
+struct PhaseChoice {
+  int edge = 1;       // pixels on each side of an outline that are not used
+  double specks = 6;  // limit for binder pixels in robust standard deviations from the binder's median; 0:
+                      // none
+  int groups = 3;     // most groups of particles
+  std::uint64_t seed = 1;
+};
+
+// The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder. Profiles
+// are grouped by color (k-means in Oklab, weighted by area); a group with too few pixels for a texture joins
+// the nearest. Throws Error "size-mismatch", "bad-pixels".
+Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
+
+}  // namespace terrazzo::detail_solid

@@ -1,0 +1,230 @@
+#include "nodes/detail_solid/rim.h"
+
+#include <Eigen/Dense>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/residual/outline_depth.h"
+
+namespace terrazzo::detail_solid {
+namespace {
+
+constexpr int kBins = 16;             // pixels from the outline
+constexpr double kLeastBin = 200;     // pixels in a bin
+constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and contrast count
+constexpr int kStep = 4;              // pixels on each side of an outline
+
+struct Bins {
+  std::array<Vec3, kBins> sum;
+  std::array<double, kBins> count{};
+  Bins() { sum.fill(Vec3::Zero()); }
+  // Means, up to the last bin with enough pixels. Bins without pixels take the next one's mean.
+  std::vector<Vec3f> means() const {
+    int n = kBins;
+    while (n > 0 && count[static_cast<std::size_t>(n) - 1] < kLeastBin) --n;
+    std::vector<Vec3f> out(static_cast<std::size_t>(n));
+    for (int i = n; i-- > 0;) {
+      const auto k = static_cast<std::size_t>(i);
+      if (count[k] >= kLeastBin)
+        out[k] = (sum[k] / count[k]).cast<float>();
+      else
+        out[k] = out[k + 1];
+    }
+    return out;
+  }
+};
+
+std::vector<float> depths_of(const Phases& p, const Labels& labels) {
+  std::vector<float> depth;
+  for (int s = 0; s < p.sections; ++s) {
+    const auto d = residual::outline_depth(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
+                                           p.height, false);
+    depth.insert(depth.end(), d.begin(), d.end());
+  }
+  return depth;
+}
+
+// Bin of a depth among n.
+std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std::size_t>(depth), n - 1); }
+
+}  // namespace
+
+void split_rims(Phases& p, const Labels& labels, Detail& detail) {
+  const std::vector<float> depth = depths_of(p, labels);
+  Bins inside, outside;
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] < 0) continue;
+    Bins& b = p.phase[i] > 0 ? inside : outside;
+    const auto k = static_cast<std::size_t>(std::min(static_cast<int>(depth[i]), kBins - 1));
+    b.sum[k] += p.offset[i].cast<double>(), ++b.count[k];
+  }
+  detail.rim_inside = inside.means(), detail.rim_outside = outside.means();
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] < 0) continue;
+    const auto& rim = p.phase[i] > 0 ? detail.rim_inside : detail.rim_outside;
+    if (!rim.empty()) p.offset[i] -= rim[bin_of(depth[i], rim.size())];
+  }
+}
+
+void split_gains(Phases& p, const Labels& labels, Detail& detail) {
+  const std::vector<float> depth = depths_of(p, labels);
+  // Squares are stored in one component of a mean.
+  Bins inside, outside;
+  double square[2] = {0, 0}, count[2] = {0, 0};
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] < 0) continue;
+    const bool in = p.phase[i] > 0;
+    const double v = p.offset[i].squaredNorm();
+    Bins& b = in ? inside : outside;
+    const std::size_t k = bin_of(depth[i], kBins);
+    b.sum[k].x() += v, ++b.count[k];
+    square[in] += v, ++count[in];
+  }
+  const auto gains = [](const Bins& b, double all) {
+    std::vector<float> out;
+    for (const Vec3f& m : b.means())
+      out.push_back(all > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(all)), 0.25f, 4.0f) : 1.0f);
+    return out;
+  };
+  detail.gain_inside = gains(inside, square[1] / std::max(count[1], 1.0));
+  detail.gain_outside = gains(outside, square[0] / std::max(count[0], 1.0));
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] < 0) continue;
+    const auto& gain = p.phase[i] > 0 ? detail.gain_inside : detail.gain_outside;
+    if (!gain.empty()) p.offset[i] /= gain[bin_of(depth[i], gain.size())];
+  }
+}
+
+void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail) {
+  struct Sum {
+    double count = 0, square = 0;
+    Vec3 color = Vec3::Zero();
+    std::size_t group = 0;
+  };
+  std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] <= 0) continue;
+    Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
+    Sum& g = group[static_cast<std::size_t>(p.phase[i]) - 1];
+    const double v = p.offset[i].squaredNorm();
+    s.group = static_cast<std::size_t>(p.phase[i]) - 1;
+    ++s.count, s.square += v, s.color += image.pixels[i].cast<double>();
+    ++g.count, g.square += v;
+  }
+  std::vector<float> contrast(profile.size(), 1.0f);
+  for (std::size_t k = 0; k < profile.size(); ++k) {
+    const Sum &s = profile[k], &g = group[s.group];
+    if (s.count < kLeastProfile || !(g.square > 0)) continue;
+    contrast[k] =
+        static_cast<float>(std::clamp(std::sqrt(s.square / s.count / (g.square / g.count)), 0.2, 4.0));
+    detail.profile_color.push_back((s.color / s.count).cast<float>());
+    detail.profile_contrast.push_back(contrast[k]);
+  }
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] > 0) p.offset[i] /= contrast[static_cast<std::size_t>(labels.ids[i]) - 1];
+}
+
+std::vector<double> split_slopes(Phases& p, const Labels& labels) {
+  struct Fit {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, v = 0, vx = 0, vy = 0;
+    double mx = 0, my = 0, gx = 0, gy = 0;
+    int group = 0;
+  };
+  std::vector<Fit> fits(static_cast<std::size_t>(labels.count()));
+  const auto each = [&](auto&& use) {
+    for (std::size_t i = 0; i < p.phase.size(); ++i)
+      if (p.phase[i] > 0) {
+        const std::size_t in = i % p.plane();
+        use(fits[static_cast<std::size_t>(labels.ids[i]) - 1], i,
+            static_cast<double>(in % static_cast<std::size_t>(p.width)),
+            static_cast<double>(in / static_cast<std::size_t>(p.width)));
+      }
+  };
+  each([&](Fit& f, std::size_t i, double x, double y) {
+    const double v = p.offset[i].mean();
+    ++f.n, f.x += x, f.y += y, f.xx += x * x, f.xy += x * y, f.yy += y * y, f.v += v, f.vx += v * x,
+        f.vy += v * y;
+    f.group = p.phase[i];
+  });
+  std::vector<double> square(p.group_color.size(), 0.0), weight(p.group_color.size(), 0.0);
+  for (Fit& f : fits) {
+    if (f.n < kLeastProfile) continue;
+    f.mx = f.x / f.n, f.my = f.y / f.n;
+    const double xx = f.xx / f.n - f.mx * f.mx, xy = f.xy / f.n - f.mx * f.my, yy = f.yy / f.n - f.my * f.my;
+    const double vx = f.vx / f.n - f.mx * f.v / f.n, vy = f.vy / f.n - f.my * f.v / f.n;
+    const double det = xx * yy - xy * xy;
+    if (!(det > 1e-6)) continue;
+    f.gx = (vx * yy - vy * xy) / det, f.gy = (vy * xx - vx * xy) / det;
+    const auto g = static_cast<std::size_t>(f.group) - 1;
+    const double radius = std::sqrt(f.n / M_PI);
+    square[g] += f.n * (f.gx * f.gx + f.gy * f.gy) / 2 * radius * radius, weight[g] += f.n;
+  }
+  each([&](const Fit& f, std::size_t i, double x, double y) {
+    p.offset[i] -= Vec3f::Constant(static_cast<float>(f.gx * (x - f.mx) + f.gy * (y - f.my)));
+  });
+  std::vector<double> out;
+  for (std::size_t g = 0; g < square.size(); ++g)
+    out.push_back(weight[g] > 0 ? std::sqrt(square[g] / weight[g]) : 0);
+  return out;
+}
+
+double outline_softness(const Image& image, const Labels& labels) {
+  const int w = image.width, h = image.height;
+  const std::size_t plane = static_cast<std::size_t>(w) * h;
+  // Flat colors: of profiles, and of each section's binder.
+  std::vector<Vec3> flat(static_cast<std::size_t>(labels.count()) + 1, Vec3::Zero());
+  std::vector<double> count(flat.size(), 0.0);
+  std::vector<Vec3f> encoded(plane);
+  std::array<double, 2 * kStep> up{}, down{};
+  for (int s = 0; s < image.sections; ++s) {
+    flat[0].setZero(), count[0] = 0;
+    cv::Mat particles(h, w, CV_8U), binder(h, w, CV_8U);
+    const auto id = [&](std::size_t i) { return labels.ids[static_cast<std::size_t>(s) * plane + i]; };
+    for (std::size_t i = 0; i < plane; ++i) {
+      encoded[i] = linear_to_srgb(image.pixels[static_cast<std::size_t>(s) * plane + i].cwiseMax(0.0f));
+      flat[static_cast<std::size_t>(id(i))] += encoded[i].cast<double>(),
+          ++count[static_cast<std::size_t>(id(i))];
+      particles.data[i] = id(i) > 0 ? 0 : 255, binder.data[i] = id(i) > 0 ? 255 : 0;
+    }
+    cv::Mat outside, inside, nearest;
+    cv::distanceTransform(particles, outside, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+    cv::distanceTransform(binder, inside, cv::DIST_L2, cv::DIST_MASK_5);
+    std::vector<std::int32_t> owner(plane + 1, 0);  // label of each number in `nearest`
+    for (std::size_t i = 0; i < plane; ++i)
+      if (id(i) > 0)
+        owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])] = id(i);
+    for (std::size_t i = 0; i < plane; ++i) {
+      const float out = reinterpret_cast<const float*>(outside.data)[i],
+                  in = reinterpret_cast<const float*>(inside.data)[i];
+      const double d = id(i) > 0 ? in - 0.5 : 0.5 - out;  // positive within particles
+      const int bin = static_cast<int>(std::floor(d)) + kStep;
+      if (bin < 0 || bin >= 2 * kStep) continue;
+      const auto k = static_cast<std::size_t>(
+          owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])]);
+      if (!(count[k] > 0) || !(count[0] > 0)) continue;
+      const Vec3 base = flat[0] / count[0], rise = flat[k] / count[k] - base;
+      up[static_cast<std::size_t>(bin)] += (encoded[i].cast<double>() - base).dot(rise);
+      down[static_cast<std::size_t>(bin)] += rise.squaredNorm();
+    }
+  }
+  std::array<double, 2 * kStep> step{};
+  for (std::size_t k = 0; k < step.size(); ++k) {
+    if (!(down[k] > 0)) return 0;
+    step[k] = up[k] / down[k];
+  }
+  const double low = step.front(), high = step.back();
+  if (!(high - low > 0.1)) return 0;  // particles and binder cannot be told by color
+  double mean = 0, square = 0;
+  for (std::size_t k = 0; k + 1 < step.size(); ++k) {
+    const double at = static_cast<double>(k) + 1 - kStep,
+                 rise = std::clamp((step[k + 1] - step[k]) / (high - low), 0.0, 1.0);
+    mean += at * rise, square += at * at * rise;
+  }
+  return std::clamp(std::sqrt(std::max(0.0, square - mean * mean - 1.0 / 6)), 0.0, 1.5);
+}
+
+}  // namespace terrazzo::detail_solid

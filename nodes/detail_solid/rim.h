@@ -1,0 +1,34 @@
+// What depends on the place within a particle: rims along outlines, slopes across particles, and how soft
+// outlines are.
+#pragma once
+
+#include <vector>
+
+#include "nodes/data/detail.h"
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "nodes/detail_solid/phases.h"
+
+namespace terrazzo::detail_solid {
+
+// Mean offsets by distance from the nearest outline, subtracted from `phases.offset` and stored in the
+// detail.
+void split_rims(Phases&, const Labels&, Detail&);
+
+// Deviations of the offsets by distance from the nearest outline, relative to that of the phase. Divides the
+// offsets by them and stores them in the detail.
+void split_gains(Phases&, const Labels&, Detail&);
+
+// Deviation of each profile's offsets relative to its group's. Divides the offsets by it and stores it with
+// the profile's color in the detail. `image`: the photograph. Small profiles are left as they are.
+void split_contrasts(Phases&, const Image&, const Labels&, Detail&);
+
+// Fits to each profile a plane in lightness, subtracts it and returns, for each group, the standard deviation
+// along an axis of the slope times the profile's radius √(A/π). Small profiles are left as they are.
+std::vector<double> split_slopes(Phases&, const Labels&);
+
+// Standard deviation in pixels of the blur of outlines between particles and binder: of the mean step from
+// one flat color to the other within 4 pixels of an outline, less that of a pixel.
+double outline_softness(const Image&, const Labels&);
+
+}  // namespace terrazzo::detail_solid

@@ -1,0 +1,287 @@
+#include "nodes/residual/residual_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/geometry/floor_of.h"
+#include "nodes/common/geometry/tile_fit.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/data/detail.h"
+#include "nodes/data/particles.h"
+#include "nodes/data/volume.h"
+#include "runtime/random.h"
+
+namespace terrazzo::residual {
+namespace {
+
+constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332, layer_stream = 0x72657333,
+                        turn_stream = 0x72657334, cell_stream = 0x72657335, seed_stream = 0x72657336,
+                        slope_stream = 0x72657337;
+constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
+constexpr float kBlend = 10;   // width in voxels over which cells blend
+
+int wrap(int i, int n) {
+  i %= n;
+  return i < 0 ? i + n : i;
+}
+
+// Gradient noise with `cells` lattice steps per period; about −1 to 1.
+float periodic_noise(const Vec3f& p, const Vec3i& cells) {
+  int at[3];
+  float f[3], u[3];
+  for (int k = 0; k < 3; ++k) {
+    at[k] = floor_of(p[k]);
+    f[k] = p[k] - static_cast<float>(at[k]);
+    u[k] = f[k] * f[k] * f[k] * (f[k] * (f[k] * 6 - 15) + 10);
+  }
+  float sum = 0;
+  for (int c = 0; c < 8; ++c) {
+    const int d[3] = {c & 1, c >> 1 & 1, c >> 2};
+    std::uint64_t item = 0;
+    float w = 1;
+    for (int k = 0; k < 3; ++k) {
+      item = item * 65537 + static_cast<std::uint64_t>(wrap(at[k] + d[k], cells[k]));
+      w *= d[k] ? u[k] : 1 - u[k];
+    }
+    const std::uint64_t h = Random(1, layer_stream, item).bits();
+    const auto side = [&](int bit) { return h >> bit & 1 ? 1.0f : -1.0f; };
+    const int flat = static_cast<int>((h >> 8) % 3);  // a gradient towards one of the twelve edges
+    float g = 0;
+    for (int k = 0; k < 3; ++k)
+      if (k != flat) g += side(k) * (f[k] - static_cast<float>(d[k]));
+    sum += w * g;
+  }
+  return sum;
+}
+
+// One of the 24 rotations that map the axes to each other.
+Eigen::Matrix3f cube_turn(std::uint64_t which) {
+  const int first = static_cast<int>(which % 6), second = static_cast<int>(which / 6 % 4);
+  const int a = first / 2, b = (a + 1 + second / 2) % 3;
+  Eigen::Matrix3f m = Eigen::Matrix3f::Zero();
+  m(a, 0) = first % 2 ? -1.0f : 1.0f;
+  m(b, 1) = second % 2 ? -1.0f : 1.0f;
+  m.col(2) = m.col(0).cross(m.col(1));
+  return m;
+}
+
+std::vector<Vec3f> values_of(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
+  const std::size_t nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y()),
+                    nz = static_cast<std::size_t>(size.z());
+  std::vector<Vec3f> values(nx * ny * nz);
+  work.quiet().parallel(nz, 4, [&](std::size_t begin, std::size_t end) {
+    auto accessor = grid.getConstAccessor();
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t j = 0; j < ny; ++j)
+        for (std::size_t i = 0; i < nx; ++i) {
+          const auto& v = accessor.getValue({static_cast<int>(i), static_cast<int>(j), static_cast<int>(k)});
+          values[(k * ny + j) * nx + i] = {v[0], v[1], v[2]};
+        }
+  });
+  if (std::any_of(values.begin(), values.end(), [](const Vec3f& v) { return !v.allFinite(); }))
+    throw Error("bad-residual", "the residual contains NaN or infinity");
+  return values;
+}
+
+// The value at a depth, between the centers of the rim's bins.
+template <class T>
+T rim_at(const std::vector<T>& rim, float bins, const T& none) {
+  if (rim.empty()) return none;
+  const float at = std::clamp(bins - 0.5f, 0.0f, static_cast<float>(rim.size() - 1));
+  const auto low = std::min(static_cast<std::size_t>(at), rim.size() - 1),
+             high = std::min(low + 1, rim.size() - 1);
+  const float t = at - static_cast<float>(low);
+  return (1 - t) * rim[low] + t * rim[high];
+}
+
+}  // namespace
+
+void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint,
+                             const Work& work) {
+  if (footprint > 1) widen_footprint(values, size, footprint, work.quiet());
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3f& v : values) sum += v.cast<double>();
+  const auto mean = (sum / static_cast<double>(values.size())).cast<float>();
+  tiles_.push_back({SplineTile(std::move(values), size, work.quiet()), mean});
+}
+
+ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& work)
+    : box_(box.cast<float>()) {
+  const auto grid = volume.find<openvdb::Vec3SGrid>("residual");
+  if (!grid)
+    throw Error("no-residual", "the volume at input 'detail' has no Vec3SGrid named 'residual'",
+                "connect DetailSolid.detail or ResidualSynth.volume");
+  const Vec3i size = volume.resolution;
+  if (size.minCoeff() < 1)
+    throw Error("bad-residual", "the residual is not periodic",
+                "connect a periodic volume, for example from ResidualSynth");
+  const double voxel = grid->transform().voxelSize()[0];
+  if (!(voxel > 0) || !std::isfinite(voxel))
+    throw Error("bad-residual", "the residual's voxel size is not positive");
+  for (int a = 0; a < 3; ++a) {
+    const TileFit fit = fit_tile(box[a], size[a] * voxel);
+    periods_[a] = fit.periods, scale_[a] = fit.scale;
+    voxels_per_mm_[a] = static_cast<float>(fit.periods * size[a] / box[a]);
+  }
+  add_tile(values_of(*grid, size, work), size, 1, work);
+}
+
+ResidualField::ResidualField(const Detail& detail, const Particles& particles, double footprint,
+                             const Work& work)
+    : box_(particles.box.cast<float>()),
+      phases_(true),
+      rim_inside_(detail.rim_inside),
+      rim_outside_(detail.rim_outside),
+      gain_inside_(detail.gain_inside),
+      gain_outside_(detail.gain_outside),
+      rims_per_mm_(static_cast<float>(1 / detail.pixel_size)) {
+  if (detail.phases.empty() || detail.size < 1)
+    throw Error("bad-detail", "the detail is empty", "connect DetailSolid.detail");
+  voxels_per_mm_.setConstant(static_cast<float>(1 / detail.pixel_size));
+  for (const Detail::Phase& phase : detail.phases)
+    add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, work);
+  place_particles(detail, particles);
+  place_cells(detail.size, detail.pixel_size);
+}
+
+void ResidualField::place_particles(const Detail& detail, const Particles& particles) {
+  std::vector<Vec3f> colors;
+  for (std::size_t g = 1; g < detail.phases.size(); ++g)
+    colors.push_back(linear_to_oklab(detail.phases[g].color));
+  std::vector<Vec3f> samples;
+  for (const Vec3f& c : detail.profile_color) samples.push_back(linear_to_oklab(c));
+  for (std::size_t p = 0; p < particles.count(); ++p) {
+    const Vec3f color = linear_to_oklab(particles.color[p]);
+    std::size_t best = 0;
+    for (std::size_t g = 1; g < colors.size(); ++g)
+      if ((colors[g] - color).squaredNorm() < (colors[best] - color).squaredNorm()) best = g;
+    std::size_t nearest = 0;
+    for (std::size_t k = 1; k < samples.size(); ++k)
+      if ((samples[k] - color).squaredNorm() < (samples[nearest] - color).squaredNorm()) nearest = k;
+    contrast_.push_back(samples.empty() ? 1.0f : detail.profile_contrast[nearest]);
+    // Without groups, particles have no detail of their own; they show the binder's.
+    group_.push_back(colors.empty() ? 0 : static_cast<int>(best) + 1);
+    Place place = random_place(particle_stream, p, particles.position[p].cast<float>());
+    Random random(1, slope_stream, p);
+    const double radius = particles.size[p] / 2;
+    if (radius > 0)
+      for (int a = 0; a < 3; ++a)
+        place.slope[a] = static_cast<float>(
+            random.normal() * detail.phases[static_cast<std::size_t>(group_.back())].slope / radius);
+    places_.push_back(place);
+  }
+}
+
+void ResidualField::place_cells(int size, double voxel) {
+  for (int a = 0; a < 3; ++a)
+    cells_[a] =
+        std::max(1, static_cast<int>(std::lround(box_[a] / (kCell * static_cast<float>(size * voxel)))));
+  for (int z = 0; z < cells_.z(); ++z)
+    for (int y = 0; y < cells_.y(); ++y)
+      for (int x = 0; x < cells_.x(); ++x) {
+        const auto item = static_cast<std::uint64_t>(cell_.size());
+        Random random(1, seed_stream, item);
+        Vec3f seed(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
+        for (int a = 0; a < 3; ++a) seed[a] += static_cast<float>(random.uniform(0.15, 0.85));
+        cell_.push_back(
+            random_place(cell_stream, item, seed.cwiseQuotient(cells_.cast<float>()).cwiseProduct(box_)));
+      }
+}
+
+// The center is moved to the nearest voxel of a lattice in the box's corner, so that a picture whose pixels
+// lie on that lattice shows voxels as they are.
+ResidualField::Place ResidualField::random_place(std::uint64_t stream, std::uint64_t item,
+                                                 const Vec3f& center) const {
+  Random random(1, stream, item), turns(1, turn_stream ^ stream, item);
+  Place place;
+  place.turn = cube_turn(turns.below(24));
+  for (int a = 0; a < 3; ++a) {
+    place.center[a] = (std::floor(center[a] * voxels_per_mm_[a]) + 0.5f) / voxels_per_mm_[a];
+    place.shift[a] = static_cast<float>(random.below(static_cast<std::uint64_t>(tiles_[0].spline.size()[a])));
+  }
+  return place;
+}
+
+Vec3f ResidualField::nearest_image(Vec3f offset) const {
+  for (int a = 0; a < 3; ++a) offset[a] -= box_[a] * static_cast<float>(floor_of(offset[a] / box_[a] + 0.5f));
+  return offset;
+}
+
+Vec3f ResidualField::placed(const Tile& tile, const Place& place, const Vec3f& mm) const {
+  const Vec3f offset = nearest_image(mm - place.center).cwiseProduct(voxels_per_mm_);
+  return tile.spline.at(place.turn * offset + place.shift);
+}
+
+Vec3f ResidualField::moved(std::uint64_t stream, std::uint64_t item) const {
+  Random random(1, stream, item);
+  const auto x = static_cast<float>(random.uniform()), y = static_cast<float>(random.uniform());
+  return Vec3f(x, y, static_cast<float>(random.uniform())).cwiseProduct(box_);
+}
+
+// Cells are those of the nearest center. Where centers are almost equally near, their tiles are averaged with
+// the deviation preserved.
+Vec3f ResidualField::binder(const Vec3f& mm) const {
+  int home[3];
+  for (int a = 0; a < 3; ++a) home[a] = floor_of(mm[a] / box_[a] * static_cast<float>(cells_[a]));
+  std::size_t index[27];
+  float distance[27];
+  int count = 0;
+  float nearest = 1e30f;
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const Vec3i c(wrap(home[0] + x, cells_[0]), wrap(home[1] + y, cells_[1]),
+                      wrap(home[2] + z, cells_[2]));
+        const std::size_t i =
+            (static_cast<std::size_t>(c.z()) * cells_.y() + c.y()) * static_cast<std::size_t>(cells_.x()) +
+            c.x();
+        if (std::find(index, index + count, i) != index + count) continue;
+        index[count] = i;
+        distance[count] = nearest_image(mm - cell_[i].center).norm() * voxels_per_mm_.x();
+        nearest = std::min(nearest, distance[count++]);
+      }
+  const Tile& tile = tiles_[0];
+  Vec3f sum = Vec3f::Zero();
+  float squares = 0;
+  for (int n = 0; n < count; ++n) {
+    float w = 1 - (distance[n] - nearest) / kBlend;
+    if (w <= 0) continue;
+    w = w * w * (3 - 2 * w);
+    sum += w * (placed(tile, cell_[index[n]], mm) - tile.mean);
+    squares += w * w;
+  }
+  return tile.mean + sum / std::sqrt(squares);
+}
+
+Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
+  const auto spline = [&](const Vec3f& at) {
+    return tiles_[0].spline.at(at.cwiseProduct(voxels_per_mm_) - Vec3f::Constant(0.5f));
+  };
+  if (periods_.maxCoeff() == 1) return spline(mm);
+  if (particle >= 0) return spline(mm + moved(particle_stream, static_cast<std::uint64_t>(particle)));
+  // Layers about a third of a tile thick.
+  const float layer =
+      5 * periodic_noise(mm.cwiseQuotient(box_).cwiseProduct(periods_.cast<float>()), periods_) + 100;
+  const int low = floor_of(layer);
+  float t = std::clamp((layer - static_cast<float>(low) - 0.3f) / 0.4f, 0.0f, 1.0f);
+  t = t * t * (3 - 2 * t);
+  const auto part = [&](int i) { return spline(mm + moved(binder_stream, static_cast<std::uint64_t>(i))); };
+  if (t <= 0) return part(low);
+  if (t >= 1) return part(low + 1);
+  return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));
+}
+
+Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth) const {
+  if (!phases_) return plain(mm, particle);
+  const float bins = depth * rims_per_mm_;
+  const Vec3f none = Vec3f::Zero();
+  if (particle < 0) return rim_at(gain_outside_, bins, 1.0f) * binder(mm) + rim_at(rim_outside_, bins, none);
+  const auto p = static_cast<std::size_t>(particle);
+  const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));
+  return contrast_[p] * rim_at(gain_inside_, bins, 1.0f) *
+             placed(tiles_[static_cast<std::size_t>(group_[p])], places_[p], mm) +
+         rim_at(rim_inside_, bins, none) + Vec3f::Constant(slope);
+}
+
+}  // namespace terrazzo::residual

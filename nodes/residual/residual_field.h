@@ -1,0 +1,76 @@
+// A photograph's fine detail at any point of a packing, from the tiles of ResidualSynth or DetailSolid.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/linear.h"
+#include "nodes/residual/spline_tile.h"
+#include "runtime/work.h"
+
+namespace terrazzo {
+struct Detail;
+struct Particles;
+struct Volume;
+}  // namespace terrazzo
+
+namespace terrazzo::residual {
+
+class ResidualField {
+ public:
+  // ResidualSynth's grid `residual` (Vec3SGrid, offsets of sRGB-encoded colors), scaled so that a whole
+  // number of periods fills each edge of `box` (mm), at the scale nearest to its own, as Voxelize does.
+  // Throws Error "no-residual", "bad-residual".
+  ResidualField(const Volume&, const Vec3& box, const Work& = {});
+  // Tiles of each phase, at their own scale. Every particle uses the tile of the group whose color is nearest
+  // in Oklab, turned and shifted at random about its center, and a slope of its own. The binder consists of
+  // cells, each with its own turn and shift, that blend where they meet. `footprint`: edge of the pixels or
+  // voxels that will show the field, mm; tiles are smoothed for it. Throws Error "bad-detail".
+  ResidualField(const Detail&, const Particles&, double footprint, const Work& = {});
+
+  // The offset at a point in mm, within a particle or, if that is −1, within the binder. Each is a function
+  // of space with the box's period. If a tile of ResidualSynth repeats in the box, every particle uses its
+  // own part of the tile; in the binder the part changes along smooth surfaces, and parts blend with their
+  // variance preserved, so that no repetition shows. `depth`: distance to the nearest outline, mm.
+  Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f) const;
+
+  Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
+  Vec3i periods() const { return periods_; }
+
+ private:
+  struct Place {  // of a tile: voxel = turn · offset + shift
+    Eigen::Matrix3f turn;
+    Vec3f center;                 // mm
+    Vec3f shift;                  // voxels
+    Vec3f slope = Vec3f::Zero();  // offset per mm
+  };
+  struct Tile {
+    SplineTile spline;
+    Vec3f mean = Vec3f::Zero();
+  };
+  Vec3f plain(const Vec3f& mm, int particle) const;
+  Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
+  Vec3f binder(const Vec3f& mm) const;
+  void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, const Work&);
+  void place_particles(const Detail&, const Particles&);
+  void place_cells(int size, double voxel);
+  Place random_place(std::uint64_t stream, std::uint64_t item, const Vec3f& center) const;
+  Vec3f placed(const Tile&, const Place&, const Vec3f& mm) const;
+  Vec3f nearest_image(Vec3f offset) const;
+
+  Vec3i periods_ = Vec3i::Ones();
+  Vec3 scale_ = Vec3::Ones();
+  Vec3f box_, voxels_per_mm_;
+  std::vector<Tile> tiles_;  // the binder's, then the groups'
+  bool phases_ = false;
+  std::vector<int> group_;       // tile of each particle
+  std::vector<Place> places_;    // of each particle
+  std::vector<float> contrast_;  // of each particle
+  Vec3i cells_ = Vec3i::Ones();
+  std::vector<Place> cell_;  // of each of the binder's cells, x fastest
+  std::vector<Vec3f> rim_inside_, rim_outside_;
+  std::vector<float> gain_inside_, gain_outside_;
+  float rims_per_mm_ = 1;
+};
+
+}  // namespace terrazzo::residual
