@@ -68,6 +68,12 @@ class NodeContext : public Context {
     result.files.push_back(relative);
   }
 
+  void save_interrupted(const std::string& extension, const std::string& what, const std::string& hint,
+                        const std::function<void(const fs::path&)>& write) override {
+    if (work_.cancelled() && request_.save_interrupted)
+      request_.save_interrupted({extension, what, hint, write});
+  }
+
   ComputeResult result;
 
  protected:

@@ -11,6 +11,12 @@
 
 namespace terrazzo {
 
+// What a canceled computation wants to save: the arguments of Context::save_interrupted.
+struct InterruptedWork {
+  std::string extension, what, hint;
+  std::function<void(const std::filesystem::path& temporary)> write;
+};
+
 struct ComputeRequest {
   const NodeType* type = nullptr;
   std::map<std::string, std::vector<Value>> inputs;
@@ -20,6 +26,7 @@ struct ComputeRequest {
   std::vector<std::filesystem::path> protected_files;  // the graph's inputs, which must not be overwritten
   std::string provenance;                              // JSON
   Work work;
+  std::function<void(const InterruptedWork&)> save_interrupted;  // null: nothing is saved
   std::uint64_t memory = 0;  // bytes that loaders may allocate; 0: all available memory
 };
 

@@ -58,6 +58,13 @@ class Context : public NodeParameters {
   // gets its final name only once it is complete and synced. Only for node types with writes_files.
   virtual void write_file(const std::string& relative,
                           const std::function<void(const std::filesystem::path& temporary)>& write) = 0;
+  // Saves what a canceled computation has reached, in a file NODE.interrupted.EXTENSION in the output folder
+  // that the user can go on from. Call it once, where Cancelled is caught, and then rethrow. It never throws:
+  // problems are reported in NodeResult::saved. Nothing is saved if only an edit made this node obsolete.
+  // `what`: what the file contains, as in "the packing so far (2000 particles)". `hint`: how to go on.
+  virtual void save_interrupted(const std::string& extension, const std::string& what,
+                                const std::string& hint,
+                                const std::function<void(const std::filesystem::path& temporary)>& write) = 0;
   // The provenance of this result as JSON, for the metadata of files: graph, overrides, action keys of the
   // upstream nodes.
   virtual std::string provenance() const = 0;

@@ -13,6 +13,7 @@
 #include "graph/write_graph.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
+#include "runtime/interrupted.h"
 #include "runtime/json_text.h"
 #include "runtime/thread_marks.h"
 
@@ -303,7 +304,15 @@ class Run {
     if (q.type->writes_files) q.provenance = provenance(i), q.protected_files = all_input_files();
     q.work = std::move(work);
     q.memory = options_.memory;
+    q.save_interrupted = [this, i](const InterruptedWork& work) {
+      if (run_is_cancelled()) result(i).saved = save(work, node(i), options_.output_folder);
+    };
     return q;
+  }
+
+  // Whether the whole run is canceled, not only nodes that an edit made obsolete.
+  bool run_is_cancelled() const {
+    return (options_.cancel && *options_.cancel) || (options_.cancel_all && *options_.cancel_all);
   }
 
   // The input files of every node of the graph, needed or not.

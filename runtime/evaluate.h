@@ -33,6 +33,9 @@ struct RunOptions {
   int threads = 0;  // 0: one per CPU core
   const std::atomic<bool>* cancel = nullptr;
   const std::deque<std::atomic<bool>>* cancel_node = nullptr;  // one per node: stops only that node
+  // True once `cancel_node` was set for all nodes because the whole run is canceled. Nodes then save what
+  // they have reached, as they do after `cancel`. Not set if an edit makes single nodes obsolete.
+  const std::atomic<bool>* cancel_all = nullptr;
   Observer* observer = nullptr;
   std::uint64_t memory = 0;  // bytes that loading one file may take; 0: all available memory
   std::string provenance;    // JSON object for nodes that write files

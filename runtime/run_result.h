@@ -1,6 +1,7 @@
 // What a run found about each node, and which nodes a run needs.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -15,6 +16,12 @@ namespace terrazzo {
 enum class Status { Unneeded, Computed, Memory, Disk, Failed, Skipped, Cancelled };
 const char* name_of(Status);
 
+// What a canceled node saved with Context::save_interrupted.
+struct SavedWork {
+  std::filesystem::path file;  // below the output folder; empty if it could not be written
+  Diagnostic message;          // for the user: a note with the file's name, or a warning with the reason
+};
+
 struct NodeResult {
   Status status = Status::Unneeded;
   double seconds = 0;         // computing time in this run
@@ -27,6 +34,7 @@ struct NodeResult {
   std::vector<FileRecord> files;  // files written
   std::vector<FileRecord> read;   // input files, companions included
   std::optional<Diagnostic> error;
+  std::optional<SavedWork> saved;  // of a canceled node; not a result, so it is not cached
 };
 
 struct RunResult {

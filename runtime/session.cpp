@@ -27,6 +27,7 @@ const RunResult& Evaluation::wait() {
 }
 
 void Evaluation::cancel() {
+  cancel_ = true;
   for (auto& flag : cancel_node_) flag = true;
 }
 
@@ -151,6 +152,7 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
   o.memory = options_.file_memory;
   o.cancel = options_.cancel;
   o.cancel_node = &e->cancel_node_;
+  o.cancel_all = &e->cancel_;
   o.observer = observer;
   o.provenance = provenance(*graph_, overrides_);
   evaluations_.push_back(e);

@@ -35,6 +35,7 @@ class Evaluation {
   bool done() const;
   // Waits for the result. Throws only if the evaluation itself failed; errors of nodes are in the result.
   const RunResult& wait();
+  // Nodes that support it save what they have reached: NodeResult::saved.
   void cancel();
 
  private:

@@ -2,6 +2,7 @@
 #include "nodes/packing/figure.h"
 #include "nodes/packing/packing.h"
 #include "nodes/packing/request.h"
+#include "nodes/packing/save_interrupted.h"
 #include "nodes/packing/statistics.h"
 #include "runtime/context.h"
 
@@ -20,6 +21,8 @@ void compute(Context& c) {
   o.iterations = static_cast<int>(c.integer("iterations"));
   const std::string on_jam = c.text("on_jam");
   o.on_jam = on_jam == "shrink" ? OnJam::Shrink : on_jam == "drop" ? OnJam::Drop : OnJam::Fail;
+
+  o.interrupted = saving(c, shapes);
 
   PackResult r = pack_particles(distribution, shapes, c.optional<Particles>("start"), o, c.work());
   for (const auto& note : r.notes) c.warn(note);
@@ -55,7 +58,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType anneal_node() {
-  NodeType type("Anneal", 8);
+  NodeType type("Anneal", 9);
   type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "
@@ -64,7 +67,8 @@ NodeType anneal_node() {
       .input("distribution", "SizeDistribution", "Number density of particles by size class")
       .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
       .optional_input("start", {"Particles"},
-                      "Initial packing; its particles are kept if their class has room")
+                      "Initial packing; its particles are kept if their class has room. A packing that was "
+                      "interrupted, or whose particles were shrunk, continues from its density.")
       .output("particles", "Particles", "The packing in the box [0, size)")
       .output("sizes", "Table", "Requested and achieved number of particles per size class")
       .output("correlation", "Table", "Pair correlation of the particle centers")

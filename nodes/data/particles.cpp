@@ -12,7 +12,8 @@ void encode(const Particles& v, Writer& w) {
   w.array(v.scale), w.array(v.size);
   w.raw_array(v.color);
   w.bytes(v.binder_color.data(), sizeof(float) * 3);
-  w.array(v.voids);
+  // Packings without voids are equal, whether the list is missing or all zero.
+  w.array(v.void_count() > 0 ? v.voids : std::vector<std::uint8_t>());
 }
 
 Particles decode_particles(Reader& r) {

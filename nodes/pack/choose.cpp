@@ -14,9 +14,9 @@ constexpr int kIterations = 1500;
 
 }  // namespace
 
-Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
-                     const packing::PopulationOptions& options, const Work& work) {
-  packing::PopulationOptions any = options;
+Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                     const packing::PackOptions& options, const Work& work) {
+  packing::PopulationOptions any = options.population;
   any.fills_space = true;
   const double fraction =
       packing::populate(distribution, shapes, nullptr, any, work.quiet()).requested_fraction;
@@ -30,11 +30,10 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
     return choice;
   }
   if (fraction < kDense) try {
-      packing::PackOptions pack;
-      pack.population = options;
+      packing::PackOptions pack = options;
       pack.iterations = kIterations;
       pack.hopeless = kNear;
-      choice.packed = packing::pack_particles(distribution, shapes, nullptr, pack, work);
+      choice.packed = packing::pack_particles(distribution, shapes, start, pack, work);
       choice.method = Method::Anneal;
       choice.reason = fmt::format("rigid particles reach the volume fraction of {:.3f}", fraction);
       return choice;

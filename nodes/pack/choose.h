@@ -16,8 +16,9 @@ struct Choice {
 };
 
 // Without a binder (a volume fraction of 0.97 or more): Laguerre. Where the particles can be packed: Anneal,
-// and the packing. Otherwise: Grow. Throws the errors of pack_particles() except "jammed".
-Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
-                     const packing::PopulationOptions& population, const Work& work);
+// and the packing, which continues from `start` (may be null). Otherwise: Grow. Of the options, only
+// population and interrupted count. Throws the errors of pack_particles() except "jammed".
+Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                     const packing::PackOptions& options, const Work& work);
 
 }  // namespace terrazzo::pack

@@ -2,6 +2,7 @@
 #include "nodes/pack/choose.h"
 #include "nodes/packing/figure.h"
 #include "nodes/packing/request.h"
+#include "nodes/packing/save_interrupted.h"
 #include "nodes/packing/statistics.h"
 #include "nodes/tessellation/request.h"
 #include "runtime/context.h"
@@ -39,7 +40,8 @@ packing::PackResult anneal(Context& c, const SizeDistribution& distribution, con
   o.population = packing::read_population(c);
   o.population.binder_gap = c.optional_number("gap").value_or(0);
   o.on_jam = c.choice<packing::OnJam>("on_jam");
-  return packing::pack_particles(distribution, shapes, nullptr, o, c.work());
+  o.interrupted = packing::saving(c, shapes);
+  return packing::pack_particles(distribution, shapes, c.optional<Particles>("start"), o, c.work());
 }
 
 void compute(Context& c) {
@@ -51,9 +53,12 @@ void compute(Context& c) {
   Work work = c.work();
   pack::Choice choice;
   if (method == Method::Auto) {
-    packing::PopulationOptions population = packing::read_population(c);
-    population.binder_gap = c.optional_number("gap").value_or(0);
-    choice = pack::choose_method(distribution, shapes, population, work.part(0, 0.5));
+    packing::PackOptions options;
+    options.population = packing::read_population(c);
+    options.population.binder_gap = c.optional_number("gap").value_or(0);
+    options.interrupted = packing::saving(c, shapes);
+    choice =
+        pack::choose_method(distribution, shapes, c.optional<Particles>("start"), options, work.part(0, 0.5));
     work = work.part(0.5, 1);
     if (choice.method != Method::Anneal) c.warn(choice.reason);
   }
@@ -67,6 +72,7 @@ void compute(Context& c) {
                   chosen ? std::move(choice.packed) : anneal(c, distribution, shapes));
     return;
   }
+  if (c.has("start")) c.warn("`start` has no effect: only method anneal continues from it");
   const auto fill = method == Method::Grow ? tessellation::Method::Grow : tessellation::Method::Laguerre;
   output_fill(c, distribution, fill_space(distribution, shapes, read_fill(c, fill), work));
 }
@@ -84,6 +90,8 @@ NodeType pack_node() {
       .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
       .optional_input("profiles", {"Profiles"},
                       "Profiles of the photograph, which show how thick the binder between neighbors is")
+      .optional_input("start", {"Particles"},
+                      "anneal: initial packing, for example of an interrupted run, see Anneal")
       .output("particles", "Particles", "The particles in the box [0, size)")
       .output("shapes", "Shapes", "The shapes of the input, or one shape per particle")
       .output("table", "Table", "Class, volumes, size, surface and sphericity of each particle")

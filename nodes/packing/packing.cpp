@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/audit.h"
@@ -14,6 +16,7 @@
 #include "nodes/packing/placement.h"
 #include "nodes/packing/reachable.h"
 #include "nodes/packing/schedule.h"
+#include "nodes/packing/shrunk_start.h"
 #include "nodes/packing/spatial_order.h"
 #include "nodes/packing/statistics.h"
 #include "nodes/packing/turn.h"
@@ -69,6 +72,14 @@ void reorder_all(Particles& p, const std::vector<std::int32_t>& order) {
   reorder(p.position, order), reorder(p.orientation, order);
 }
 
+Population population_of(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
+                         const PopulationOptions& options, const Work& work) {
+  if (start && start->count() > 0)
+    if (auto population = regrown(populate(distribution, shapes, nullptr, options, work), *start))
+      return std::move(*population);
+  return populate(distribution, shapes, start, options, work);
+}
+
 class Packer {
  public:
   Packer(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
@@ -77,9 +88,11 @@ class Packer {
         options_(options),
         work_(work),
         auditor_(shapes),
-        population_(populate(distribution, shapes, start, options.population, work)) {}
+        population_(population_of(distribution, shapes, start, options.population, work)) {}
 
   PackResult run();
+  // After a cancellation: what was reached, or nothing if no particle was moved.
+  std::optional<InterruptedPacking> reached();
 
  private:
   const Shapes& shapes_;
@@ -97,16 +110,20 @@ class Packer {
   PackResult result_;
   double goal_ = 1;                  // all particles were scaled by this before they were placed
   std::vector<std::int32_t> index_;  // original index of each particle; empty if the order is unchanged
+  InterruptedPacking before_;        // a free packing, from before an attempt that may end without one
 
+  InterruptedPacking interrupted() const;
   void prepare();
   void estimate();
   void fit_to(double fraction);
   void scale_all(double factor);
   void raise(const Work& work);
   void leave_out(double volume);
+  void leave_out_again();
   void remove(const std::vector<bool>& keep);
   void place();
   void sort(const std::vector<std::int32_t>& order);
+  std::vector<std::int32_t> original_order() const;
   void anneal_and_audit(double start_shrink, double steps, const Work& work);
   void drop(const Work& work);
   void remove_overlapping();
@@ -151,6 +168,13 @@ void Packer::sort(const std::vector<std::int32_t>& order) {
   reorder(packing_.shape, order), reorder(packing_.scale, order), reorder(packing_.size, order);
 }
 
+std::vector<std::int32_t> Packer::original_order() const {
+  std::vector<std::int32_t> back(index_.size());
+  std::iota(back.begin(), back.end(), 0);
+  std::sort(back.begin(), back.end(), [&](std::int32_t a, std::int32_t b) { return index_[a] < index_[b]; });
+  return back;
+}
+
 bool Packer::has_more_detail() const {
   return std::any_of(contact_shapes_.begin(), contact_shapes_.end(), [](const ContactShape& s) {
     return s.tree(Detail::All).elements.size() > s.tree(Detail::Fine).elements.size();
@@ -161,7 +185,9 @@ bool Packer::has_more_detail() const {
 void Packer::estimate() {
   const double requested = population_.fraction;
   const double easy = surely_reachable(population_, shapes_, contact_shapes_, options_.population.binder_gap);
-  if (requested <= easy || population_.kept == population_.particles.count()) return;
+  // A start that was shrunk needs the estimate again to know at which size the particles are to be packed.
+  const bool regrows = population_.start_shrink < 1 && options_.on_jam == OnJam::Shrink;
+  if (requested <= easy || (population_.kept == population_.particles.count() && !regrows)) return;
   const Work work = work_.part(0.05, 0.15);
   AnnealOptions trial = anneal_;
   trial.steps = kTrial * options_.iterations;
@@ -185,6 +211,8 @@ void Packer::estimate() {
 
 // Shrinks all particles or leaves some out, to a volume fraction that can be packed.
 void Packer::fit_to(double fraction) {
+  if (population_.start_shrink < 1 && population_.kept == population_.particles.count())
+    fraction = std::max(fraction, population_.fraction * std::pow(population_.start_shrink, 3));
   if (fraction >= population_.fraction) return;
   Particles& p = population_.particles;
   if (options_.on_jam == OnJam::Drop) {
@@ -201,6 +229,25 @@ void Packer::scale_all(double factor) {
   goal_ *= factor;
 }
 
+InterruptedPacking Packer::interrupted() const {
+  InterruptedPacking now{placed(population_.particles, packing_), packing_.overlap};
+  if (index_.empty()) return now;
+  reorder_all(now.particles, original_order());
+  return now;
+}
+
+std::optional<InterruptedPacking> Packer::reached() {
+  const auto density = [&](const InterruptedPacking& p) { return volume_fraction(shapes_, p.particles); };
+  if (packing_.count() == 0 || !std::isfinite(packing_.overlap)) {
+    if (before_.particles.count() == 0) return {};
+    return std::move(before_);
+  }
+  InterruptedPacking now = interrupted();
+  if (before_.particles.count() > 0 && (now.overlap > kTolerance || density(now) < density(before_)))
+    return std::move(before_);
+  return now;
+}
+
 // If the packing took few steps, the estimate was too low: aims higher, and keeps what was reached if that
 // jams.
 void Packer::raise(const Work& work) {
@@ -210,6 +257,7 @@ void Packer::raise(const Work& work) {
     const Population population = population_;
     const AuditResult audited = audit_;
     const double goal = goal_, factor = std::min(kRaise, 1 / goal_);
+    if (options_.interrupted) before_ = interrupted();
     scale_all(factor);
     packing_.scale = population_.particles.scale, packing_.size = population_.particles.size;
     anneal_and_audit(1 / factor, 0.5 * options_.iterations, work);
@@ -242,6 +290,13 @@ void Packer::leave_out(double volume) {
   remove(keep);
 }
 
+// Leaves out the particles that the interrupted packing had left out.
+void Packer::leave_out_again() {
+  std::vector<bool> keep(population_.particles.count(), false);
+  std::fill_n(keep.begin(), population_.kept, true);
+  remove(keep);
+}
+
 // Removes particles from the population before or after they are placed.
 void Packer::remove(const std::vector<bool>& keep) {
   Particles& p = population_.particles;
@@ -268,10 +323,12 @@ void Packer::anneal_and_audit(double start_shrink, double steps, const Work& wor
   for (int round = 0; round < kAuditRounds && since < 12; ++round) {
     anneal_.steps = std::max(left, kSettle);
     state_ = pack(contact_shapes_, packing_, anneal_, budget_, work);
+    anneal_.resume = false;
     left -= state_.steps;
     result_.iterations += state_.iterations;
     turn_spheres(shapes_, contact_shapes_, packing_, anneal_.binder_gap, anneal_.seed, work_.quiet());
     audit_ = auditor_(placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
+    packing_.overlap = std::max(packing_.overlap, audit_.worst);
     budget_.used += Budget::steps(audit_.tests, packing_.count());
     if (audit_.worst == 0 || !state_.free || budget_.left() <= 0) break;
     const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
@@ -304,11 +361,13 @@ void Packer::drop(const Work& work) {
   const auto few = [&] { return packing_.shrink == 1 && audit_.found.size() * 100 <= packing_.count(); };
   const auto jammed = [&] { return packing_.shrink < 1 || audit_.worst > kTolerance; };
   for (int k = 0; k < kDrops && packing_.count() > 0 && jammed() && !few(); ++k) {
+    if (options_.interrupted && (packing_.overlap <= kTolerance || before_.particles.count() == 0))
+      before_ = interrupted();
     // Some of the volume that the particles lost when they shrank; all of it is more than necessary, because
     // the most strained ones leave.
     const double excess = std::max(0.005, (0.5 + 0.1 * k) * (1 - std::pow(packing_.shrink, 3))) *
                           population_.fraction * packing_.box.prod();
-    packing_.shrink = 1;
+    packing_.shrink = 1, packing_.overlap = std::numeric_limits<double>::infinity();
     std::vector<double> strain = strain_of(contact_shapes_, packing_, anneal_, work_.quiet());
     for (const auto& p : audit_.found) strain[p.a] += p.relative, strain[p.b] += p.relative;
     std::vector<std::size_t> order(strain.size());
@@ -359,11 +418,14 @@ PackResult Packer::run() {
     if (s.field.kind() == DistanceField::Kind::Grid) anneal_.aim = 1.002;
   budget_.expected = 0.1 * options_.iterations;
   budget_.limit = (1 + kReserve) * options_.iterations;
+  if (population_.start_shrink < 1 && options_.on_jam == OnJam::Drop) leave_out_again();
   estimate();
   place();
   const bool resumed = population_.kept == packing_.count();
+  anneal_.resume = resumed && population_.start_shrink < 1;
   const double begin = reachable_.fraction > 0 ? 0.15 : 0.05;
-  anneal_and_audit(resumed ? 1.0 : 0.6, options_.iterations, work_.part(begin, 0.95));
+  anneal_and_audit(resumed ? std::min(1.0, population_.start_shrink / goal_) : 0.6, options_.iterations,
+                   work_.part(begin, 0.95));
 
   if (options_.on_jam == OnJam::Shrink) raise(work_.part(0.95, 1));
   const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
@@ -387,11 +449,7 @@ PackResult Packer::run() {
 
   result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
   if (!index_.empty()) {
-    std::vector<std::int32_t> back(index_.size());
-    std::iota(back.begin(), back.end(), 0);
-    std::sort(back.begin(), back.end(),
-              [&](std::int32_t a, std::int32_t b) { return index_[a] < index_[b]; });
-    sort(back);
+    sort(original_order());
   }
   result_.particles = placed(population_.particles, packing_);
   result_.size_class = population_.size_class;
@@ -419,7 +477,17 @@ PackResult Packer::run() {
 
 PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                           const PackOptions& options, const Work& work) {
-  return Packer(distribution, shapes, start, options, work).run();
+  Packer packer(distribution, shapes, start, options, work);
+  try {
+    return packer.run();
+  } catch (const Cancelled&) {
+    try {
+      if (options.interrupted)
+        if (const auto reached = packer.reached()) options.interrupted(*reached);
+    } catch (const std::bad_alloc&) {  // without memory for a copy, the packing is canceled all the same
+    }
+    throw;
+  }
 }
 
 }  // namespace terrazzo::packing

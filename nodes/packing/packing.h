@@ -1,6 +1,8 @@
 // From a distribution and shapes to particles without overlap: population, placement, annealing, audit.
 #pragma once
 
+#include <functional>
+
 #include "nodes/packing/population.h"
 #include "runtime/work.h"
 
@@ -8,12 +10,23 @@ namespace terrazzo::packing {
 
 enum class OnJam { Fail, Shrink, Drop };
 
+// What a canceled packing had reached.
+struct InterruptedPacking {
+  Particles particles;  // in their order, at the size they had
+  double overlap = 0;   // deepest, as far as known, relative to the smaller particle's size; 0: free
+};
+
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
   int iterations = 6000;  // steps until the particles are considered jammed; see Budget
   // How far above the estimate a volume fraction is refused at once if on_jam is Fail.
   double hopeless = 0.15;
+  // Called if the packing is canceled after particles have been moved, before Cancelled is thrown: with the
+  // densest packing found that is free of overlap, or if there is none, with the current one. As `start` of
+  // the same request it continues from there, and the result is at least as dense, apart from what the audit
+  // corrects and what Drop leaves out.
+  std::function<void(const InterruptedPacking&)> interrupted;
 };
 
 struct PackResult {

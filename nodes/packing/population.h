@@ -28,11 +28,12 @@ struct Population {
   // Scale and size of all particles; positions only of the kept ones. Kept particles are first, then the
   // others by decreasing size.
   Particles particles;
-  std::size_t kept = 0;            // number of particles from `start`
-  std::vector<int> size_class;     // of each particle
-  double requested_fraction = 0;   // Σ N_V·V
-  double fraction = 0;             // volume fraction of the particles
-  std::vector<double> expected;    // number of particles of each size class in this box, not rounded
+  std::size_t kept = 0;           // number of particles from `start`
+  double start_shrink = 1;        // factor by which the kept ones were smaller in `start`; see shrunk_start.h
+  std::vector<int> size_class;    // of each particle
+  double requested_fraction = 0;  // Σ N_V·V
+  double fraction = 0;            // volume fraction of the particles
+  std::vector<double> expected;   // number of particles of each size class in this box, not rounded
   std::vector<std::string> notes;  // warnings for the user
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -20,6 +21,8 @@ struct Packing {
   std::vector<Vec3> position;       // [0, box)
   std::vector<Quat> orientation;
   double shrink = 1;  // actual size relative to the requested size, for all bodies
+  // Deepest overlap found last, relative to the smaller body's size; 0: free. Infinite before any iteration.
+  double overlap = std::numeric_limits<double>::infinity();
   std::size_t count() const { return position.size(); }
 };
 

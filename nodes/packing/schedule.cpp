@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "graph/diagnostic.h"
+
 namespace terrazzo::packing {
 namespace {
 
@@ -12,7 +14,8 @@ constexpr int kAgitated = 150;  // number of iterations with it
 constexpr double kRate = 0.02;  // rate of shrinking, in mean overlaps per iteration
 constexpr double kGain = 3e-4;  // growth in kPatience rounds below which the bodies are considered jammed
 constexpr int kPatience = 5;
-constexpr double kGrowth = 0.2;  // share of the steps for growth: crowded thin shapes take many tests
+constexpr double kRounding = 1e-5;  // overlap of a free state after its sizes were scaled back and forth
+constexpr double kGrowth = 0.2;     // share of the steps for growth: crowded thin shapes take many tests
 
 enum class Outcome { Free, Stalled, OutOfTime };
 
@@ -31,6 +34,7 @@ class Schedule {
   }
 
   AnnealResult run();
+  void leave_best();
 
  private:
   Packing& packing_;
@@ -53,6 +57,7 @@ class Schedule {
   bool free_by_shrinking(double down);
   bool decompress();
   bool compact(double over, double step);
+  void resume();
   void save();
   void restore();
 };
@@ -177,20 +182,41 @@ bool Schedule::compact(double over, double step) {
     relax(0, kAgitated, -1);
     relax_.step_length = Relaxation::kCold;
     if (!decompress()) break;
-    if (!any || packing_.shrink > best_.shrink) save();
+    if (best_.position.empty() || packing_.shrink > best_.shrink) save();
     any = true;
     reached.push_back(best_.shrink);
     if (best_.shrink >= options_.enough || left() <= 0) break;
     if (reached.size() > kPatience && reached.back() < reached[reached.size() - 1 - kPatience] * (1 + kGain))
       break;
   }
-  if (any) restore();
-  return any;
+  if (best_.position.empty()) return false;
+  restore();
+  return true;
+}
+
+// Keeps the state at the beginning as a first free state if it is one.
+void Schedule::resume() {
+  set(std::min(1.0, options_.start_shrink), true, 0);
+  last_ = relax_.measure(quiet_);
+  if (last_.worst <= kRounding) save();
+}
+
+// After a cancellation. Bodies may be anywhere in the middle of an iteration, but each is whole.
+void Schedule::leave_best() {
+  if (!best_.position.empty()) {
+    restore();
+    packing_.overlap = 0;
+  } else {
+    relax_.rest();
+    if (iterations_ > 0) packing_.overlap = std::max(0.0, last_.worst);
+  }
+  packing_.shrink = std::min(packing_.shrink, 1.0);
 }
 
 AnnealResult Schedule::run() {
   AnnealResult result;
   if (packing_.count() == 0) return result.free = true, result;
+  if (options_.resume && !options_.settle) resume();
   if (options_.settle) {
     set(packing_.shrink, true, 0.0005);
     relax_.local = options_.local;
@@ -207,6 +233,7 @@ AnnealResult Schedule::run() {
     if (!result.free) result.free = compact(relax_.spheres() ? 0.1 : 0.05, kHot);
   }
   if (packing_.shrink > 1) packing_.shrink = 1;
+  packing_.overlap = result.free ? 0 : std::max(0.0, last_.worst);
   result.iterations = iterations_;
   result.steps = used_;
   result.overlap = last_;
@@ -217,7 +244,13 @@ AnnealResult Schedule::run() {
 
 AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
                   Budget& budget, const Work& work) {
-  return Schedule(shapes, packing, options, budget, work).run();
+  Schedule schedule(shapes, packing, options, budget, work);
+  try {
+    return schedule.run();
+  } catch (const Cancelled&) {
+    schedule.leave_best();
+    throw;
+  }
 }
 
 std::vector<double> strain_of(const std::vector<ContactShape>& shapes, Packing& packing,

@@ -13,6 +13,7 @@ struct AnnealOptions {
   double start_shrink = 0.6;  // size at which growth begins
   bool local = false;         // while settling, move only bodies that overlap
   bool settle = false;        // only repair a packing that is almost free, at its current size
+  bool resume = false;        // the bodies may be free at start_shrink; then the result is at least as dense
   double aim = 1;  // size above 1 to reach if no rounds are needed; leaves room for corrections by the audit
   double enough = 1;             // size at which jammed bodies stop growing
   Detail detail = Detail::Fine;  // detail of contacts once the bodies have their size
@@ -29,7 +30,8 @@ struct AnnealResult {
 // Bodies grow from `start_shrink` to their size while overlaps are relaxed. If they jam, rounds of agitated
 // compression and decompression make them denser. Ends with packing.shrink = 1 and free or, if the steps are
 // used up or the rounds stop gaining, with the densest free state found (shrink < 1). Charges the budget, and
-// exceeds it only to find a first free state.
+// exceeds it only to find a first free state. If canceled, leaves the densest free state found so far in
+// `packing`, or else the current one.
 AnnealResult pack(const std::vector<ContactShape>& shapes, Packing& packing, const AnnealOptions& options,
                   Budget& budget, const Work& work);
 

@@ -46,8 +46,9 @@ void ProgressLine::finished(int node, const NodeResult& r) {
   running_.erase(node);
   waiting_[static_cast<std::size_t>(node)] = false;
   ++done_;
-  if (r.error || (!quiet_ && !r.warnings.empty())) clear();
+  if (r.error || r.saved || (!quiet_ && !r.warnings.empty())) clear();
   if (r.error) std::cerr << r.error->text() << '\n';
+  if (r.saved) std::cerr << r.saved->message.text() << '\n';
   if (!line_ && !quiet_ && r.status == Status::Computed && r.seconds >= 1)
     std::cerr << fmt::format("[{}/{}] {}: {:.1f} s\n", done_, needed_, path(node), r.seconds);
   if (!quiet_)

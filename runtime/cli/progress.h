@@ -10,8 +10,8 @@ namespace terrazzo::cli {
 
 // On a terminal, shows one line that is redrawn at most ten times a second: the number of finished nodes, the
 // running nodes, and the estimated time left, based on each node's last run. Elsewhere, prints a line for
-// each node that took a second or more, and one every ten seconds for a node that is still running. Failures
-// and warnings are printed as they occur.
+// each node that took a second or more, and one every ten seconds for a node that is still running. Failures,
+// warnings and files saved by canceled nodes are printed as they occur.
 class ProgressLine : public Observer {
  public:
   // `graph`: the evaluated graph, if it is not the session's.

@@ -84,6 +84,8 @@ class LocalExecutor : public Executor {
       std::cerr << "warning: " << point.folder << ": cannot save what `terrazzo explain` needs: " << e.what()
                 << '\n';
     }
+    for (const auto& node : result.nodes)
+      if (node.saved) std::cerr << point.folder << ": " << node.saved->message.text() << '\n';
     if (result.cancelled()) return nullptr;
     json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
     write_text_atomically(options.output_folder / "report.json", json_text(report, 2) + "\n");

@@ -175,6 +175,10 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadProfiles.csv", "a.csv",
          "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
   w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
+  w.text("LoadParticles.json", "a.json",
+         "{\"box\":[1,2,3],\"shape\":[0,1],\"class\":[0,0],\"position\":[[0.5,0.5,0.5],[1,2,3]],"
+         "\"orientation\":[[1,0,0,0],[0,0.6,0,0.8]],\"scale\":[1,1e-3],\"size\":[1,2],"
+         "\"color\":[[0,0,0],[1,1,1]],\"binder_color\":[0,1,0],\"voids\":[1],\"x\":{\"y\":[null]}}\n");
   const fs::path answers = w.place("StudyAnova.csv", "a.csv");
   std::ofstream(answers) << content("nodes/study_anova/answers.csv");
   std::ofstream(answers.parent_path() / "key.csv") << content("nodes/study_anova/key.csv");
