@@ -9,7 +9,7 @@ namespace terrazzo {
 namespace {
 
 void encode(const Detail& v, Writer& w) {
-  w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness);
+  w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
   w.raw_array(v.rim_inside), w.raw_array(v.rim_outside);
   w.array(v.gain_inside), w.array(v.gain_outside);
   w.raw_array(v.profile_color), w.array(v.profile_contrast);
@@ -23,6 +23,7 @@ void encode(const Detail& v, Writer& w) {
 Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
+  v.gray = r.pod<std::uint8_t>() != 0;
   v.rim_inside = r.raw_array<Vec3f>(), v.rim_outside = r.raw_array<Vec3f>();
   v.gain_inside = r.array<float>(), v.gain_outside = r.array<float>();
   v.profile_color = r.raw_array<Vec3f>(), v.profile_contrast = r.array<float>();
@@ -49,8 +50,18 @@ nlohmann::json describe(const Detail& v) {
          {"slope", p.slope},
          {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
   }
+  const auto rim = [](const std::vector<Vec3f>& offsets) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Vec3f& o : offsets) list.push_back(json_of(o));
+    return list;
+  };
   return {{"pixel_size", v.pixel_size},
+          {"rim_inside", rim(v.rim_inside)},
+          {"rim_outside", rim(v.rim_outside)},
+          {"gain_inside", v.gain_inside},
+          {"gain_outside", v.gain_outside},
           {"size", v.size},
+          {"gray", v.gray},
           {"softness", v.softness},
           {"phases", std::move(phases)}};
 }

@@ -28,6 +28,7 @@ struct Detail {
   // particle has the contrast of the profile with the nearest color.
   std::vector<Vec3f> profile_color;
   std::vector<float> profile_contrast;
+  bool gray = false;    // the photograph has no color, and neither have the offsets
   double softness = 0;  // standard deviation of the blur of outlines, pixels
 };
 

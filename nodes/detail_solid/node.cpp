@@ -64,7 +64,9 @@ void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
   PhaseChoice choice;
+  const double softness = outline_softness(image, labels);
   choice.edge = static_cast<int>(c.integer("edge"));
+  choice.softness = softness;
   choice.specks = c.number("specks");
   choice.groups = static_cast<int>(c.integer("groups"));
   choice.seed = c.seed();
@@ -74,7 +76,9 @@ void compute(Context& c) {
   Detail detail;
   detail.pixel_size = image.pixel_size;
   detail.size = static_cast<int>(c.integer("size"));
-  detail.softness = outline_softness(image, labels);
+  detail.gray = std::all_of(image.pixels.begin(), image.pixels.end(),
+                            [](const Vec3f& v) { return v.maxCoeff() - v.minCoeff() < 1e-6f; });
+  detail.softness = softness;
   c.metric("softness", detail.softness);
   detail.phases.resize(phases.pixels.size());
   split_rims(phases, labels, detail);

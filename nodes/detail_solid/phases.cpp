@@ -138,11 +138,10 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
     if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
     if (out.phase[i] > 0) profile.at(static_cast<std::size_t>(labels.ids[i]) - 1).add(image.pixels[i]);
   }
-  std::vector<Vec3f> color, flat;
+  std::vector<Vec3f> color;
   std::vector<double> area;
   for (const Mean& m : profile) {
     color.push_back(m.value()), area.push_back(m.count);
-    flat.push_back(linear_to_srgb(m.value()));
   }
   const std::vector<int> group = group_profiles(color, area, choice, work);
   int groups = 0;
@@ -150,17 +149,29 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
     if (area[k] > 0) groups = std::max(groups, group[k]);
   std::vector<Mean> of_group(static_cast<std::size_t>(groups));
   out.pixels.assign(static_cast<std::size_t>(groups) + 1, 0);
+  std::vector<Vec3f> flat(plane);
   for (std::size_t i = 0; i < pixels; ++i) {
+    if (i % plane == 0) {
+      const Vec3f matrix = binder[i / plane].value();
+      for (std::size_t k = 0; k < plane; ++k) {
+        const std::int32_t id = labels.ids[i + k];
+        flat[k] = id > 0 && area[static_cast<std::size_t>(id) - 1] > 0
+                      ? color[static_cast<std::size_t>(id) - 1]
+                      : matrix;
+      }
+      if (choice.softness > 0.2) {
+        cv::Mat picture(out.height, out.width, CV_32FC3, flat.data());
+        cv::GaussianBlur(picture, picture, {0, 0}, choice.softness);
+      }
+    }
     if (out.phase[i] < 0) {
       out.offset[i].setZero();
       continue;
     }
-    if (out.phase[i] == 0) {
-      out.offset[i] -= linear_to_srgb(binder[i / plane].value());
-    } else {
+    out.offset[i] -= linear_to_srgb(flat[i % plane]);
+    if (out.phase[i] > 0) {
       const auto k = static_cast<std::size_t>(labels.ids[i]) - 1;
       out.phase[i] = static_cast<std::int8_t>(group[k]);
-      out.offset[i] -= flat[k];
       of_group[static_cast<std::size_t>(group[k]) - 1].add(image.pixels[i]);
     }
     ++out.pixels[static_cast<std::size_t>(out.phase[i])];

@@ -23,14 +23,16 @@ struct Phases {
 };
 
 struct PhaseChoice {
-  int edge = 1;       // pixels on each side of an outline that are not used
-  double specks = 6;  // limit for binder pixels in robust standard deviations from the binder's median; 0:
-                      // none
-  int groups = 3;     // most groups of particles
+  int edge = 1;         // pixels on each side of an outline that are not used
+  double specks = 6;    // limit for binder pixels in robust standard deviations from the binder's median; 0:
+                        // none
+  int groups = 3;       // most groups of particles
+  double softness = 0;  // standard deviation of the blur of outlines, pixels
   std::uint64_t seed = 1;
 };
 
-// The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder. Profiles
+// The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder, blurred as
+// the photograph blurs outlines. Profiles
 // are grouped by color (k-means in Oklab, weighted by area); a group with too few pixels for a texture joins
 // the nearest. Throws Error "size-mismatch", "bad-pixels".
 Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});

@@ -16,7 +16,7 @@ namespace {
 constexpr int kBins = 16;             // pixels from the outline
 constexpr double kLeastBin = 200;     // pixels in a bin
 constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and contrast count
-constexpr int kStep = 4;              // pixels on each side of an outline
+constexpr int kStep = 8;              // pixels on each side of an outline
 
 struct Bins {
   std::array<Vec3, kBins> sum;
@@ -218,13 +218,21 @@ double outline_softness(const Image& image, const Labels& labels) {
   }
   const double low = step.front(), high = step.back();
   if (!(high - low > 0.1)) return 0;  // particles and binder cannot be told by color
-  double mean = 0, square = 0;
-  for (std::size_t k = 0; k + 1 < step.size(); ++k) {
-    const double at = static_cast<double>(k) + 1 - kStep,
-                 rise = std::clamp((step[k + 1] - step[k]) / (high - low), 0.0, 1.0);
-    mean += at * rise, square += at * at * rise;
-  }
-  return std::clamp(std::sqrt(std::max(0.0, square - mean * mean - 1.0 / 6)), 0.0, 1.5);
+  // From where a quarter of the step is left behind to three quarters, around its middle.
+  const auto share = [&](std::size_t k) { return (step[k] - low) / (high - low); };
+  std::size_t middle = 1;
+  while (middle + 1 < step.size() && share(middle) < 0.5) ++middle;
+  const auto crossing = [&](double level) {
+    std::size_t k = middle;
+    if (level < 0.5)
+      while (k > 1 && share(k - 1) > level) --k;
+    else
+      while (k + 1 < step.size() && share(k) < level) ++k;
+    const double from = share(k - 1), to = share(k);
+    return static_cast<double>(k) - 1 + std::clamp((level - from) / std::max(to - from, 1e-6), 0.0, 1.0);
+  };
+  const double sigma = (crossing(0.75) - crossing(0.25)) / 1.349;
+  return std::clamp(std::sqrt(std::max(0.0, sigma * sigma - 1.0 / 6)), 0.0, 3.0);
 }
 
 }  // namespace terrazzo::detail_solid

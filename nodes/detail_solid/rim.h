@@ -27,8 +27,9 @@ void split_contrasts(Phases&, const Image&, const Labels&, Detail&);
 // along an axis of the slope times the profile's radius √(A/π). Small profiles are left as they are.
 std::vector<double> split_slopes(Phases&, const Labels&);
 
-// Standard deviation in pixels of the blur of outlines between particles and binder: of the mean step from
-// one flat color to the other within 4 pixels of an outline, less that of a pixel.
+// Standard deviation in pixels of the blur of outlines between particles and binder, at most 3: from the
+// distance over which the mean step from one flat color to the other rises from 1/4 to 3/4, less the width of
+// a pixel.
 double outline_softness(const Image&, const Labels&);
 
 }  // namespace terrazzo::detail_solid

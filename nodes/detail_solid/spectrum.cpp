@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kLags = 24;       // pixels
 constexpr int kWindow = 464;    // most pixels per side that are transformed
-constexpr int kFitRounds = 12;  // of fitting the filter
+constexpr int kFitRounds = 20;  // of fitting the filter
+constexpr double kLeastGain = 0.01, kMostGain = 16;  // of the power, relative to its mean
 constexpr double kPi = std::numbers::pi;
 
 constexpr int kSide = 2 * kLags + 1;
@@ -54,15 +55,18 @@ std::vector<double> covariance_of(const Phases& p, int phase) {
   return sum;
 }
 
-// Power per frequency cell of slices of size² pixels, by radial bin |q| of the slice's frequencies.
-std::vector<double> wanted_power(const std::vector<double>& covariance, int size) {
-  constexpr int kDirections = 16;
+// Power per frequency cell of slices of size² pixels, by radial bin |q| of the slice's frequencies. Beyond
+// size/2 there are only frequencies near the diagonals.
+std::vector<double> wanted_power(const std::vector<double>& covariance, int size, std::size_t bins) {
+  constexpr int kDirections = 32;
   std::vector<double> out;
-  for (int q = 0; q <= size / 2; ++q) {
-    double power = 0;
+  for (std::size_t q = 0; q < bins; ++q) {
+    const double k = 2 * kPi * static_cast<double>(q) / size;
+    double power = 0, directions = 0;
     for (int a = 0; a < kDirections; ++a) {
-      const double angle = kPi * (a + 0.5) / kDirections;
-      const double kx = 2 * kPi * q / size * std::cos(angle), ky = 2 * kPi * q / size * std::sin(angle);
+      const double angle = kPi * (a + 0.5) / kDirections, kx = k * std::cos(angle), ky = k * std::sin(angle);
+      if (std::max(std::abs(kx), std::abs(ky)) > kPi) continue;
+      ++directions;
       for (int dy = -kLags; dy <= kLags; ++dy)
         for (int dx = -kLags; dx <= kLags; ++dx) {
           const double window =
@@ -71,7 +75,7 @@ std::vector<double> wanted_power(const std::vector<double>& covariance, int size
                    std::cos(kx * dx + ky * dy);
         }
     }
-    out.push_back(std::max(power / kDirections, 0.0));
+    out.push_back(directions > 0 ? std::max(power / directions, 0.0) : out.back());
   }
   return out;
 }
@@ -102,8 +106,8 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
   if (phases.pixels[static_cast<std::size_t>(phase)] < 256) return;
   const std::vector<double> covariance = covariance_of(phases, phase);
   if (covariance.empty()) return;
-  const std::vector<double> wanted = wanted_power(covariance, size);
-  const auto n = static_cast<std::size_t>(size);
+  const auto n = static_cast<std::size_t>(size), bins = static_cast<std::size_t>(size / std::sqrt(2.0)) + 1;
+  const std::vector<double> wanted = wanted_power(covariance, size, bins);
   const LaneFft fft(size);
   std::vector<LaneComplex> data(tile.size());
   Vec3 mean = Vec3::Zero();
@@ -116,8 +120,7 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
   transform(fft, data, false, work);
   // Power by radial frequency in space (ρ) and in the slices across each axis (q): a slice adds up all
   // frequencies along its axis.
-  const std::size_t bins = n / 2 + 1,
-                    most = static_cast<std::size_t>(std::ceil(std::sqrt(3.0) * size / 2)) + 2;
+  const std::size_t most = static_cast<std::size_t>(std::ceil(std::sqrt(3.0) * size / 2)) + 2;
   std::vector<double> power(bins * most, 0.0), cells(bins, 0.0);
   std::vector<double> distance(tile.size());
   const auto frequency = [&](std::size_t i) {
@@ -145,15 +148,24 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
     }
   // Mean power of a slice's frequency cell, in the units of wanted_power: Σ_z |F|² / n · (1 / n²) per cell.
   const double unit = 1.0 / (3.0 * std::pow(static_cast<double>(n), 4));
+  const auto power_at = [&](std::size_t q, const std::vector<double>& by) {
+    double have = 0;
+    for (std::size_t r = 0; r < most; ++r) have += power[q * most + r] * by[r];
+    return have * unit / std::max(cells[q], 1.0);
+  };
   std::vector<double> gain(most, 1.0);  // of the power, by ρ
+  double all = 0, given = 0;
+  for (std::size_t q = 1; q < bins; ++q) all += cells[q] * wanted[q], given += cells[q] * power_at(q, gain);
+  if (!(all > 0) || !(given > 0)) return;
+  const double start = all / given;
+  gain.assign(most, start);
   for (int round = 0; round < kFitRounds; ++round) {
     std::vector<double> next = gain;
     for (std::size_t q = 1; q < bins; ++q) {
-      double have = 0;
-      for (std::size_t r = 0; r < most; ++r) have += power[q * most + r] * gain[r];
-      have *= unit / std::max(cells[q], 1.0);
-      if (!(have > 0)) continue;
-      next[q] = std::clamp(gain[q] * std::pow(wanted[q] / have, 0.7), 0.04, 16.0);
+      const double have = power_at(q, gain);
+      if (have > 0)
+        next[q] =
+            std::clamp(gain[q] * std::pow(wanted[q] / have, 0.7), kLeastGain * start, kMostGain * start);
     }
     for (std::size_t r = bins; r < most; ++r) next[r] = next[bins - 1];
     gain = std::move(next);

@@ -173,7 +173,7 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
 }
 
 // Tests the elements of `own` in the field of `other`. `offset` is other's center minus own's.
-Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, Detail detail,
+Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float margin, ContactDetail detail,
                  float slack, bool known, std::vector<std::int32_t>& candidates,
                  std::vector<Probe::Point>& points) {
   points.clear();
@@ -257,7 +257,7 @@ void Contact::add(const Vec3f& n, const Vec3f& arm_a, const Vec3f& arm_b, float 
   depth = std::max(depth, d);
 }
 
-Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, Detail detail,
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, ContactDetail detail,
                      ContactCandidates& candidates, float slack) {
   Contact contact;
   const bool ball_a = a.shape->field.kind() == DistanceField::Kind::Sphere;

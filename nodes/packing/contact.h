@@ -46,7 +46,7 @@ struct ContactCandidates {
 // Tests a's surface against b's field and vice versa. `offset` is b's center minus a's. Surfaces closer than
 // `margin` penetrate by the difference. Depths are measured at the elements inside the margin, weighted by
 // depth. Tests only `candidates` if they are known; otherwise collects them for `slack` mm of further motion.
-Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, Detail detail,
+Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float margin, ContactDetail detail,
                      ContactCandidates& candidates, float slack);
 
 }  // namespace terrazzo::packing

@@ -36,13 +36,13 @@ struct ElementTree {
 
 // The elements to test: a few for early stages, those that flat surfaces touch, or all of them, for contacts
 // in dents and where rounded ridges cross.
-enum class Detail { Coarse, Fine, All };
+enum class ContactDetail { Coarse, Fine, All };
 
 struct ContactShape {
   Polytope polytope;  // empty unless convex with few faces
   DistanceField field;
-  ElementTree trees[3];  // by Detail; `All` has every vertex
-  const ElementTree& tree(Detail d) const { return trees[static_cast<int>(d)]; }
+  ElementTree trees[3];  // by ContactDetail; `All` has every vertex
+  const ElementTree& tree(ContactDetail d) const { return trees[static_cast<int>(d)]; }
   // Balls inside the body. If bodies are deep in each other, their edges may still be close to the other's
   // surface; only the interior shows how deep they are.
   std::vector<Ball> core;

@@ -177,7 +177,7 @@ std::vector<std::int32_t> Packer::original_order() const {
 
 bool Packer::has_more_detail() const {
   return std::any_of(contact_shapes_.begin(), contact_shapes_.end(), [](const ContactShape& s) {
-    return s.tree(Detail::All).elements.size() > s.tree(Detail::Fine).elements.size();
+    return s.tree(ContactDetail::All).elements.size() > s.tree(ContactDetail::Fine).elements.size();
   });
 }
 
@@ -334,8 +334,8 @@ void Packer::anneal_and_audit(double start_shrink, double steps, const Work& wor
     const bool many = audit_.found.size() > 8 + audit_.pairs / 40;
     anneal_.settle = true;
     anneal_.local = audit_.found.size() * 20 <= packing_.count();
-    if (many && anneal_.detail == Detail::Fine && has_more_detail()) {
-      anneal_.detail = Detail::All;  // use full detail before widening margins
+    if (many && anneal_.detail == ContactDetail::Fine && has_more_detail()) {
+      anneal_.detail = ContactDetail::All;  // use full detail before widening margins
       continue;
     }
     for (const auto& p : audit_.found) {  // a margin that was insufficient is doubled

@@ -51,7 +51,7 @@ class Relaxation {
   Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap);
 
   static constexpr double kCold = 0.5;  // a step length with which bodies come to rest
-  Detail detail = Detail::Fine;
+  ContactDetail detail = ContactDetail::Fine;
   double surplus = 0.002;  // target distance beyond the required one, in sizes; ensures termination
   double step_length = kCold, memory = 0.87;
   // Moves only bodies that overlap, and not those closer than the surplus. The others stay where they are, so

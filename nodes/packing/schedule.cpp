@@ -75,7 +75,7 @@ void Schedule::iterate(double enough) {
 }
 
 void Schedule::set(double shrink, bool fine, double surplus) {
-  const Detail detail = fine ? options_.detail : Detail::Coarse;
+  const ContactDetail detail = fine ? options_.detail : ContactDetail::Coarse;
   if (relax_.detail != detail || relax_.surplus != surplus) relax_.forget();
   relax_.resize(shrink);
   relax_.detail = detail;
@@ -94,7 +94,7 @@ Outcome Schedule::relax(double tolerance, int most, double least_progress) {
     if (k % 40 == 39) {
       if (last_.energy > before * (1 - least_progress)) {
         // In a packing that is otherwise free, a random kick can release a few interlocked bodies.
-        if (relax_.detail == Detail::Coarse || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
+        if (relax_.detail == ContactDetail::Coarse || last_.pairs > 2 + packing_.count() / 100 || ++kicks > 8)
           return Outcome::Stalled;
         relax_.shake(0.01 * kicks, options_.seed, ++shakes_, std::max(relax_.surplus, 0.5 * last_.worst),
                      quiet_);

@@ -15,8 +15,8 @@ struct AnnealOptions {
   bool settle = false;        // only repair a packing that is almost free, at its current size
   bool resume = false;        // the bodies may be free at start_shrink; then the result is at least as dense
   double aim = 1;  // size above 1 to reach if no rounds are needed; leaves room for corrections by the audit
-  double enough = 1;             // size at which jammed bodies stop growing
-  Detail detail = Detail::Fine;  // detail of contacts once the bodies have their size
+  double enough = 1;                           // size at which jammed bodies stop growing
+  ContactDetail detail = ContactDetail::Fine;  // detail of contacts once the bodies have their size
   Margins extra;
 };
 

@@ -7,10 +7,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/render_solid/placement.h"
-
-namespace terrazzo::residual {
-class ResidualField;
-}
+#include "nodes/residual/residual_field.h"
 
 namespace terrazzo::render_solid {
 

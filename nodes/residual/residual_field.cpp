@@ -131,6 +131,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
                              const Work& work)
     : box_(particles.box.cast<float>()),
       phases_(true),
+      gray_(detail.gray),
       rim_inside_(detail.rim_inside),
       rim_outside_(detail.rim_outside),
       gain_inside_(detail.gain_inside),
@@ -274,6 +275,11 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
 
 Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth) const {
   if (!phases_) return plain(mm, particle);
+  const Vec3f offset = by_phase(mm, particle, depth);
+  return gray_ ? Vec3f::Constant(offset.mean()) : offset;
+}
+
+Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const {
   const float bins = depth * rims_per_mm_;
   const Vec3f none = Vec3f::Zero();
   if (particle < 0) return rim_at(gain_outside_, bins, 1.0f) * binder(mm) + rim_at(rim_outside_, bins, none);

@@ -49,6 +49,7 @@ class ResidualField {
     Vec3f mean = Vec3f::Zero();
   };
   Vec3f plain(const Vec3f& mm, int particle) const;
+  Vec3f by_phase(const Vec3f& mm, int particle, float depth) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
   void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, const Work&);
@@ -62,7 +63,7 @@ class ResidualField {
   Vec3 scale_ = Vec3::Ones();
   Vec3f box_, voxels_per_mm_;
   std::vector<Tile> tiles_;  // the binder's, then the groups'
-  bool phases_ = false;
+  bool phases_ = false, gray_ = false;
   std::vector<int> group_;       // tile of each particle
   std::vector<Place> places_;    // of each particle
   std::vector<float> contrast_;  // of each particle

@@ -7,12 +7,9 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
+#include "nodes/residual/residual_field.h"
 #include "nodes/section/planes.h"
 #include "runtime/work.h"
-
-namespace terrazzo::residual {
-class ResidualField;
-}
 
 namespace terrazzo::section {
 

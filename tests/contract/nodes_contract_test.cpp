@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "nodes/data/detail.h"
 #include "nodes/data/image.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/labels.h"
@@ -124,12 +125,12 @@ TEST_P(EveryNode, ItsExampleRunsTheSameOnAnyNumberOfThreads) {
 // An empty value of each type.
 Value empty_value(const std::string& type) {
   static const std::map<std::string, Value> values = {
-      {"Image", Value::of(Image{})},        {"Labels", Value::of(Labels{})},
-      {"Profiles", Value::of(Profiles{})},  {"Shapes", Value::of(Shapes{})},
-      {"KMatrix", Value::of(KMatrix{})},    {"SizeDistribution", Value::of(SizeDistribution{})},
-      {"Table", Value::of(Table{})},        {"Particles", Value::of(Particles{})},
-      {"Volume", Value::of(Volume{})},      {"Strokes", Value::of(Strokes{})},
-      {"SolidBase", Value::of(SolidBase{})}};
+      {"Image", Value::of(Image{})},         {"Labels", Value::of(Labels{})},
+      {"Profiles", Value::of(Profiles{})},   {"Shapes", Value::of(Shapes{})},
+      {"KMatrix", Value::of(KMatrix{})},     {"SizeDistribution", Value::of(SizeDistribution{})},
+      {"Table", Value::of(Table{})},         {"Particles", Value::of(Particles{})},
+      {"Volume", Value::of(Volume{})},       {"Strokes", Value::of(Strokes{})},
+      {"SolidBase", Value::of(SolidBase{})}, {"Detail", Value::of(Detail{})}};
   const auto it = values.find(type);
   return it == values.end() ? Value() : it->second;
 }

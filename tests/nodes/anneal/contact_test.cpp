@@ -41,7 +41,8 @@ Mesh cylinder(double radius, double length) {
   return m;
 }
 
-float depth(const ContactShape& shape, const Eigen::Matrix3f& turn, const Vec3f& offset, Detail detail) {
+float depth(const ContactShape& shape, const Eigen::Matrix3f& turn, const Vec3f& offset,
+            ContactDetail detail) {
   const Body a{&shape, Eigen::Matrix3f::Identity(), 1}, b{&shape, turn, 1};
   ContactCandidates candidates;
   return find_contact(a, b, offset, 0, detail, candidates, 0.01f).depth;
@@ -49,16 +50,16 @@ float depth(const ContactShape& shape, const Eigen::Matrix3f& turn, const Vec3f&
 
 TEST(AnnealContact, RoundedRidgesThatCrossAreSeenInFullDetail) {
   const ContactShape shape = make_contact_shape(cylinder(0.2, 2));
-  ASSERT_GT(shape.tree(Detail::All).elements.size(), shape.tree(Detail::Fine).elements.size());
+  ASSERT_GT(shape.tree(ContactDetail::All).elements.size(), shape.tree(ContactDetail::Fine).elements.size());
   const Eigen::Matrix3f crossed =
       Eigen::AngleAxisf(static_cast<float>(M_PI) / 2, Vec3f::UnitZ()).toRotationMatrix();
   int missed = 0;
   for (float x = -0.6f; x < 0.6f; x += 0.07f)
     for (float y = -0.5f; y < 0.5f; y += 0.13f) {
       const Vec3f offset(x, y, 0.38f);
-      EXPECT_NEAR(depth(shape, crossed, offset, Detail::All), 0.02, 0.004) << x << ' ' << y;
-      EXPECT_EQ(depth(shape, crossed, offset + Vec3f(0, 0, 0.03f), Detail::All), 0);
-      missed += depth(shape, crossed, offset, Detail::Fine) < 0.01f;
+      EXPECT_NEAR(depth(shape, crossed, offset, ContactDetail::All), 0.02, 0.004) << x << ' ' << y;
+      EXPECT_EQ(depth(shape, crossed, offset + Vec3f(0, 0, 0.03f), ContactDetail::All), 0);
+      missed += depth(shape, crossed, offset, ContactDetail::Fine) < 0.01f;
     }
   EXPECT_GT(missed, 0);  // points for flat contacts are not sufficient
 }

@@ -46,7 +46,7 @@ TEST(AnnealSimplify, KeepsWhatCannotBeSimplified) {
 
 TEST(AnnealSimplify, ContactShapesOfFineMeshesHaveFewElements) {
   const ContactShape fine = make_contact_shape(dented(5));
-  EXPECT_LT(fine.tree(Detail::All).elements.size(), 2500u);
+  EXPECT_LT(fine.tree(ContactDetail::All).elements.size(), 2500u);
   EXPECT_GT(fine.bounding_radius, 1.2);
   EXPECT_LT(fine.error, 0.005);
 }

@@ -149,7 +149,7 @@ TEST(ResidualField, BadInput) {
     for (const std::string mode : {"vase", "fracture", "particles"}) try {
         test::run_node(
             "RenderSolid",
-            {{"particles", Value::of(p)}, {"shapes", Value::of(shapes)}, {"residual", Value::of(residual)}},
+            {{"particles", Value::of(p)}, {"shapes", Value::of(shapes)}, {"detail", Value::of(residual)}},
             {{"mode", mode}, {"width", "8"}, {"height", "8"}, {"samples", "1"}});
       } catch (const Error& e) {
         return e.diagnostic().code;
@@ -173,13 +173,13 @@ TEST(ResidualField, BadInput) {
         .warnings.size();
   };
   const Value residual = Value::of(noise_volume(4, 3)), particles = Value::of(p), forms = Value::of(shapes);
-  EXPECT_EQ(warned({{"particles", particles}, {"shapes", forms}, {"residual", residual}}), 1u);
+  EXPECT_EQ(warned({{"particles", particles}, {"shapes", forms}, {"detail", residual}}), 1u);
   Volume colors = noise_volume(4, 1);
   auto cd = colors.find<openvdb::Vec3SGrid>("residual")->deepCopy();
   cd->setName("Cd"),
       cd->denseFill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(3)), openvdb::Vec3s(0.5));
   colors.grids = {cd};
-  EXPECT_EQ(warned({{"volume", Value::of(colors)}, {"residual", residual}}), 1u);
+  EXPECT_EQ(warned({{"volume", Value::of(colors)}, {"detail", residual}}), 1u);
 }
 
 }  // namespace

@@ -1,0 +1,172 @@
+#include "nodes/detail_solid/phases.h"
+
+#include <gtest/gtest.h>
+
+#include "graph/diagnostic.h"
+#include "nodes/detail_solid/broad.h"
+#include "nodes/detail_solid/rim.h"
+#include "nodes/detail_solid/spectrum.h"
+#include "runtime/random.h"
+#include "tests/nodes/detail_solid/drawn_picture.h"
+
+namespace terrazzo {
+namespace {
+using namespace detail_solid;
+
+float noise(int x, int y, std::uint64_t stream) {
+  return static_cast<float>(Random(7, stream, static_cast<std::uint64_t>(y) * 4096 + x).normal());
+}
+
+Vec3f two_colors(int x, int y, int id) {
+  const Vec3f base = id == 0  ? Vec3f(0.5f, 0.5f, 0.5f)
+                     : id % 2 ? Vec3f(0.8f, 0.3f, 0.2f)
+                              : Vec3f(0.1f, 0.2f, 0.4f);
+  return base.array() + 0.01f * noise(x, y, 1);
+}
+
+TEST(DetailPhases, OffsetsHaveMeanZeroAndColorsMakeGroups) {
+  const auto drawn = test::draw_disks(240, 40, 14, two_colors);
+  const Phases p = find_phases(drawn.image, drawn.labels, {});
+  ASSERT_EQ(p.group_color.size(), p.pixels.size() - 1);
+  ASSERT_GE(p.group_color.size(), 2u);
+  // Disks of one color are in one group, disks of the other color in another.
+  const auto phase_of = [&](int i, int j) {
+    return p.phase[static_cast<std::size_t>(40 * j + 20) * 240 + 40 * i + 20];
+  };
+  EXPECT_NE(phase_of(0, 0), phase_of(1, 0));
+  std::vector<Vec3> sum(p.pixels.size(), Vec3::Zero());
+  std::vector<std::size_t> count(p.pixels.size(), 0);
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] >= 0) {
+      sum[static_cast<std::size_t>(p.phase[i])] += p.offset[i].cast<double>();
+      ++count[static_cast<std::size_t>(p.phase[i])];
+    }
+  EXPECT_EQ(count, p.pixels);
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    EXPECT_LT((sum[k] / static_cast<double>(count[k])).norm(), 0.002);
+}
+
+TEST(DetailPhases, MissedParticlesAreNotUsed) {
+  auto drawn = test::draw_disks(240, 40, 10, two_colors);
+  for (int y = 30; y < 50; ++y)
+    for (int x = 30; x < 50; ++x) drawn.image.at(x, y) = Vec3f(0.9f, 0.9f, 0.9f);  // between four disks
+  const Phases p = find_phases(drawn.image, drawn.labels, {});
+  EXPECT_GT(p.outliers, 0);
+  EXPECT_EQ(p.phase[40 * 240 + 40], -1);
+  PhaseChoice all;
+  all.specks = 0;
+  EXPECT_EQ(find_phases(drawn.image, drawn.labels, all).phase[40 * 240 + 40], 0);
+}
+
+TEST(DetailPhases, PicturesMustHaveTheSizeOfTheLabels) {
+  const auto drawn = test::draw_disks(80, 40, 10, two_colors);
+  try {
+    find_phases(Image(81, 80, 1, 0.1), drawn.labels, {});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.diagnostic().code, "size-mismatch");
+  }
+}
+
+TEST(DetailRims, ABandAlongOutlinesIsFound) {
+  const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
+    const double d = std::hypot(x % 80 + 0.5 - 40, y % 80 + 0.5 - 40) - 30;
+    return Vec3f::Constant(id ? 0.3f : d < 4 ? 0.6f : 0.5f);
+  });
+  PhaseChoice choice;
+  choice.edge = 0, choice.specks = 0;
+  Phases p = find_phases(drawn.image, drawn.labels, choice);
+  Detail d;
+  split_rims(p, drawn.labels, d);
+  ASSERT_GE(d.rim_outside.size(), 8u);
+  const float far = d.rim_outside.back().x();
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NEAR(d.rim_outside[static_cast<std::size_t>(i)].x() - far, 0.1f, 0.02f) << i;
+  EXPECT_NEAR(d.rim_outside[6].x() - far, 0, 0.01f);
+  for (std::size_t i = 0; i < p.offset.size(); ++i)
+    if (p.phase[i] == 0) ASSERT_LT(p.offset[i].norm(), 0.18f);
+}
+
+TEST(DetailRims, SlopesAndContrastsAreMeasured) {
+  // A slope of 0.1 per radius along x in every disk, and noise that is twice as strong in odd disks.
+  const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
+    if (id == 0) return Vec3f(0.5f, 0.5f, 0.5f);
+    const float slope = 0.1f * static_cast<float>(x % 80 + 0.5 - 40) / 30;
+    return Vec3f(Vec3f::Constant(0.4f + slope + (id % 2 ? 0.04f : 0.02f) * noise(x, y, 5)));
+  });
+  PhaseChoice choice;
+  choice.groups = 1;
+  Phases p = find_phases(drawn.image, drawn.labels, choice);
+  const auto slopes = split_slopes(p, drawn.labels);
+  ASSERT_EQ(slopes.size(), 1u);
+  EXPECT_NEAR(slopes[0], 0.1 / std::sqrt(2.0), 0.01);  // along one axis, half of the square
+  Detail d;
+  split_contrasts(p, drawn.image, drawn.labels, d);
+  ASSERT_EQ(d.profile_contrast.size(), 16u);
+  EXPECT_NEAR(d.profile_contrast[0] / d.profile_contrast[1], 2, 0.1);
+  EXPECT_NEAR(d.profile_contrast[2] / d.profile_contrast[3], 2, 0.1);
+}
+
+TEST(DetailRims, SoftnessIsThatOfTheBlur) {
+  for (const double sigma : {0.0, 1.0, 2.0}) {
+    const auto drawn = test::draw_disks(320, 80, 30, [&](int x, int y, int) {
+      const double d = 30 - std::hypot(x % 80 + 0.5 - 40, y % 80 + 0.5 - 40);
+      const double share =
+          sigma > 0 ? 0.5 * std::erfc(-d / (sigma * std::sqrt(2.0))) : std::clamp(d + 0.5, 0.0, 1.0);
+      return Vec3f(Vec3f::Constant(static_cast<float>(0.6 - 0.4 * share)));
+    });
+    EXPECT_NEAR(outline_softness(drawn.image, drawn.labels), sigma, 0.35) << sigma;
+  }
+}
+
+TEST(DetailBroad, FieldsHaveTheModelsCovariance) {
+  BroadModel m;
+  m.sigma = {4};
+  m.variance = {Vec3(0.04, 0.01, 0)};
+  const auto v = broad_field(m, 48, 3);
+  double sum = 0, square = 0, at4 = 0, other = 0;
+  const auto at = [&](int x, int y, int z) {
+    return v[static_cast<std::size_t>((z % 48) * 48 + y % 48) * 48 + x % 48];
+  };
+  for (int z = 0; z < 48; ++z)
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 48; ++x) {
+        const Vec3f a = at(x, y, z);
+        sum += a.x(), square += a.x() * a.x(), at4 += a.x() * at(x + 4, y, z).x(), other += a.y() * a.y();
+        EXPECT_EQ(a.z(), 0);
+      }
+  EXPECT_NEAR(sum / v.size(), 0, 1e-4);
+  EXPECT_NEAR(square / v.size(), 0.04, 0.015);
+  EXPECT_NEAR(at4 / square, std::exp(-16.0 / (4 * 16)), 0.08);
+  EXPECT_NEAR(other / v.size(), 0.01, 0.004);
+}
+
+TEST(DetailSpectrum, SlicesGetThePhotographsCovariance) {
+  // Grain whose neighbors correlate by 1/2; the tile starts from white noise of another deviation.
+  const auto drawn = test::draw_disks(256, 128, 1, [](int x, int y, int) {
+    const float v = noise(x, y, 9) + noise(x + 1, y, 9) + noise(x, y + 1, 9) + noise(x + 1, y + 1, 9);
+    return Vec3f(Vec3f::Constant(0.5f + 0.01f * v));
+  });
+  const Phases p = find_phases(drawn.image, drawn.labels, {});
+  constexpr int n = 48;
+  std::vector<Vec3f> tile;
+  for (std::uint64_t i = 0; i < n * n * n; ++i)
+    tile.push_back(Vec3f::Constant(static_cast<float>(0.1 * Random(5, 5, i).normal())));
+  match_spectrum(tile, n, p, 0);
+  double square = 0, next = 0, diagonal = 0;
+  const auto at = [&](int x, int y, int z) {
+    return tile[static_cast<std::size_t>(z * n + y % n) * n + x % n].x();
+  };
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        square += at(x, y, z) * at(x, y, z), next += at(x, y, z) * at(x + 1, y, z);
+        diagonal += at(x, y, z) * at(x + 1, y + 1, z);
+      }
+  EXPECT_NEAR(std::sqrt(square / tile.size()), 0.02, 0.003);
+  EXPECT_NEAR(next / square, 0.5, 0.08);
+  EXPECT_NEAR(diagonal / square, 0.25, 0.1);
+}
+
+}  // namespace
+}  // namespace terrazzo
