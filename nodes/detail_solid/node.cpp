@@ -63,6 +63,7 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
 void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
+  check_photograph(image, labels);
   PhaseChoice choice;
   const double softness = outline_softness(image, labels);
   choice.edge = static_cast<int>(c.integer("edge"));
@@ -125,7 +126,7 @@ NodeType detail_solid_node() {
               "What each tile was made from, in the phases' order, and below it a slice of the tile: offsets "
               "about "
               "middle gray")
-      .parameter(Parameter::integer("size", 96)
+      .parameter(Parameter::integer("size", 64)
                      .range(16, 256)
                      .unit_("voxels")
                      .doc_("Edge length of the tiles. Particles and parts of the binder each show a tile in "

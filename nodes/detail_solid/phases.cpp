@@ -102,7 +102,8 @@ std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vect
 
 }  // namespace
 
-Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+void check_photograph(const Image& image, const Labels& labels) {
+  if (image.pixels.empty()) throw Error("empty-image", "the image has no pixels", "connect a photograph");
   if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
     throw Error(
         "size-mismatch",
@@ -111,6 +112,13 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
         "use labels of the same photograph");
   for (const auto& p : image.pixels)
     if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
+  for (const std::int32_t id : labels.ids)
+    if (id < 0 || id > labels.count())
+      throw Error("bad-labels",
+                  fmt::format("the labels contain profile {}, but there are {}", id, labels.count()));
+}
+
+Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
   Phases out;
   out.width = image.width, out.height = image.height, out.sections = image.sections;
   const std::size_t plane = out.plane(), pixels = image.pixels.size();

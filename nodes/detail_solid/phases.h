@@ -31,10 +31,13 @@ struct PhaseChoice {
   std::uint64_t seed = 1;
 };
 
+// Throws Error "empty-image", "size-mismatch", "bad-pixels", "bad-labels".
+void check_photograph(const Image&, const Labels&);
+
 // The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder, blurred as
-// the photograph blurs outlines. Profiles
-// are grouped by color (k-means in Oklab, weighted by area); a group with too few pixels for a texture joins
-// the nearest. Throws Error "size-mismatch", "bad-pixels".
+// the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by area); there are
+// fewer groups if one would have too few pixels for a texture. The photograph must have passed
+// check_photograph.
 Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
 
 }  // namespace terrazzo::detail_solid

@@ -9,9 +9,9 @@
 namespace terrazzo::detail_solid {
 namespace {
 
-constexpr int kLags = 24;       // pixels
-constexpr int kWindow = 464;    // most pixels per side that are transformed
-constexpr int kFitRounds = 20;  // of fitting the filter
+constexpr int kLags = 24;                            // pixels
+constexpr int kWindow = 464;                         // most pixels per side that are transformed
+constexpr int kFitRounds = 20;                       // of fitting the filter
 constexpr double kLeastGain = 0.01, kMostGain = 16;  // of the power, relative to its mean
 constexpr double kPi = std::numbers::pi;
 

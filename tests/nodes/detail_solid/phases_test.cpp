@@ -61,7 +61,7 @@ TEST(DetailPhases, MissedParticlesAreNotUsed) {
 TEST(DetailPhases, PicturesMustHaveTheSizeOfTheLabels) {
   const auto drawn = test::draw_disks(80, 40, 10, two_colors);
   try {
-    find_phases(Image(81, 80, 1, 0.1), drawn.labels, {});
+    check_photograph(Image(81, 80, 1, 0.1), drawn.labels);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.diagnostic().code, "size-mismatch");
