@@ -10,13 +10,11 @@ namespace {
 
 void encode(const Detail& v, Writer& w) {
   w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
-  w.raw_array(v.rim_inside), w.raw_array(v.rim_outside);
-  w.array(v.gain_inside), w.array(v.gain_outside);
   w.raw_array(v.profile_color), w.array(v.profile_contrast);
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
-    w.pod(p.slope), w.raw_array(p.tile);
+    w.pod(p.slope), w.raw_array(p.rim), w.array(p.gain), w.raw_array(p.tile);
   }
 }
 
@@ -24,16 +22,15 @@ Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
   v.gray = r.pod<std::uint8_t>() != 0;
-  v.rim_inside = r.raw_array<Vec3f>(), v.rim_outside = r.raw_array<Vec3f>();
-  v.gain_inside = r.array<float>(), v.gain_outside = r.array<float>();
   v.profile_color = r.raw_array<Vec3f>(), v.profile_contrast = r.array<float>();
   if (v.profile_color.size() != v.profile_contrast.size())
     throw Error("damaged", "the stored detail has lists of different length");
-  v.phases.resize(r.count(24));
+  v.phases.resize(r.count(40));
   const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
   for (auto& p : v.phases) {
     r.bytes(p.color.data(), sizeof(float) * 3);
-    p.slope = r.pod<float>(), p.tile = r.raw_array<Vec3f>();
+    p.slope = r.pod<float>(), p.rim = r.raw_array<Vec3f>(), p.gain = r.array<float>();
+    p.tile = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n)
       throw Error("damaged", "the stored detail has a tile of the wrong size");
   }
@@ -41,6 +38,11 @@ Detail decode_detail(Reader& r) {
 }
 
 nlohmann::json describe(const Detail& v) {
+  const auto rim = [](const std::vector<Vec3f>& offsets) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Vec3f& o : offsets) list.push_back(json_of(o));
+    return list;
+  };
   nlohmann::json phases = nlohmann::json::array();
   for (const auto& p : v.phases) {
     double sum = 0;
@@ -48,18 +50,11 @@ nlohmann::json describe(const Detail& v) {
     phases.push_back(
         {{"color", json_of(p.color)},
          {"slope", p.slope},
+         {"rim", rim(p.rim)},
+         {"gain", p.gain},
          {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
   }
-  const auto rim = [](const std::vector<Vec3f>& offsets) {
-    nlohmann::json list = nlohmann::json::array();
-    for (const Vec3f& o : offsets) list.push_back(json_of(o));
-    return list;
-  };
   return {{"pixel_size", v.pixel_size},
-          {"rim_inside", rim(v.rim_inside)},
-          {"rim_outside", rim(v.rim_outside)},
-          {"gain_inside", v.gain_inside},
-          {"gain_outside", v.gain_outside},
           {"size", v.size},
           {"gray", v.gray},
           {"softness", v.softness},

@@ -15,15 +15,15 @@ struct Detail {
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
     // distance of one radius from its center. 0 for the binder.
     float slope = 0;
+    // Mean offsets at i + ½ pixels from the nearest outline, and the factors of the tile at the same
+    // distances. The last one holds beyond; none if empty.
+    std::vector<Vec3f> rim;
+    std::vector<float> gain;
     std::vector<Vec3f> tile;  // size³ offsets, x fastest; tiles
   };
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles
-  // Mean offsets at i + ½ pixels from the nearest outline, within particles and within the binder. The last
-  // one holds beyond; none if empty.
-  std::vector<Vec3f> rim_inside, rim_outside;
-  std::vector<float> gain_inside, gain_outside;  // by which tiles are multiplied at the same distances
   // Mean color of profiles, scene-linear, and the deviation of their offsets relative to their group's. A
   // particle has the contrast of the profile with the nearest color.
   std::vector<Vec3f> profile_color;

@@ -35,8 +35,8 @@ struct PhaseChoice {
 void check_photograph(const Image&, const Labels&);
 
 // The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder, blurred as
-// the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by area); there are
-// fewer groups if one would have too few pixels for a texture. The photograph must have passed
+// the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by area); there
+// are fewer groups if one would have too few pixels for a texture. The photograph must have passed
 // check_photograph.
 Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
 

@@ -55,46 +55,42 @@ std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std
 
 void split_rims(Phases& p, const Labels& labels, Detail& detail) {
   const std::vector<float> depth = depths_of(p, labels);
-  Bins inside, outside;
+  std::vector<Bins> bins(detail.phases.size());
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
-    Bins& b = p.phase[i] > 0 ? inside : outside;
-    const auto k = static_cast<std::size_t>(std::min(static_cast<int>(depth[i]), kBins - 1));
+    Bins& b = bins[static_cast<std::size_t>(p.phase[i])];
+    const std::size_t k = bin_of(depth[i], kBins);
     b.sum[k] += p.offset[i].cast<double>(), ++b.count[k];
   }
-  detail.rim_inside = inside.means(), detail.rim_outside = outside.means();
+  for (std::size_t k = 0; k < bins.size(); ++k) detail.phases[k].rim = bins[k].means();
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
-    const auto& rim = p.phase[i] > 0 ? detail.rim_inside : detail.rim_outside;
+    const auto& rim = detail.phases[static_cast<std::size_t>(p.phase[i])].rim;
     if (!rim.empty()) p.offset[i] -= rim[bin_of(depth[i], rim.size())];
   }
 }
 
 void split_gains(Phases& p, const Labels& labels, Detail& detail) {
   const std::vector<float> depth = depths_of(p, labels);
-  // Squares are stored in one component of a mean.
-  Bins inside, outside;
-  double square[2] = {0, 0}, count[2] = {0, 0};
+  std::vector<Bins> bins(detail.phases.size());  // of squares, in one component
+  std::vector<double> square(bins.size(), 0.0);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
-    const bool in = p.phase[i] > 0;
+    const auto phase = static_cast<std::size_t>(p.phase[i]);
     const double v = p.offset[i].squaredNorm();
-    Bins& b = in ? inside : outside;
     const std::size_t k = bin_of(depth[i], kBins);
-    b.sum[k].x() += v, ++b.count[k];
-    square[in] += v, ++count[in];
+    bins[phase].sum[k].x() += v, ++bins[phase].count[k];
+    square[phase] += v;
   }
-  const auto gains = [](const Bins& b, double all) {
-    std::vector<float> out;
-    for (const Vec3f& m : b.means())
-      out.push_back(all > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(all)), 0.25f, 4.0f) : 1.0f);
-    return out;
-  };
-  detail.gain_inside = gains(inside, square[1] / std::max(count[1], 1.0));
-  detail.gain_outside = gains(outside, square[0] / std::max(count[0], 1.0));
+  for (std::size_t k = 0; k < bins.size(); ++k) {
+    const double all = square[k] / std::max<double>(static_cast<double>(p.pixels[k]), 1);
+    for (const Vec3f& m : bins[k].means())
+      detail.phases[k].gain.push_back(
+          all > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(all)), 0.5f, 2.0f) : 1.0f);
+  }
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
-    const auto& gain = p.phase[i] > 0 ? detail.gain_inside : detail.gain_outside;
+    const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].gain;
     if (!gain.empty()) p.offset[i] /= gain[bin_of(depth[i], gain.size())];
   }
 }
@@ -120,7 +116,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     const Sum &s = profile[k], &g = group[s.group];
     if (s.count < kLeastProfile || !(g.square > 0)) continue;
     contrast[k] =
-        static_cast<float>(std::clamp(std::sqrt(s.square / s.count / (g.square / g.count)), 0.2, 4.0));
+        static_cast<float>(std::clamp(std::sqrt(s.square / s.count / (g.square / g.count)), 0.3, 3.0));
     detail.profile_color.push_back((s.color / s.count).cast<float>());
     detail.profile_contrast.push_back(contrast[k]);
   }

@@ -103,7 +103,7 @@ void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, doubl
   Vec3 sum = Vec3::Zero();
   for (const Vec3f& v : values) sum += v.cast<double>();
   const auto mean = (sum / static_cast<double>(values.size())).cast<float>();
-  tiles_.push_back({SplineTile(std::move(values), size, work.quiet()), mean});
+  tiles_.push_back({SplineTile(std::move(values), size, work.quiet()), mean, {}, {}});
 }
 
 ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& work)
@@ -132,16 +132,14 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     : box_(particles.box.cast<float>()),
       phases_(true),
       gray_(detail.gray),
-      rim_inside_(detail.rim_inside),
-      rim_outside_(detail.rim_outside),
-      gain_inside_(detail.gain_inside),
-      gain_outside_(detail.gain_outside),
       rims_per_mm_(static_cast<float>(1 / detail.pixel_size)) {
   if (detail.phases.empty() || detail.size < 1)
     throw Error("bad-detail", "the detail is empty", "connect DetailSolid.detail");
   voxels_per_mm_.setConstant(static_cast<float>(1 / detail.pixel_size));
-  for (const Detail::Phase& phase : detail.phases)
+  for (const Detail::Phase& phase : detail.phases) {
     add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, work);
+    tiles_.back().rim = phase.rim, tiles_.back().gain = phase.gain;
+  }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
 }
@@ -281,13 +279,13 @@ Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth) const {
 
 Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const {
   const float bins = depth * rims_per_mm_;
-  const Vec3f none = Vec3f::Zero();
-  if (particle < 0) return rim_at(gain_outside_, bins, 1.0f) * binder(mm) + rim_at(rim_outside_, bins, none);
-  const auto p = static_cast<std::size_t>(particle);
+  const auto p = static_cast<std::size_t>(std::max(particle, 0));
+  const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
+  const float gain = rim_at(tile.gain, bins, 1.0f);
+  const Vec3f none = Vec3f::Zero(), rim = rim_at(tile.rim, bins, none);
+  if (particle < 0) return gain * binder(mm) + rim;
   const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));
-  return contrast_[p] * rim_at(gain_inside_, bins, 1.0f) *
-             placed(tiles_[static_cast<std::size_t>(group_[p])], places_[p], mm) +
-         rim_at(rim_inside_, bins, none) + Vec3f::Constant(slope);
+  return contrast_[p] * gain * placed(tile, places_[p], mm) + rim + Vec3f::Constant(slope);
 }
 
 }  // namespace terrazzo::residual

@@ -47,6 +47,8 @@ class ResidualField {
   struct Tile {
     SplineTile spline;
     Vec3f mean = Vec3f::Zero();
+    std::vector<Vec3f> rim;
+    std::vector<float> gain;
   };
   Vec3f plain(const Vec3f& mm, int particle) const;
   Vec3f by_phase(const Vec3f& mm, int particle, float depth) const;
@@ -69,8 +71,6 @@ class ResidualField {
   std::vector<float> contrast_;  // of each particle
   Vec3i cells_ = Vec3i::Ones();
   std::vector<Place> cell_;  // of each of the binder's cells, x fastest
-  std::vector<Vec3f> rim_inside_, rim_outside_;
-  std::vector<float> gain_inside_, gain_outside_;
   float rims_per_mm_ = 1;
 };
 

@@ -96,12 +96,14 @@ TEST_F(DefaultGraph, ComputesOnceAndThenExactlyWhatAnEditTouches) {
 
   const json colored = run({"--set", "colorize.seed=2"}, cache);
   EXPECT_EQ(with_status(colored, "computed"),
-            (Names{"colorize", "voxels", "sections", "compare", "face", "block", "sheet", "instances",
-                   "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));
+            (Names{"colorize", "voxels", "sections", "compare", "section", "observer", "block", "sheet",
+                   "instances", "grids", "section_image", "observers", "observers_figure", "preview",
+                   "contact_sheet", "comparison", "comparison_figure"}));
   // After reverting, everything is a cache hit and only the files are written again.
   const json back = run({}, cache);
   EXPECT_EQ(with_status(back, "computed"),
-            (Names{"instances", "grids", "preview", "contact_sheet", "comparison", "comparison_figure"}));
+            (Names{"instances", "grids", "section_image", "observers", "observers_figure", "preview",
+                   "contact_sheet", "comparison", "comparison_figure"}));
   EXPECT_EQ(contents(back), contents(first));
 }
 

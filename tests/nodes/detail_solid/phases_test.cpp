@@ -77,12 +77,13 @@ TEST(DetailRims, ABandAlongOutlinesIsFound) {
   choice.edge = 0, choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
+  d.phases.resize(p.pixels.size());
   split_rims(p, drawn.labels, d);
-  ASSERT_GE(d.rim_outside.size(), 8u);
-  const float far = d.rim_outside.back().x();
-  for (int i = 0; i < 3; ++i)
-    EXPECT_NEAR(d.rim_outside[static_cast<std::size_t>(i)].x() - far, 0.1f, 0.02f) << i;
-  EXPECT_NEAR(d.rim_outside[6].x() - far, 0, 0.01f);
+  const auto& rim = d.phases[0].rim;
+  ASSERT_GE(rim.size(), 8u);
+  const float far = rim.back().x();
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(rim[static_cast<std::size_t>(i)].x() - far, 0.1f, 0.02f) << i;
+  EXPECT_NEAR(rim[6].x() - far, 0, 0.01f);
   for (std::size_t i = 0; i < p.offset.size(); ++i)
     if (p.phase[i] == 0) ASSERT_LT(p.offset[i].norm(), 0.18f);
 }

@@ -87,15 +87,15 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   Detail d = noise_detail();
   for (auto& phase : d.phases)
     for (Vec3f& v : phase.tile) v.setZero();
-  d.rim_inside = {Vec3f::Constant(0.3f), Vec3f::Constant(0.1f), Vec3f::Zero()};
-  d.rim_outside = {Vec3f::Constant(-0.2f), Vec3f::Zero()};
+  d.phases[1].rim = {Vec3f::Constant(0.3f), Vec3f::Constant(0.1f), Vec3f::Zero()};
+  d.phases[0].rim = {Vec3f::Constant(-0.2f), Vec3f::Zero()};
   const Vec3f at = p.position[0].cast<float>();
   const ResidualField rims(d, p, 0);
   EXPECT_NEAR(rims.at(at, 0, 0.25f).x(), 0.3f, 1e-5f);  // half a pixel deep
   EXPECT_NEAR(rims.at(at, 0, 0.5f).x(), 0.2f, 1e-5f);   // between two bins
   EXPECT_NEAR(rims.at(at, 0, 100).x(), 0, 1e-5f);
   EXPECT_NEAR(rims.at(at, -1, 0.25f).x(), -0.2f, 1e-5f);
-  d.rim_inside.clear(), d.rim_outside.clear();
+  for (auto& phase : d.phases) phase.rim.clear();
   d.phases[1].slope = 0.1f;
   const ResidualField slopes(d, p, 0);
   const float up = slopes.at(at + Vec3f(2, 1, 0), 0).x(), down = slopes.at(at - Vec3f(2, 1, 0), 0).x();
