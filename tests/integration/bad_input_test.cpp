@@ -114,7 +114,7 @@ TEST_F(BadInput, AFullDisk) {
 TEST_F(BadInput, CtrlCAtAnyMomentLeavesNothingHalfWritten) {
   const fs::path graph = test::source_folder() / "graphs/materials/terrazzo.yaml";
   const std::vector<std::string> small = {"--param", "size=22",          "--param", "resolution=40",
-                                          "--set",   "residual.size=32", "--set",   "block.samples=2",
+                                          "--set",   "detail.size=32", "--set",   "block.samples=2",
                                           "--set",   "block.width=96",   "--set",   "block.height=96"};
   for (const double after : {0.05, 0.3, 0.7, 1.2}) {
     auto r = run(graph, small, {.interrupt_after = after});

@@ -17,7 +17,11 @@ namespace {
 // The default graph, small.
 const Overrides small{{{"pack.size", "22"},
                        {"voxels.resolution", "16"},
-                       {"residual.size", "16"},
+                       {"detail.size", "16"},
+                       {"section.width", "14"},
+                       {"section.height", "14"},
+                       {"observer.crop", "32"},
+                       {"observer.crops", "16"},
                        {"kmatrix.orientations", "40"},
                        {"sections.planes", "2"},
                        {"block.samples", "1"},
@@ -35,7 +39,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> edits = {
     {"voxels.resolution", {"16", "[16]", "20"}},  // [16] is 16
     {"segment.split", {"0.5", "0.45"}},
     {"shape.seed", {"1", "2"}},
-    {"residual.seed", {"1", "2", "3"}},
+    {"detail.seed", {"1", "2", "3"}},
     {"sections.seed", {"1", "2", "3"}},
     {"block.samples", {"1", "2"}},
     {"sheet.background", {"light", "dark"}},

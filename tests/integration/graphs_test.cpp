@@ -46,7 +46,7 @@ class DefaultGraph : public ::testing::Test {
                                           "--param",
                                           "resolution=40",
                                           "--set",
-                                          "residual.size=32",
+                                          "detail.size=32",
                                           "--set",
                                           "block.samples=2",
                                           "--set",
