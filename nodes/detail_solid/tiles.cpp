@@ -12,6 +12,7 @@ namespace terrazzo::detail_solid {
 namespace {
 
 constexpr std::size_t kLeastTexture = 256;  // of a texture
+constexpr int kLeastSide = 16;              // pixels of an exemplar
 constexpr float kLeastDeviation = 0.002f;   // half a step of 8 bits
 constexpr float kZero = 1;                  // added to offsets, since colors are at least 0
 
@@ -51,6 +52,7 @@ PartialPicture phase_exemplar(const Phases& p, int phase, int side, std::uint64_
     if (p.phase[i] == phase) all += p.offset[i].cast<double>();
   all /= static_cast<double>(p.pixels[static_cast<std::size_t>(phase)]);
   const Window window = best_window(p, phase, side);
+  if (std::min(window.width, window.height) < kLeastSide) return out;
   out.width = window.width, out.height = window.height;
   Vec3 mean = Vec3::Zero();
   double count = 0;
@@ -105,8 +107,7 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
   double variance = 0;
   for (const Vec3f& v : exemplar.value) variance += (v.cast<double>() - mean).squaredNorm();
   variance /= static_cast<double>(exemplar.value.size());
-  if (std::min(exemplar.width, exemplar.height) < 16 || std::sqrt(variance) < kLeastDeviation)
-    return std::vector<Vec3f>(voxels, mean.cast<float>());
+  if (std::sqrt(variance) < kLeastDeviation) return std::vector<Vec3f>(voxels, mean.cast<float>());
   solids::SolidExemplar e;
   e.width = exemplar.width, e.height = exemplar.height;
   for (int y = e.height - 1; y >= 0; --y)

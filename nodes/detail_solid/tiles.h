@@ -11,7 +11,7 @@ namespace terrazzo::detail_solid {
 
 // The part of the photograph that shows most of a phase, at most `side` pixels square, completed where it
 // shows something else. Offsets are shifted so that their mean is that of the phase in the whole photograph.
-// Empty if the phase has too few pixels for a texture.
+// Empty if the phase has too few pixels for a texture, or the photograph fewer than 16 per side.
 PartialPicture phase_exemplar(const Phases&, int phase, int side, std::uint64_t seed, const Work& = {});
 
 // Gives a tile the values of the phase's offsets in the whole photograph: their distribution along each of

@@ -113,9 +113,10 @@ TEST_F(BadInput, AFullDisk) {
 
 TEST_F(BadInput, CtrlCAtAnyMomentLeavesNothingHalfWritten) {
   const fs::path graph = test::source_folder() / "graphs/materials/terrazzo.yaml";
-  const std::vector<std::string> small = {"--param", "size=22",          "--param", "resolution=40",
-                                          "--set",   "detail.size=32", "--set",   "block.samples=2",
-                                          "--set",   "block.width=96",   "--set",   "block.height=96"};
+  const std::vector<std::string> small = {"--param", "size=22",           "--param", "resolution=40",
+                                          "--set",   "detail.size=32",    "--set",   "section.width=28",
+                                          "--set",   "section.height=28", "--set",   "block.samples=2",
+                                          "--set",   "block.width=96",    "--set",   "block.height=96"};
   for (const double after : {0.05, 0.3, 0.7, 1.2}) {
     auto r = run(graph, small, {.interrupt_after = after});
     EXPECT_TRUE(r.exit_code == 130 || r.exit_code == 0) << r.exit_code << r.err;

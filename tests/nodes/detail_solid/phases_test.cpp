@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "graph/diagnostic.h"
 #include "nodes/detail_solid/broad.h"
 #include "nodes/detail_solid/rim.h"
 #include "nodes/detail_solid/spectrum.h"
+#include "nodes/detail_solid/tiles.h"
 #include "runtime/random.h"
 #include "tests/nodes/detail_solid/drawn_picture.h"
 
@@ -167,6 +170,23 @@ TEST(DetailSpectrum, SlicesGetThePhotographsCovariance) {
   EXPECT_NEAR(std::sqrt(square / tile.size()), 0.02, 0.003);
   EXPECT_NEAR(next / square, 0.5, 0.08);
   EXPECT_NEAR(diagonal / square, 0.25, 0.1);
+}
+
+// A strip narrower than a patch, and a picture of one color, have no grain; neither is an error.
+TEST(DetailTiles, PicturesWithoutTextureGiveNoGrain) {
+  for (const auto& [width, height, contrast] : {std::tuple{400, 6, 0.1f}, {64, 64, 0.0f}}) {
+    Image image(width, height, 1, 0.1);
+    Labels labels;
+    labels.width = width, labels.height = height;
+    labels.ids.assign(image.pixels.size(), 0);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        image.at(x, y) = Vec3f::Constant(0.3f + contrast * std::tanh(noise(x, y, 2)));
+    const Phases p = find_phases(image, labels, {});
+    const auto tile = phase_tile(phase_exemplar(p, 0, 32, 1), 16, 1);
+    ASSERT_EQ(tile.size(), 16u * 16 * 16);
+    for (const Vec3f& v : tile) ASSERT_LT(v.norm(), 1e-5f);
+  }
 }
 
 }  // namespace
