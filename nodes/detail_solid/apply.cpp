@@ -92,12 +92,8 @@ Volume add_detail(const Volume& volume, const Detail& detail, const Work& work) 
             const openvdb::Coord at(static_cast<int>(n % nx), static_cast<int>(n / nx), static_cast<int>(k));
             const int p = ids.getValue(at);
             const Vec3f mm = ((Vec3(at[0], at[1], at[2]).array() + 0.5) * voxel).matrix().cast<float>();
-            const float cover = p < 0     ? 0
-                                : density ? std::clamp(density->tree().getValue(at), 0.0f, 1.0f)
-                                          : 1;
-            Vec3f offset = Vec3f::Zero();
-            if (cover > 0) offset += cover * field.at(mm, p);
-            if (cover < 1) offset += (1 - cover) * field.at(mm, -1);
+            const float cover = density ? std::clamp(density->tree().getValue(at), 0.0f, 1.0f) : 1;
+            const Vec3f offset = field.mixed(mm, p, cover);
             const auto& c = colors.getValue(at);
             out[k * plane + n] =
                 srgb_to_linear((linear_to_srgb(Vec3f(c[0], c[1], c[2])) + offset).cwiseMax(0.0f));

@@ -44,12 +44,7 @@ class Level {
     choose_sources();
     choose_targets();
   }
-  bool usable() const { return !sources_.empty(); }
-  bool complete() const { return targets_.empty(); }
   const std::vector<Vec3f>& picture() const { return picture_; }
-  const std::vector<std::int32_t>& matches() const { return match_; }
-  int columns() const { return columns_; }
-  int rows() const { return rows_; }
 
   // Starts from random sources, with the unknown pixels set to values of random known ones.
   void start_at_random() {
@@ -76,6 +71,7 @@ class Level {
     vote(false, true);
   }
   void run(bool finest, const Work& work) {
+    if (targets_.empty()) return;  // small holes vanish at coarse levels
     for (int round = 0; round < kRounds; ++round) {
       work.check();
       search(round);

@@ -105,14 +105,13 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType detail_solid_node() {
-  return NodeType("DetailSolid", 1)
+  return NodeType("DetailSolid", 2)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
       .source_(
           "Kopf et al. 2007 and Laursen, Ersbøll, Bærentzen 2011 for the tiles; Wexler, Shechtman, Irani "
-          "2007 "
-          "for what particles and binder hide from each other")
+          "2007 for what particles and binder hide from each other")
       .input("image", "Image", "Photograph with one or more sections")
       .input("labels", "Labels", "Profiles of image")
       .optional_input("volume", {"Volume"},
@@ -124,8 +123,7 @@ NodeType detail_solid_node() {
           "and RenderSolid")
       .output("exemplars", "Image",
               "What each tile was made from, in the phases' order, and below it a slice of the tile: offsets "
-              "about "
-              "middle gray")
+              "about middle gray")
       .parameter(Parameter::integer("size", 64)
                      .range(16, 256)
                      .unit_("voxels")

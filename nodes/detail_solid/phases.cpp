@@ -9,6 +9,9 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/kmeans.h"
+#include "nodes/data/equal_size.h"
+#include "nodes/residual/outline_depth.h"
+#include "nodes/residual/specks.h"
 
 namespace terrazzo::detail_solid {
 namespace {
@@ -18,46 +21,19 @@ constexpr std::size_t kLeastGroup = 1500;  // of a group's texture
 // Marks pixels within `edge` of another label, in one section.
 void exclude_outlines(const Labels& labels, int section, int edge, std::int8_t* phase) {
   if (edge <= 0) return;
-  const int w = labels.width, h = labels.height;
-  cv::Mat inside(h, w, CV_8U), distance;
-  const auto id = [&](int x, int y) { return labels.ids[labels.index(x, y, section)]; };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const bool border = (x + 1 < w && id(x, y) != id(x + 1, y)) || (x > 0 && id(x, y) != id(x - 1, y)) ||
-                          (y + 1 < h && id(x, y) != id(x, y + 1)) || (y > 0 && id(x, y) != id(x, y - 1));
-      inside.at<std::uint8_t>(y, x) = border ? 0 : 255;
-    }
-  cv::distanceTransform(inside, distance, cv::DIST_L2, 3);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x)
-      if (distance.at<float>(y, x) < static_cast<float>(edge) - 0.01f)
-        phase[static_cast<std::size_t>(y) * w + x] = -1;
+  const auto depth =
+      residual::outline_depth(&labels.ids[labels.index(0, 0, section)], labels.width, labels.height, false);
+  for (std::size_t i = 0; i < depth.size(); ++i)
+    if (depth[i] < static_cast<float>(edge) + 0.49f) phase[i] = -1;
 }
 
-// Excludes binder pixels farther than `limit` robust standard deviations (1.4826 · median absolute deviation,
-// at least half a step of 8 bits) from the binder's median in any channel, and those beside them. Returns the
-// fraction of the binder's pixels that are farther.
+// Excludes particles missed by the labels and the binder's pixels beside them. Returns their fraction of the
+// binder's pixels.
 double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int8_t* phase) {
-  const std::size_t n = static_cast<std::size_t>(w) * h;
-  Vec3f middle = Vec3f::Zero(), reach = Vec3f::Zero();
-  std::vector<float> v;
-  const auto median = [&] {
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  };
-  for (int c = 0; c < 3; ++c) {
-    v.clear();
-    for (std::size_t i = 0; i < n; ++i)
-      if (phase[i] == 0) v.push_back(encoded[i][c]);
-    if (v.empty()) return 0;
-    middle[c] = median();
-    for (float& x : v) x = std::abs(x - middle[c]);
-    reach[c] = static_cast<float>(limit * std::max(1.4826 * median(), 0.002));
-  }
-  const double all = static_cast<double>(v.size());
-  std::vector<std::size_t> far;
-  for (std::size_t i = 0; i < n; ++i)
-    if (phase[i] == 0 && ((encoded[i] - middle).cwiseAbs().array() > reach.array()).any()) far.push_back(i);
+  std::vector<std::uint8_t> binder(static_cast<std::size_t>(w) * h);
+  double all = 0;
+  for (std::size_t i = 0; i < binder.size(); ++i) all += binder[i] = phase[i] == 0;
+  const std::vector<std::size_t> far = residual::find_specks(encoded, binder, limit);
   for (const std::size_t i : far) {
     const int x = static_cast<int>(i % static_cast<std::size_t>(w)),
               y = static_cast<int>(i / static_cast<std::size_t>(w));
@@ -67,7 +43,7 @@ double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int
         if (p == 0) p = -1;
       }
   }
-  return static_cast<double>(far.size()) / all;
+  return all > 0 ? static_cast<double>(far.size()) / all : 0;
 }
 
 struct Mean {
@@ -104,12 +80,7 @@ std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vect
 
 void check_photograph(const Image& image, const Labels& labels) {
   if (image.pixels.empty()) throw Error("empty-image", "the image has no pixels", "connect a photograph");
-  if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
-    throw Error(
-        "size-mismatch",
-        fmt::format("the image has {} × {} pixels in {} sections, but the labels have {} × {} in {}",
-                    image.width, image.height, image.sections, labels.width, labels.height, labels.sections),
-        "use labels of the same photograph");
+  require_equal_size(image, "the image has", labels, "the labels have", "use labels of the same photograph");
   for (const auto& p : image.pixels)
     if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
   for (const std::int32_t id : labels.ids)
@@ -144,13 +115,11 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   std::vector<Mean> binder(static_cast<std::size_t>(image.sections));
   for (std::size_t i = 0; i < pixels; ++i) {
     if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
-    if (out.phase[i] > 0) profile.at(static_cast<std::size_t>(labels.ids[i]) - 1).add(image.pixels[i]);
+    if (out.phase[i] > 0) profile[static_cast<std::size_t>(labels.ids[i]) - 1].add(image.pixels[i]);
   }
   std::vector<Vec3f> color;
   std::vector<double> area;
-  for (const Mean& m : profile) {
-    color.push_back(m.value()), area.push_back(m.count);
-  }
+  for (const Mean& m : profile) color.push_back(m.value()), area.push_back(m.count);
   const std::vector<int> group = group_profiles(color, area, choice, work);
   int groups = 0;
   for (std::size_t k = 0; k < group.size(); ++k)

@@ -277,6 +277,14 @@ Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth) const {
   return gray_ ? Vec3f::Constant(offset.mean()) : offset;
 }
 
+Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth) const {
+  if (particle < 0) cover = 0;
+  Vec3f offset = Vec3f::Zero();
+  if (cover > 0) offset += cover * at(mm, particle, depth);
+  if (cover < 1) offset += (1 - cover) * at(mm, -1, depth);
+  return offset;
+}
+
 Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const {
   const float bins = depth * rims_per_mm_;
   const auto p = static_cast<std::size_t>(std::max(particle, 0));

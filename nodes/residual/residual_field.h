@@ -34,6 +34,9 @@ class ResidualField {
   // variance preserved, so that no repetition shows. `depth`: distance to the nearest outline, mm.
   Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f) const;
 
+  // The offset of a pixel or voxel that the particle covers by `cover`, 0 to 1, and the binder otherwise.
+  Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f) const;
+
   Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }
 

@@ -7,6 +7,8 @@
 #include <map>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/equal_size.h"
+#include "nodes/residual/specks.h"
 
 namespace terrazzo::residual_synth {
 namespace {
@@ -71,40 +73,20 @@ std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, 
   return nearest;
 }
 
-// Invalidates binder pixels farther than `limit` robust standard deviations (1.4826 · median absolute
-// deviation, at least half a step of 8 bits) from the binder's median in any channel, and those within `edge`
-// of them. Returns the number of far pixels.
+// Invalidates specks and binder pixels within `edge` of them. Returns the number of specks.
 std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double limit, int edge, int w, int h,
                          std::vector<std::uint8_t>& valid) {
-  const std::size_t n = valid.size();
-  Vec3f middle = Vec3f::Zero(), reach = Vec3f::Zero();
-  std::vector<float> v;
-  const auto median = [&] {
-    std::nth_element(v.begin(), v.begin() + v.size() / 2, v.end());
-    return v[v.size() / 2];
-  };
-  for (int c = 0; c < 3; ++c) {
-    v.clear();
-    for (std::size_t i = 0; i < n; ++i)
-      if (valid[i] && ids[i] == 0) v.push_back(pixels[i][c]);
-    if (v.empty()) return 0;
-    middle[c] = median();
-    for (float& x : v) x = std::abs(x - middle[c]);
-    reach[c] = static_cast<float>(limit * std::max(1.4826 * median(), 0.002));
+  std::vector<std::uint8_t> binder(valid.size());
+  for (std::size_t i = 0; i < valid.size(); ++i) binder[i] = valid[i] && ids[i] == 0;
+  const std::vector<std::size_t> far = residual::find_specks(pixels, binder, limit);
+  for (const std::size_t i : far) {
+    const int x = static_cast<int>(i % static_cast<std::size_t>(w)),
+              y = static_cast<int>(i / static_cast<std::size_t>(w));
+    for (int b = std::max(0, y - edge); b <= std::min(h - 1, y + edge); ++b)
+      for (int a = std::max(0, x - edge); a <= std::min(w - 1, x + edge); ++a)
+        valid[static_cast<std::size_t>(b) * w + a] = 0;
   }
-  std::size_t far = 0;
-  const std::vector<std::uint8_t> before = valid;
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * w + x;
-      if (!before[i] || ids[i] != 0 || ((pixels[i] - middle).cwiseAbs().array() <= reach.array()).all())
-        continue;
-      ++far;
-      for (int b = std::max(0, y - edge); b <= std::min(h - 1, y + edge); ++b)
-        for (int a = std::max(0, x - edge); a <= std::min(w - 1, x + edge); ++a)
-          valid[static_cast<std::size_t>(b) * w + a] = 0;
-    }
-  return far;
+  return far.size();
 }
 
 // Subtracts from each pixel the mean of its label's valid pixels (of all its pixels if none is valid) and
@@ -164,12 +146,7 @@ Image as_displayed(const Image& image, const Work& work) {
 
 ResidualImage residual_image(const Image& image, const Labels& labels, int edge, double specks,
                              const Work& work) {
-  if (image.width != labels.width || image.height != labels.height || image.sections != labels.sections)
-    throw Error(
-        "size-mismatch",
-        fmt::format("the image has {} × {} pixels in {} sections, but the labels have {} × {} in {}",
-                    image.width, image.height, image.sections, labels.width, labels.height, labels.sections),
-        "use labels of the same photograph");
+  require_equal_size(image, "the image has", labels, "the labels have", "use labels of the same photograph");
   for (const auto& p : image.pixels)
     if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
   const int w = image.width, h = image.height;

@@ -92,10 +92,8 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
         const double u = (x + 0.5) * grid.mm_x,
                      v = (grid.height - static_cast<double>(row) - 0.5) * grid.mm_y;
         const Vec3f mm = (plane.origin + u * plane.frame.col(0) + v * plane.frame.col(1)).cast<float>();
-        const float cover = canvas.owner[at] < 0 ? 0 : std::min(canvas.cover[at], 1.0f);
-        Vec3f offset = Vec3f::Zero();
-        if (cover > 0) offset += cover * detail.at(mm, canvas.owner[at], depth[at] * pixel);
-        if (cover < 1) offset += (1 - cover) * detail.at(mm, -1, depth[at] * pixel);
+        const Vec3f offset =
+            detail.mixed(mm, canvas.owner[at], std::min(canvas.cover[at], 1.0f), depth[at] * pixel);
         pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
       }
   });

@@ -165,11 +165,8 @@ void add_phases(const residual::ResidualField& field, Vec3f* colors, const Slab&
       const Vec3f mm =
           ((Vec3(i, j, z0 + static_cast<double>(k)).array() + 0.5) * voxel).matrix().cast<float>();
       const std::int32_t id = slab.id[k * plane + at];
-      const float cover = id < 0 ? 0 : std::min(slab.coverage[k * plane + at], 1.0f);
-      Vec3f offset = Vec3f::Zero();
       const float depth = std::abs(slab.distance[k * plane + at]) * static_cast<float>(voxel);
-      if (cover > 0) offset += cover * field.at(mm, id, depth);
-      if (cover < 1) offset += (1 - cover) * field.at(mm, -1, depth);
+      const Vec3f offset = field.mixed(mm, id, std::min(slab.coverage[k * plane + at], 1.0f), depth);
       const Vec3f flat = colors[at] == binder_color ? binder : linear_to_srgb(colors[at]);
       colors[at] = srgb_to_linear((flat + offset).cwiseMax(0.0f));
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "runtime/random.h"
@@ -38,6 +39,17 @@ TEST(FillPicture, KeepsWhatIsKnownAndContinuesAPattern) {
     EXPECT_LE(std::abs(p.value[i].x()), 0.2001f);
   }
   EXPECT_LT(wrong / holes, 0.1);
+}
+
+// At half the size, a hole of one pixel vanishes.
+TEST(FillPicture, SmallHolesAreFilledToo) {
+  const PartialPicture wanted = checks(96, 0);
+  PartialPicture p = wanted;
+  std::fill(p.known.begin(), p.known.end(), 1);
+  p.known[50 * 96 + 50] = 0;
+  p.value[50 * 96 + 50] = Vec3f::Constant(9);
+  fill_picture(p, 1);
+  for (std::size_t i = 0; i < p.value.size(); ++i) ASSERT_NEAR(p.value[i].x(), wanted.value[i].x(), 1e-5f);
 }
 
 TEST(FillPicture, GrainKeepsItsDeviation) {
