@@ -80,7 +80,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType pack_node() {
-  NodeType type("Pack", 3);
+  NodeType type("Pack", 4);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t kAxes = 0x61786573;
 constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
-constexpr double kFilm = 0.45;          // largest share of the binder that is film between particles
+constexpr double kFilm = 0.45;          // largest share of the binder that is film between sharp particles
 constexpr int kShownSections = 30000;   // of all particles together
 
 Quat random_rotation(Random& r) {  // uniform (Shoemake 1992)
@@ -157,7 +157,9 @@ double Filler::growth_gap() {
   const double factor = std::pow(population_.requested_fraction / result_.packed_fraction, 2.0 / 3);
   for (std::size_t i = 0; i < p.count(); ++i)
     surface += factor * shapes_.shapes[p.shape[i]].surface_area * p.scale[i] * p.scale[i];
-  const double most = kFilm * 2 * (1 - population_.requested_fraction) * p.box.prod() / surface;
+  // The rounder edges are, the more of the binder is between them.
+  const double film = kFilm * (1 - options_.grains.roundness);
+  const double most = film * 2 * (1 - population_.requested_fraction) * p.box.prod() / surface;
   if (wanted > most && !thinned_) {
     thinned_ = true;
     result_.notes.push_back(fmt::format(
@@ -172,6 +174,7 @@ void Filler::fill_by_growth(const Work& work) {
   GrowOptions grow_options;
   grow_options.gap = result_.gap = growth_gap();
   grow_options.gap_variation = options_.grains.gap_variation;
+  grow_options.roundness = result_.roundness = options_.grains.roundness;
   grow_options.seed = options_.population.seed;
   Grown grown = grow(shapes_, population_.particles, result_.wanted, grow_options, work.part(0.4, 0.9));
   result_.flat = grown.flat;

@@ -14,7 +14,7 @@ enum class CrystalAxes { None, Uniform, Fiber };
 struct FillOptions {
   Method method = Method::Laguerre;
   packing::PopulationOptions population;
-  LaguerreOptions grains;       // growth uses only gap (nothing: 0) and gap_variation
+  LaguerreOptions grains;       // growth uses only gap (nothing: 0), gap_variation and roundness
   double start_fraction = 0.6;  // largest volume fraction at which growth begins
   int iterations = 600;         // of packing before growth
   int corrections = 2;          // see section_fit.h
@@ -31,6 +31,7 @@ struct FillResult {
   double requested_fraction = 0, fraction = 0;
   double worst = 0;            // largest relative error of a volume
   double gap = 0;              // mean thickness of the binder between neighbors, mm
+  double roundness = 0;        // of edges, before those without room for it became sharper
   double faces = 0;            // mean number of faces (Laguerre)
   double flat = 0;             // share of the surface that is flat contact (growth)
   double packed_fraction = 0;  // where growth began

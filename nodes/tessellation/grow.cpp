@@ -28,9 +28,11 @@ constexpr int kRounds = 60;           // of moving the planes
 constexpr double kEnough = 0.01;      // relative shortfall of a volume that needs no more rounds
 constexpr int kRepeats = 4;           // of correcting the volume of a cut mesh
 constexpr int kHalvings = 16;
-constexpr double kExact = 1e-3;  // relative error of a volume that needs no correction
-constexpr double kWidest = 0.4;  // gap of a pair, in the smaller radius
-constexpr double kMove = 0.25;   // how far, relative to the difference of the factors of growth
+constexpr double kExact = 1e-3;                    // relative error of a volume that needs no correction
+constexpr double kNoEdge = 0.003;                  // share of the norm that is left out
+constexpr double kSharpen = 1.15, kSharpest = 60;  // powers of rounded edges
+constexpr double kWidest = 0.4;                    // gap of a pair, in the smaller radius
+constexpr double kMove = 0.25;  // how far, relative to the difference of the factors of growth
 constexpr double kInside =
     0.02;  // smallest distance of a plane from a center, relative to the particle's radius
 
@@ -44,6 +46,12 @@ struct Body {
   double growth = 1;           // factor
   double pressure = 0;         // moves its planes outward, in squared radii
   std::vector<Plane> planes;
+  double power = 0;    // of the norm that rounds edges between planes; 0: sharp
+  double no_edge = 0;  // planes no farther along than this share of the farthest make no edge
+  void set_power(double value) {
+    power = value;
+    no_edge = power > 0 ? std::pow(kNoEdge, 1 / power) : 1;
+  }
 };
 
 struct Contact {
@@ -54,10 +62,28 @@ struct Contact {
   double lead;   // difference of the squared extents of a and b along the normal, mm²
 };
 
+// How far a point is towards the planes, as a norm that is 1 on the body's planes except near their edges,
+// where it is larger, and so rounds them.
+double gauge(const Body& body, const Vec3& v) {
+  double largest = 1e-9;
+  for (const Plane& p : body.planes) largest = std::max(largest, p.normal.dot(v) / p.offset);
+  const double least = body.no_edge * largest;
+  double sum = 0;
+  for (const Plane& p : body.planes)
+    if (const double share = p.normal.dot(v) / p.offset; share > least)
+      sum += share == largest ? 1 : std::pow(share / largest, body.power);
+  return largest * std::pow(sum, 1 / body.power);
+}
+
 // For each vertex the largest factor of growth at which it is still inside all planes.
 std::vector<double> limits_of(const Body& body) {
   std::vector<double> limit;
   for (const Vec3& v : body.mesh.vertices) limit.push_back(std::min(kLargest, body.reach / v.norm()));
+  if (body.power > 0) {
+    for (std::size_t v = 0; v < limit.size(); ++v)
+      limit[v] = std::min(limit[v], 1 / gauge(body, body.mesh.vertices[v]));
+    return limit;
+  }
   for (const Plane& p : body.planes) {
     if (p.offset > body.reach) continue;
     for (std::size_t v = 0; v < limit.size(); ++v) {
@@ -112,8 +138,13 @@ double contact_area(const Mesh& mesh, const Body& body, double near) {
   return area;
 }
 
+struct Surface {
+  double flat = 0, all = 0;  // area in contact with neighbors and in total, before edges are rounded, mm²
+};
+
 // Cuts the enlarged body at its planes. What lies beyond a plane moves onto it along rays from the center.
-Mesh cut(const Body& body, double& flat_area) {
+// Then rounds the edges.
+Mesh cut(const Body& body, Surface& surface) {
   Mesh mesh = body.mesh;
   for (Vec3& v : mesh.vertices) v *= body.growth;
   const double near = 1e-9 * body.radius;
@@ -125,7 +156,10 @@ Mesh cut(const Body& body, double& flat_area) {
     for (Vec3& v : mesh.vertices)
       if (const double h = p.normal.dot(v); h > p.offset) v *= p.offset / h;
   }
-  flat_area = contact_area(mesh, body, near);
+  surface = {contact_area(mesh, body, near), mesh_surface_area(mesh)};
+  if (body.power > 0)
+    for (Vec3& v : mesh.vertices)
+      if (const double far = gauge(body, v); far > 1) v /= far;
   return mesh;
 }
 
@@ -200,6 +234,7 @@ void Growth::prepare(const Shapes& shapes, const std::vector<double>& volume) {
       b.radius = mesh_bounding_radius(b.mesh);
       b.outposts = farthest_vertices(b.mesh);
       b.wanted = volume[i];
+      if (options_.roundness > 0) b.set_power(3 / options_.roundness);
       for (const Triangle& t : b.mesh.triangles)
         b.wedges.push_back(b.mesh.vertices[t[0]].dot(b.mesh.vertices[t[1]].cross(b.mesh.vertices[t[2]])));
     }
@@ -294,7 +329,13 @@ Grown Growth::run() {
     move_planes();
     const Work part = work_.part(0.4 + 0.5 * round / (kRounds + 1), 0.4 + 0.5 * (round + 1) / (kRounds + 1));
     part.parallel(bodies_.size(), 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) reached[i] = solve_growth(bodies_[i]);
+      for (std::size_t i = begin; i < end; ++i) {
+        reached[i] = solve_growth(bodies_[i]);
+        // Without room for round edges, they become sharper.
+        Body& body = bodies_[i];
+        if (body.power > 0 && reached[i] < (1 - kEnough) * body.wanted)
+          body.set_power(body.power < kSharpest ? kSharpen * body.power : 0);
+      }
     });
     double worst = 0;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
@@ -303,11 +344,11 @@ Grown Growth::run() {
     change_pressures(kMove / (1 + 0.2 * round));
   }
   out.meshes.resize(bodies_.size());
-  std::vector<double> flat(bodies_.size(), 0.0), area(bodies_.size(), 0.0);
+  std::vector<Surface> surfaces(bodies_.size());
   work_.part(0.9, 1).parallel(bodies_.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Body& body = bodies_[i];
-      out.meshes[i] = cut(body, flat[i]);
+      out.meshes[i] = cut(body, surfaces[i]);
       // Cutting keeps what triangles across an edge leave out of the volume at the vertices.
       if (reached[i] == body.wanted || mesh_volume(out.meshes[i]) > body.wanted) {
         const double wanted = body.wanted;
@@ -316,24 +357,23 @@ Grown Growth::run() {
           if (std::abs(ratio - 1) < kExact) break;
           body.wanted *= ratio;
           solve_growth(body);
-          out.meshes[i] = cut(body, flat[i]);
+          out.meshes[i] = cut(body, surfaces[i]);
         }
         // Where a plane is close to the center, the vertices say too little about the volume.
         if (mesh_volume(out.meshes[i]) > 1.02 * wanted) {
           double low = 0, high = body.growth;
           for (int k = 0; k < kHalvings; ++k) {
             body.growth = 0.5 * (low + high);
-            out.meshes[i] = cut(body, flat[i]);
+            out.meshes[i] = cut(body, surfaces[i]);
             (mesh_volume(out.meshes[i]) > wanted ? high : low) = body.growth;
           }
         }
       }
-      area[i] = mesh_surface_area(out.meshes[i]);
     }
   });
-  double surface = 0;
-  for (std::size_t i = 0; i < bodies_.size(); ++i) out.flat += flat[i], surface += area[i];
-  out.flat /= surface;
+  double all = 0;
+  for (const Surface& s : surfaces) out.flat += s.flat, all += s.all;
+  out.flat /= all;
   return out;
 }
 

@@ -12,6 +12,7 @@ namespace terrazzo::tessellation {
 struct GrowOptions {
   double gap = 0;            // distance between the flat faces of neighbors, mm
   double gap_variation = 0;  // of each pair, relative; 0 to 1
+  double roundness = 0;      // of the edges between flat faces, 0 (sharp) to 1
   std::uint64_t seed = 1;    // of the variation
 };
 

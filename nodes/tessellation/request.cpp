@@ -4,6 +4,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/request.h"
+#include "nodes/tessellation/corner_roundness.h"
 #include "nodes/tessellation/joints.h"
 
 namespace terrazzo::tessellation {
@@ -22,9 +23,12 @@ NodeType& declare_fill(NodeType& type) {
               .range(0, 1)
               .doc_("How much the gap varies from face to face, relative to its mean. auto: as much as "
                     "the input `profiles` shows, or 0 without that input."))
-      .parameter(Parameter::number("roundness", 0)
-                     .range(0, 1)
-                     .doc_("laguerre: how round the edges of grains are. 0 is sharp."))
+      .parameter(
+          Parameter::optional_number("roundness", "auto")
+              .range(0, 1)
+              .doc_("How round edges are. 0 is sharp. auto: laguerre makes them sharp; grow as round as "
+                    "the corners of the input `profiles`, as far as the volume fraction leaves room, or "
+                    "sharp without that input."))
       .parameter(Parameter::number("roughness", 0)
                      .range(0, 0.1)
                      .doc_("laguerre: root mean square displacement of faces, in mean grain diameters. Both "
@@ -65,11 +69,14 @@ FillOptions read_fill(const Context& c, Method method) {
   o.population = packing::read_population(c);
   o.grains.gap = c.optional_number("gap");
   Joints joints;
-  if (const auto* profiles = c.optional<Profiles>("profiles"))
-    joints = measure_joints(*profiles, c.work().quiet());
+  const auto* profiles = c.optional<Profiles>("profiles");
+  if (profiles != nullptr) joints = measure_joints(*profiles, c.work().quiet());
   if (method == Method::Grow && !o.grains.gap) o.grains.gap = joints.thickness;
   o.grains.gap_variation = c.optional_number("gap_variation").value_or(joints.variation);
-  o.grains.roundness = c.number("roundness");
+  if (const auto roundness = c.optional_number("roundness"))
+    o.grains.roundness = *roundness;
+  else if (method == Method::Grow && profiles != nullptr)
+    o.grains.roundness = measure_roundness(*profiles);
   o.grains.roughness = c.number("roughness");
   o.grains.rounds = static_cast<int>(c.integer("rounds"));
   if (const auto s = c.numbers("stretch"); s.size() == 3) o.grains.stretch = Vec3(s[0], s[1], s[2]);
@@ -98,6 +105,7 @@ void output_fill(Context& c, const SizeDistribution& distribution, FillResult r)
   c.metric("gap", r.gap);
   c.metric("faces", r.faces);
   c.metric("flat_contact", r.flat);
+  c.metric("roundness", r.roundness);
   c.metric("core_fraction", r.packed_fraction);
   c.metric("section_misfit_before", r.misfit_before);
   c.metric("section_misfit", r.misfit_after);

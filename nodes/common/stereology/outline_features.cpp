@@ -243,6 +243,22 @@ std::vector<Vec2> resampled_loop(const Loop& loop, int points) {
   return out;
 }
 
+double loop_length(const Loop& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) sum += (loop[(i + 1) % loop.size()] - loop[i]).norm();
+  return sum;
+}
+
+double pixel_step(const Loop& loop) {
+  if (loop.empty()) return 0;
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    steps.push_back((loop[(i + 1) % loop.size()] - loop[i]).norm());
+  std::sort(steps.begin(), steps.end());
+  const double median = steps[steps.size() / 2];
+  return steps[steps.size() - 1 - steps.size() / 50] < 2 * median ? median : 0;
+}
+
 std::vector<double> outline_curvature(const std::vector<Vec2>& p) {
   const std::size_t arms = arms_of(p.size());
   auto turns = turns_over(p, arms);

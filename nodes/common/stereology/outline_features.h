@@ -44,6 +44,12 @@ struct OutlineMeasuring {
 // Evenly spaced points along a closed polygon, starting at its first point.
 std::vector<Vec2> resampled_loop(const Loop&, int points);
 
+double loop_length(const Loop&);
+
+// The median distance of a loop's points if they follow pixels, at even steps; 0 for others, such as sections
+// of meshes.
+double pixel_step(const Loop&);
+
 // Features of a simple counterclockwise loop; all zero if it has no area.
 OutlineFeatures outline_features(const Loop&, const OutlineMeasuring& = {});
 

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
+#include "nodes/tessellation/corner_roundness.h"
 #include "nodes/tessellation/joints.h"
 #include "nodes/tessellation/section_fit.h"
 #include "tests/nodes/anneal/packing_support.h"
@@ -68,6 +70,44 @@ Profile square(double x, double y, double edge, int section = 0) {
   p.area = edge * edge;
   p.contour = {{x, y}, {x + edge, y}, {x + edge, y + edge}, {x, y + edge}};
   return p;
+}
+
+// Hexagons with the edges cut by arcs: a regular hexagon rounded by a circle of `radius` at each corner.
+Profiles rounded_hexagons(double radius) {
+  Profiles p;
+  for (int n = 0; n < 5; ++n) {
+    Profile q;
+    const double inner = 1 - radius;  // the arcs' centers are the corners of a hexagon with this inner radius
+    for (int k = 0; k < 6; ++k) {
+      const double at = (k + 0.5) * std::numbers::pi / 3 + n;
+      const Vec2 center = inner / std::cos(std::numbers::pi / 6) * Vec2(std::cos(at), std::sin(at));
+      for (int i = 0; i <= 8; ++i) {
+        const double t = at + (i / 8.0 - 0.5) * std::numbers::pi / 3;
+        q.contour.push_back((3 + n) * (center + radius * Vec2(std::cos(t), std::sin(t))));
+      }
+    }
+    p.profiles.push_back(q);
+  }
+  return p;
+}
+
+TEST(CornerRoundness, GrowsWithTheRadiusOfCorners) {
+  double last = -1;
+  for (const double radius : {0.02, 0.3, 0.6, 0.9}) {
+    const double found = measure_roundness(rounded_hexagons(radius));
+    EXPECT_GT(found, last) << radius;
+    EXPECT_LE(found, 1);
+    last = found;
+  }
+  EXPECT_LT(measure_roundness(rounded_hexagons(0.02)), 0.15);
+  EXPECT_GT(last, 0.6);
+}
+
+TEST(CornerRoundness, TooFewProfilesAreSharp) {
+  Profiles p = rounded_hexagons(0.9);
+  p.profiles.resize(2);
+  EXPECT_EQ(measure_roundness(p), 0);
+  EXPECT_EQ(measure_roundness({}), 0);
 }
 
 TEST(Joints, DistanceBetweenSquares) {

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/packing/audit.h"
+#include "nodes/tessellation/corner_roundness.h"
 #include "tests/nodes/anneal/packing_support.h"
 #include "tests/support/code_of.h"
 
@@ -102,6 +104,38 @@ TEST(Tessellate, GrowthKeepsTheGap) {
   const auto& p = run.output<Particles>("particles");
   EXPECT_LT(packing::audit(run.output<Shapes>("shapes"), p, 0.0399).worst, 1e-4);
   EXPECT_GT(packing::audit(run.output<Shapes>("shapes"), p, 0.05).worst, 1e-4);
+}
+
+// The roundness that sections of the grains show.
+double shown_roundness(const test::NodeRun& run) {
+  Profiles profiles;
+  for (const auto& section :
+       random_sections(run.output<Shapes>("shapes"), 400, {SectionKind::Random, 3, 0})) {
+    Profile p;
+    p.contour = section[0][0];
+    profiles.profiles.push_back(p);
+  }
+  return tessellation::measure_roundness(profiles);
+}
+
+// Edges between flat contacts become round, volumes stay, and nothing overlaps.
+TEST(Tessellate, GrowthRoundsEdgesAsFarAsThereIsRoom) {
+  const Settings settings{{"count", "50"}, {"method", "grow"}, {"corrections", "0"}};
+  for (const double fraction : {0.8, 0.9}) {
+    double last = shown_roundness(tessellate(fraction, settings));
+    for (const char* roundness : {"0.15", "0.3"}) {
+      Settings round = settings;
+      round["roundness"] = roundness;
+      const auto run = tessellate(fraction, round);
+      expect_sound_fill(run, fraction, 0, 0.01);
+      EXPECT_LT(run.metrics.at("worst_volume_error"), fraction < 0.85 ? 0.02 : 0.2);
+      EXPECT_LE(run.metrics.at("flat_contact"), 1);
+      if (fraction < 0.85) {
+        EXPECT_GT(shown_roundness(run), last) << roundness;
+        last = shown_roundness(run);
+      }
+    }
+  }
 }
 
 TEST(Tessellate, GrowthBelowPackingKeepsTheShapes) {
