@@ -5,18 +5,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/rank.h"
+
 namespace terrazzo {
 
 namespace {
 
 using std::numbers::pi;
 using Points = std::vector<Vec2>;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double turn(const Vec2& before, const Vec2& after) {
-  return std::atan2(cross(before, after), before.dot(after));
-}
 
 // Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
 Points blurred(const Points& p, double sigma_points) {
@@ -62,23 +59,6 @@ Moments moments_of(const Points& p) {
   return m;
 }
 
-double hull_area(Points p) {
-  std::sort(p.begin(), p.end(),
-            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
-  Points hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = hull.size();
-    for (const Vec2& q : p) {
-      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], q - hull.back()) <= 0)
-        hull.pop_back();
-      hull.push_back(q);
-    }
-    hull.pop_back();
-    std::reverse(p.begin(), p.end());
-  }
-  return loop_area(hull);
-}
-
 // An outline z(s) is mirror-symmetric if z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ. The rms distance for the
 // best s₀ and φ follows from the maximum of |Σ z(s) z(s₀ − s)|.
 double symmetry_of(const Points& p) {
@@ -121,16 +101,15 @@ double anisotropy_of(const Points& p) {
 }
 
 double quantile(std::vector<double>& v, double q) {
-  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1) + 0.5);
-  std::nth_element(v.begin(), v.begin() + k, v.end());
-  return v[static_cast<std::size_t>(k)];
+  return at_rank(v, static_cast<std::size_t>(q * static_cast<double>(v.size() - 1) + 0.5));
 }
 
 // Turning angle of the outline over `arms` steps on either side of each point.
 std::vector<double> turns_over(const Points& p, std::size_t arms) {
   const std::size_t n = p.size();
   std::vector<double> out(n);
-  for (std::size_t i = 0; i < n; ++i) out[i] = turn(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = turn_between(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
   return out;
 }
 
