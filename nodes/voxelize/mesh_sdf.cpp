@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/voxelize/closest.h"
+#include "nodes/common/geometry/mesh_distance.h"
 
 namespace terrazzo::voxelize {
 
@@ -24,7 +24,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
 
   // One query at a block's center detects whether all its nodes are far from the surface.
   nodes_.resize(box_.count());
-  const ClosestTriangle closest(mesh);
+  const AabbTree tree(mesh);
   constexpr int edge = 4;
   const Vec3i blocks = (box_.size.array() + edge - 1) / edge;
   const double reach = 0.5 * std::sqrt(3.0) * (edge - 1) * spacing_;
@@ -34,7 +34,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
       const Vec3i hi = (lo.array() + edge).min(box_.size.array());
       const Vec3 center = origin_ + spacing_ * (lo.cast<double>() + Vec3::Constant(0.5 * (edge - 1)));
       const double limit = far_ + reach;
-      const double to_center = std::sqrt(closest.distance2(center, limit * limit));
+      const double to_center = std::sqrt(squared_distance(mesh, tree, center, limit * limit));
       for (int k = lo.z(); k < hi.z(); ++k)
         for (int j = lo.y(); j < hi.y(); ++j)
           for (int i = lo.x(); i < hi.x(); ++i) {
@@ -42,7 +42,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
             if (to_center < limit) {
               const Vec3 p = origin_ + spacing_ * Vec3(i, j, k);
               const double bound = std::min<double>(far_, to_center + (p - center).norm() * (1 + 1e-12));
-              d = std::sqrt(closest.distance2(p, bound * bound));
+              d = std::sqrt(squared_distance(mesh, tree, p, bound * bound));
             }
             const std::size_t at = box_.index(i, j, k);
             nodes_[at] = static_cast<float>(scan.inside[at] ? -d : d);
