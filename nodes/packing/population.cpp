@@ -234,7 +234,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     throw Error("no-particles", "the distribution has no particles: all its number densities are 0",
                 "check the profiles or densities from which it is computed");
   out.requested_fraction = computed;
-  if (o.keep_volume_fraction && d.volume_fraction > 0 && std::isfinite(d.volume_fraction)) {
+  if (o.conserve == Conserve::VolumeFraction && d.volume_fraction > 0 && std::isfinite(d.volume_fraction)) {
     out.requested_fraction = d.volume_fraction;
     const double factor = d.volume_fraction / computed;
     if (factor < 0.93 || factor > 1.07) {
