@@ -32,8 +32,8 @@ inline Quat random_rotation(Random& r) {
               std::sqrt(u) * std::sin(b));
 }
 
-// Four independent normal numbers. Normalized, a rotation drawn uniformly from all. Graphs that used it
-// before random_rotation() keep their results.
+// Four independent normal numbers; normalized, a rotation drawn uniformly from all. With random_rotation(),
+// the results of Anneal, Pack and RenderVolume would change.
 inline Quat random_quaternion(Random& r) {
   Quat q;
   for (double* c : {&q.z(), &q.y(), &q.x(), &q.w()}) *c = r.normal();

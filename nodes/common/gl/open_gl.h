@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/gl/egl_context.h"
