@@ -19,14 +19,47 @@ struct Sample {
   double count() const { return squares > 0 ? weight * weight / squares : 0; }  // effective sample size
 };
 
-// Uses whole profiles with an outline of at least a dozen points.
-Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest) {
+// The median distance of an outline's points if they follow pixels, at even steps; 0 for others, such as
+// sections of meshes.
+double pixel_step(const std::vector<Vec2>& contour) {
+  std::vector<double> steps;
+  for (std::size_t i = 0; i < contour.size(); ++i)
+    steps.push_back((contour[(i + 1) % contour.size()] - contour[i]).norm());
+  std::sort(steps.begin(), steps.end());
+  const double median = steps[steps.size() / 2];
+  return steps[steps.size() - 1 - steps.size() / 50] < 2 * median ? median : 0;
+}
+
+bool is_whole(const Profile& q, double smallest) {
+  return !q.touches_border && q.weight > 0 && q.contour.size() >= 12 &&
+         std::sqrt(4 * q.area / M_PI) >= smallest;
+}
+
+// The median of pixel_step over whole profiles.
+double pixel_step(const Profiles& p, double smallest) {
+  std::vector<double> steps;
+  for (const Profile& q : p.profiles)
+    if (is_whole(q, smallest)) steps.push_back(pixel_step(q.contour));
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+double length_of(const std::vector<Vec2>& contour) {
+  double sum = 0;
+  for (std::size_t i = 0; i < contour.size(); ++i)
+    sum += (contour[(i + 1) % contour.size()] - contour[i]).norm();
+  return sum;
+}
+
+// Uses whole profiles with an outline of at least a dozen points. `blur` in mm.
+Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest, double blur) {
   Sample s;
   for (const Profile& q : p.profiles) {
-    if (q.touches_border || !(q.weight > 0) || q.contour.size() < 12) continue;
-    if (std::sqrt(4 * q.area / M_PI) < smallest) continue;
-    // The blur rounds off pixel corners, in photographs and sections alike.
-    const double v = outline_features(q.contour, {.points = 128, .blur = 0.01})[feature];
+    if (!is_whole(q, smallest)) continue;
+    const double share = std::min(0.05, std::hypot(0.01, blur / length_of(q.contour)));
+    const double v = outline_features(q.contour, {.points = 128, .blur = share})[feature];
     if (!std::isfinite(v) || v == 0) continue;
     s.values.emplace_back(v, q.weight);
     s.weight += q.weight, s.squares += q.weight * q.weight, s.mean += q.weight * v;
@@ -73,7 +106,9 @@ void compare_outlines(const Profiles& a, const Profiles& b, const std::string& m
   const auto feature =
       measure == "circularity" ? OutlineFeature::Circularity : OutlineFeature::TotalCurvature;
   const std::string unit = measure == "circularity" ? "" : "rad";
-  const Sample sa = sample_of(a, feature, smallest), sb = sample_of(b, feature, smallest);
+  // Hides the steps of pixels and the frays of a segmentation, on both sides alike.
+  const double blur = 1.8 * std::max(pixel_step(a, smallest), pixel_step(b, smallest));
+  const Sample sa = sample_of(a, feature, smallest, blur), sb = sample_of(b, feature, smallest, blur);
   if (sa.values.size() < 2 || sb.values.size() < 2) {
     out.warnings.push_back(fmt::format(
         "{} is not compared: it needs two whole profiles with outlines in both sets; a has {}, b has {}",

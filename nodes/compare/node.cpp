@@ -95,7 +95,7 @@ NodeType compare_node() {
   Parameter measures = Parameter::with_keyword(ParameterKind::Texts, "measures", "all");
   measures.choices = of_profiles;
   measures.choices.insert(measures.choices.end(), of_images.begin() + 1, of_images.end());
-  NodeType type("Compare", 3);
+  NodeType type("Compare", 4);
   type.doc_(
           "Compares two sets of profiles, two size distributions or two images, and reports which "
           "differences exceed sampling noise.")

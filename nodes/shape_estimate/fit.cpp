@@ -12,6 +12,7 @@
 #include "nodes/shape_estimate/least_squares.h"
 #include "nodes/shape_estimate/method.h"
 #include "nodes/shape_estimate/self_intersections.h"
+#include "nodes/shape_estimate/size_selection.h"
 
 namespace terrazzo::shape_estimate {
 
@@ -21,7 +22,10 @@ namespace {
 constexpr std::size_t kLeastPlanes = 192, kMostPlanes = 512;
 constexpr std::size_t kLastPlanes = 1536;
 constexpr std::size_t kHands = 4;
-constexpr int kPoints = 128;          // as in ShapeMetrics
+constexpr int kPoints = 128;  // as in ShapeMetrics
+// Blur of outlines, relative to their length: hides the triangles of a body and of an original, and what
+// segmentation does to an outline. In addition, a multiple of the smoothing that pixel steps need.
+constexpr double kMeshBlur = 0.0045, kFrayBlur = 0.009, kPixelBlur = 1.5;
 constexpr std::size_t kGuesses = 96;  // number of modeled starting bodies
 
 struct Start {
@@ -127,22 +131,27 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
 Fit fit_bodies(const FitRequest& request, const Work& work) {
   OutlineMeasuring measuring;
   measuring.points = kPoints;
-  std::vector<double> blur, convexity;
+  std::vector<double> blurs, convexity, sizes;
   for (const Outline& o : *request.all)
-    blur.push_back(o.blur / o.perimeter), convexity.push_back(o.convexity);
-  std::nth_element(blur.begin(), blur.begin() + static_cast<std::ptrdiff_t>(blur.size() / 2), blur.end());
-  // The blur must hide the triangles of a body and of an original. If pixel steps had to be smoothed, it must
-  // also hide the frayed outlines of segmentation, in both observed and simulated sections; then the least
-  // convex tenth is excluded too, because it contains merged profiles.
-  const double pixels = blur[blur.size() / 2];
-  measuring.blur = pixels > 0 ? std::clamp(3 * pixels, 0.012, 0.03) : 0.0045;
+    blurs.push_back(o.blur), convexity.push_back(o.convexity), sizes.push_back(std::sqrt(o.area));
+  // If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur
+  // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
+  // merged ones.
+  const auto middle = static_cast<std::ptrdiff_t>(blurs.size() / 2);
+  std::nth_element(blurs.begin(), blurs.begin() + middle, blurs.end());
+  const double blur = kPixelBlur * blurs[static_cast<std::size_t>(middle)];
+  measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
   std::sort(convexity.begin(), convexity.end());
-  const double least_convex = pixels > 0 ? convexity[convexity.size() / 10] : 0;
+  const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];
+  const double least_convex = blur > 0 ? lower - 3 * (upper - lower) : 0;
 
   FeatureSample observed;
   for (const Outline& o : *request.all) {
     if (o.convexity < least_convex) continue;
-    const OutlineFeatures f = outline_features(o.points, measuring);
+    OutlineMeasuring seen = measuring;
+    const double more = std::sqrt(std::max(0.0, blur * blur - o.blur * o.blur));
+    seen.blur = std::min(0.05, std::hypot(measuring.blur, more / o.perimeter));
+    const OutlineFeatures f = outline_features(o.soft.empty() ? o.points : o.soft, seen);
     if (f[OutlineFeature::Circularity] <= 0) continue;
     observed.features.push_back(f);
     observed.root_area.push_back(std::sqrt(o.area));
@@ -156,15 +165,21 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   if (starts.empty())
     throw Error("no-start", "none of the other methods can build a body from these profiles",
                 "check the profiles, or choose others by their ids");
-  const auto sample = [&](const Mesh& mesh, std::size_t planes) {
-    FeatureSample s = sample_sections(mesh, planes, measuring);
-    drop_small(s, request.smallest);
-    return s;
-  };
+  std::vector<std::vector<CutProfile>> started(starts.size());
   work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      starts[i].distance = target.distance(sample(starts[i].mesh, planes));
+    for (std::size_t i = begin; i < end; ++i) started[i] = cut_sections(starts[i].mesh, planes);
   });
+  const SizeSelection selection = request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
+                                                   : SizeSelection(sizes, started);
+  const auto measure = [&](std::vector<CutProfile> sections) {
+    selection.apply(sections);
+    return measured(sections, measuring, blur);
+  };
+  const auto sample = [&](const Mesh& mesh, std::size_t planes) {
+    return measure(cut_sections(mesh, planes));
+  };
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    starts[i].distance = target.distance(measure(std::move(started[i])));
   std::stable_sort(starts.begin(), starts.end(),
                    [](const Start& a, const Start& b) { return a.distance < b.distance; });
 
@@ -200,7 +215,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
       const FeatureSample s = with_those_before(sample(mesh, planes));
       return target.residuals(s);
     };
-    // A few rounds with each promising start, then the remaining rounds with the best.
+    // A round with each promising start, then the remaining rounds with the best.
     struct Run {
       std::unique_ptr<BodyFamily> family;
       std::string from;
@@ -248,7 +263,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
       const double share = 0.5 / static_cast<double>(runs.size());
-      go(runs[i], 2, 0.4, part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
+      go(runs[i], 1, 0.4, part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
     }
     Run& best = *std::min_element(runs.begin(), runs.end(),
                                   [](const Run& a, const Run& b) { return a.at.value < b.at.value; });

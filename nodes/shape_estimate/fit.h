@@ -19,7 +19,7 @@ struct FitRequest {
   int count = 3;          // number of bodies
   double smallest = 0.4;  // as in CandidateOptions, for sections of the bodies
   bool one_size = false;  // the particles are known to have one size: areas are compared too
-  int rounds = 8;         // rounds of the search for each body
+  int rounds = 3;         // rounds of the search for each body
   int subdivision = 1;
   std::size_t planes = 0;  // sections of each trial; 0: the number of profiles, clamped to 192…512
   std::uint64_t seed = 1;

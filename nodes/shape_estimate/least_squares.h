@@ -10,7 +10,8 @@ namespace terrazzo::shape_estimate {
 
 struct LeastSquaresOptions {
   int rounds = 10;
-  double step = 0.2;    // of the finite differences, in the units of the variables
+  double step = 0.2;  // of the finite differences, in the units of the variables
+  int updates = 2;  // further moves of each round, with slopes updated instead of differenced (Broyden 1965)
   double ridge = 0.02;  // adds ridge²·‖x‖² to the sum of squares
 };
 

@@ -23,6 +23,14 @@ const EstimateMethod& method_of(const std::string& name) {
   return *std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
 }
 
+CandidateOptions candidate_options(const Context& c) {
+  CandidateOptions options;
+  if (const auto v = c.optional_integer("class")) options.cls = static_cast<int>(*v);
+  options.smallest = c.number("smallest");
+  options.crease = c.number("crease");
+  return options;
+}
+
 struct Chosen {
   std::vector<std::vector<Outline>> shapes;  // profiles of each shape
   std::vector<Outline> all;
@@ -30,7 +38,16 @@ struct Chosen {
   bool same = false;  // every shape uses the same profiles
 };
 
-constexpr std::size_t kFitHands = 4, kFitLeast = 12;
+constexpr std::size_t kFitHands = 4, kFitLeast = 12, kFitEnough = 24;
+
+// The method that the parameter names; with auto, fit if there are enough profiles.
+const EstimateMethod& chosen_method(Context& c, const Profiles& profiles) {
+  const std::string name = c.text("method");
+  if (name != "auto") return method_of(name);
+  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
+  const std::size_t usable = candidates_of(profiles, candidate_options(c), c.work()).outlines.size();
+  return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
+}
 
 [[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
   const bool no_outlines =
@@ -51,11 +68,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
   Chosen out;
-  CandidateOptions options;
-  if (const auto v = c.optional_integer("class")) options.cls = static_cast<int>(*v);
-  options.smallest = c.number("smallest");
-  options.crease = crease;
-  auto candidates = candidates_of(profiles, options, c.work());
+  auto candidates = candidates_of(profiles, candidate_options(c), c.work());
   c.metric("usable_profiles", static_cast<double>(candidates.outlines.size()));
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
@@ -162,7 +175,7 @@ void compute_fit(Context& c, const Chosen& chosen) {
 
 void compute(Context& c) {
   const auto& profiles = c.input<Profiles>("profiles");
-  const auto& method = method_of(c.text("method"));
+  const auto& method = chosen_method(c, profiles);
   const std::string axis = c.text("axis");
   const Chosen chosen = choose(c, profiles, method);
   if (!method.run) return compute_fit(c, chosen);
@@ -225,14 +238,16 @@ Parameter method_parameter() {
                                          : " or more",
                        m.least == 1 && m.most == 1 ? "" : "s", m.doc);
   }
-  doc.back() = '.';
+  names.push_back("auto");
+  doc += fmt::format(" auto: fit with at least {} usable profiles, morphed_generalized_cylinder with fewer.",
+                     kFitEnough);
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
 }
 
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 6)
+  return NodeType("ShapeEstimate", 7)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
           "of different particles are arranged in space is unknown; each method makes a different "
@@ -287,7 +302,7 @@ NodeType shape_estimate_node() {
           Parameter::choice("sizes", "unknown", {"unknown", "equal"})
               .doc_("Particle sizes, for method fit. equal: all particles have one size, so the areas of "
                     "their profiles carry information about their shape. unknown: areas are not used."))
-      .parameter(Parameter::integer("rounds", 8)
+      .parameter(Parameter::integer("rounds", 3)
                      .range(1, 60)
                      .doc_("Number of search rounds per shape, for method fit"))
       .parameter(Parameter::optional_integer("class", "any")

@@ -272,6 +272,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   p = densified(p, length(p) / kPoints);
   align(p);
   o.points = std::move(p);
+  if (blur > 0) o.soft = o.points;
   const double window = std::max(0.025 * length(o.points), 3.0 * blur);
   find_corners(o, window, blur, crease);
   if (blur > 0 && o.corners > 0) {

@@ -23,7 +23,8 @@ struct Outline {
   double aspect = 0;             // height / width
   double convexity = 0;          // area / area of the convex hull
   int corners = 0;               // number of turns of at least `crease`, in either direction
-  double blur = 0;               // standard deviation of the smoothing of pixel steps, mm; 0: not smoothed
+  std::vector<Vec2> soft;  // after smoothing, before tips of corners were restored; empty if not smoothed
+  double blur = 0;         // standard deviation of the smoothing of pixel steps, mm; 0: not smoothed
 
   // The curve mirrored in x, mirrored in y, or rotated by a quarter turn; still counter-clockwise.
   Outline mirrored_x() const;

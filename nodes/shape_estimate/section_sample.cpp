@@ -9,9 +9,8 @@
 
 namespace terrazzo::shape_estimate {
 
-FeatureSample sample_sections(const Mesh& mesh, std::size_t planes, const OutlineMeasuring& measuring,
-                              std::size_t first) {
-  FeatureSample out;
+std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::size_t first) {
+  std::vector<CutProfile> out;
   for (std::size_t i = 0; i < planes; ++i) {
     const auto k = static_cast<double>(first + i + 1);
     const auto part = [&](double step) { return std::fmod(0.5 + step * k, 1.0); };
@@ -23,42 +22,54 @@ FeatureSample sample_sections(const Mesh& mesh, std::size_t planes, const Outlin
       const double h = u.dot(v);
       low = std::min(low, h), high = std::max(high, h);
     }
-    for (const auto& profile :
-         section_profiles(section_loops(mesh, frame_about(u), low + depth * (high - low)))) {
-      const OutlineFeatures f = outline_features(profile[0], measuring);
-      if (f[OutlineFeature::Circularity] <= 0) continue;
-      out.features.push_back(f);
-      out.root_area.push_back(std::sqrt(loop_area(profile[0])));
-      out.weight.push_back(high - low);
+    for (auto& profile : section_profiles(section_loops(mesh, frame_about(u), low + depth * (high - low)))) {
+      CutProfile s;
+      s.loop = std::move(profile[0]);
+      const double area = loop_area(s.loop);
+      if (!(area > 0)) continue;
+      s.root_area = std::sqrt(area);
+      for (std::size_t n = 0; n < s.loop.size(); ++n)
+        s.perimeter += (s.loop[(n + 1) % s.loop.size()] - s.loop[n]).norm();
+      s.weight = high - low;
+      out.push_back(std::move(s));
     }
   }
   return out;
 }
 
-double total_weight(const FeatureSample& s) { return std::accumulate(s.weight.begin(), s.weight.end(), 0.0); }
-
-void drop_small(FeatureSample& s, double smallest) {
-  if (smallest <= 0 || s.features.empty()) return;
-  std::vector<std::size_t> order(s.features.size());
+void drop_small(std::vector<CutProfile>& sections, double smallest) {
+  if (smallest <= 0 || sections.empty()) return;
+  std::vector<std::size_t> order(sections.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](auto a, auto b) {
-    return s.root_area[a] > s.root_area[b] || (s.root_area[a] == s.root_area[b] && a < b);
+    return sections[a].root_area > sections[b].root_area ||
+           (sections[a].root_area == sections[b].root_area && a < b);
   });
-  double above = 0;
-  const double tenth = total_weight(s) / 10;
-  double large = s.root_area[order[0]];
+  double total = 0, above = 0;
+  for (const CutProfile& s : sections) total += s.weight;
+  double large = sections[order[0]].root_area;
   for (const auto i : order) {
-    large = s.root_area[i];
-    if ((above += s.weight[i]) >= tenth) break;
+    large = sections[i].root_area;
+    if ((above += sections[i].weight) >= total / 10) break;
   }
-  FeatureSample kept;
-  for (std::size_t i = 0; i < s.features.size(); ++i) {
-    if (s.root_area[i] < smallest * large) continue;
-    kept.features.push_back(s.features[i]);
-    kept.root_area.push_back(s.root_area[i]);
-    kept.weight.push_back(s.weight[i]);
+  std::erase_if(sections, [&](const CutProfile& s) { return s.root_area < smallest * large; });
+}
+
+double total_weight(const FeatureSample& s) { return std::accumulate(s.weight.begin(), s.weight.end(), 0.0); }
+
+FeatureSample measured(const std::vector<CutProfile>& sections, const OutlineMeasuring& how, double blur) {
+  constexpr double kMost = 0.05;  // as OutlineMeasuring allows
+  FeatureSample out;
+  for (const CutProfile& s : sections) {
+    OutlineMeasuring seen = how;
+    if (s.scale > 0) seen.blur = std::min(kMost, std::hypot(how.blur, blur / (s.perimeter * s.scale)));
+    const OutlineFeatures f = outline_features(s.loop, seen);
+    if (f[OutlineFeature::Circularity] <= 0) continue;
+    out.features.push_back(f);
+    out.root_area.push_back(s.root_area);
+    out.weight.push_back(s.weight);
   }
-  s = std::move(kept);
+  return out;
 }
 
 }  // namespace terrazzo::shape_estimate

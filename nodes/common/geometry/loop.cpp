@@ -4,6 +4,33 @@
 #include <cmath>
 
 namespace terrazzo {
+namespace {
+
+// Sorts by x, then y. Along an outline x rises and falls in few long runs, which are merged.
+void sort_by_x(Loop& p) {
+  const auto less = [](const Vec2& a, const Vec2& b) {
+    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
+  };
+  std::vector<std::ptrdiff_t> runs = {0};  // where they begin, and the end of the last
+  for (auto begin = p.begin(); begin != p.end(); runs.push_back(begin - p.begin())) {
+    auto end = begin + 1;
+    const bool falls = end != p.end() && less(*end, *begin);
+    while (end != p.end() && less(*end, *(end - 1)) == falls) ++end;
+    if (falls) std::reverse(begin, end);
+    begin = end;
+  }
+  while (runs.size() > 2) {
+    std::vector<std::ptrdiff_t> longer = {0};
+    for (std::size_t k = 0; k + 1 < runs.size(); k += 2) {
+      const std::size_t last = std::min(k + 2, runs.size() - 1);
+      std::inplace_merge(p.begin() + runs[k], p.begin() + runs[k + 1], p.begin() + runs[last], less);
+      longer.push_back(runs[last]);
+    }
+    runs = std::move(longer);
+  }
+}
+
+}  // namespace
 
 double turn_between(const Vec2& before, const Vec2& after) {
   return std::atan2(cross(before, after), before.dot(after));
@@ -40,8 +67,7 @@ bool loop_contains(const Loop& loop, const Vec2& p) {
 // Monotone chains (Andrew 1979).
 double hull_area(Loop points) {
   if (points.size() < 3) return 0;
-  std::sort(points.begin(), points.end(),
-            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
+  sort_by_x(points);
   Loop hull;
   for (int side = 0; side < 2; ++side) {
     const std::size_t base = hull.size();

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "nodes/common/geometry/loop.h"
-#include "nodes/common/geometry/rank.h"
 
 namespace terrazzo {
 
@@ -25,9 +24,17 @@ Points blurred(const Points& p, double sigma_points) {
     weight[k] = std::exp(-0.5 * (k / sigma_points) * (k / sigma_points));
     sum += (k ? 2 : 1) * weight[k];
   }
+  for (double& w : weight) w /= sum;
+  Points around;  // p with `reach` more points on either side
+  around.reserve(p.size() + 2 * static_cast<std::size_t>(reach));
+  around.insert(around.end(), p.end() - reach, p.end());
+  around.insert(around.end(), p.begin(), p.end());
+  around.insert(around.end(), p.begin(), p.begin() + reach);
   Points out(p.size(), Vec2::Zero());
-  for (int i = 0; i < n; ++i)
-    for (int k = -reach; k <= reach; ++k) out[i] += weight[std::abs(k)] / sum * p[(i + k + n) % n];
+  for (int i = 0; i < n; ++i) {
+    const Vec2* middle = around.data() + i + reach;
+    for (int k = -reach; k <= reach; ++k) out[i] += weight[std::abs(k)] * middle[k];
+  }
   return out;
 }
 
@@ -100,8 +107,18 @@ double anisotropy_of(const Points& p) {
   return length > 0 ? 2 * std::hypot((xx - yy) / 2, xy) / length : 0;
 }
 
-double quantile(std::vector<double>& v, double q) {
-  return at_rank(v, static_cast<std::size_t>(q * static_cast<double>(v.size() - 1) + 0.5));
+// The angle between two directions, cheaper than its arc tangent and in the same order: −2 … 2.
+double order_of_turn(const Vec2& before, const Vec2& after) {
+  const double c = cross(before, after), d = before.dot(after), sum = std::abs(c) + std::abs(d);
+  if (sum == 0) return 0;
+  return d >= 0 ? c / sum : (c < 0 ? -1 - -d / sum : 1 + -d / sum);
+}
+
+std::size_t arms_of(std::size_t points) { return std::max<std::size_t>(1, points / 32); }
+
+// A circle turns by 2π·arms/n.
+double per_circle(std::size_t points, std::size_t arms) {
+  return static_cast<double>(points) / (2 * pi * static_cast<double>(arms));
 }
 
 // Turning angle of the outline over `arms` steps on either side of each point.
@@ -111,6 +128,24 @@ std::vector<double> turns_over(const Points& p, std::size_t arms) {
   for (std::size_t i = 0; i < n; ++i)
     out[i] = turn_between(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
   return out;
+}
+
+// Quantiles of outline_curvature.
+void set_curvature(OutlineFeatures& f, const Points& p) {
+  const std::size_t n = p.size(), arms = arms_of(n);
+  std::vector<std::pair<double, std::size_t>> order(n);
+  const auto before = [&](std::size_t i) -> Vec2 { return p[i] - p[i >= arms ? i - arms : i + n - arms]; };
+  const auto after = [&](std::size_t i) -> Vec2 { return p[i + arms < n ? i + arms : i + arms - n] - p[i]; };
+  for (std::size_t i = 0; i < n; ++i) order[i] = {order_of_turn(before(i), after(i)), i};
+  const auto set = [&](OutlineFeature feature, double q) {
+    const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(n - 1) + 0.5);
+    std::nth_element(order.begin(), order.begin() + k, order.end());
+    const std::size_t i = order[static_cast<std::size_t>(k)].second;
+    f.values[static_cast<std::size_t>(feature)] = turn_between(before(i), after(i)) * per_circle(n, arms);
+  };
+  set(OutlineFeature::CurvatureLow, 0.1);
+  set(OutlineFeature::CurvatureMedian, 0.5);
+  set(OutlineFeature::CurvatureHigh, 0.9);
 }
 
 void add_corners(OutlineFeatures& f, const Points& p, const std::vector<double>& turns) {
@@ -173,10 +208,9 @@ std::vector<Vec2> resampled_loop(const Loop& loop, int points) {
 }
 
 std::vector<double> outline_curvature(const std::vector<Vec2>& p) {
-  const std::size_t arms = std::max<std::size_t>(1, p.size() / 32);
+  const std::size_t arms = arms_of(p.size());
   auto turns = turns_over(p, arms);
-  // A circle turns by 2π·arms/n.
-  for (double& t : turns) t *= static_cast<double>(p.size()) / (2 * pi * static_cast<double>(arms));
+  for (double& t : turns) t *= per_circle(p.size(), arms);
   return turns;
 }
 
@@ -200,10 +234,7 @@ OutlineFeatures outline_features(const Loop& loop, const OutlineMeasuring& how) 
   add_corners(f, p, turns);
   set(OutlineFeature::Symmetry, symmetry_of(p));
   set(OutlineFeature::Anisotropy, anisotropy_of(p));
-  auto curvature = outline_curvature(p);
-  set(OutlineFeature::CurvatureLow, quantile(curvature, 0.1));
-  set(OutlineFeature::CurvatureMedian, quantile(curvature, 0.5));
-  set(OutlineFeature::CurvatureHigh, quantile(curvature, 0.9));
+  set_curvature(f, p);
   return f;
 }
 

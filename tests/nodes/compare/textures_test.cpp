@@ -6,6 +6,7 @@
 #include "nodes/common/texture/phase_statistics.h"
 #include "nodes/common/texture/texture_measures.h"
 #include "nodes/compare/comparison.h"
+#include "nodes/segment/outline.h"
 #include "runtime/random.h"
 #include "tests/nodes/compare/exceeding.h"
 
@@ -166,6 +167,40 @@ TEST(CompareOutlines, ShapesAreToldFromNoise) {
   EXPECT_EQ(exceeding(compare::compare(a, outlines(2, 200, 0.6), {}), "circularity"), 2);
   EXPECT_EQ(exceeding(compare::compare(a, outlines(2, 200, 0.8, true), {}), "circularity"), 2);
   EXPECT_EQ(number(compare::compare(a, a, {}), "circularity", "Kolmogorov–Smirnov distance"), 0);
+}
+
+// The same outlines as they come from pixels of 1/12 mm, which are inside or outside.
+Profiles stepped(Profiles p) {
+  constexpr int kPixels = 80;
+  constexpr double kPerMm = 12;
+  for (Profile& q : p.profiles) {
+    std::vector<std::int32_t> labels;
+    for (int y = 0; y < kPixels; ++y)
+      for (int x = 0; x < kPixels; ++x) {
+        const Vec2 at = Vec2(x + 0.5 - kPixels / 2.0, kPixels / 2.0 - y - 0.5) / kPerMm;
+        bool inside = false;
+        for (std::size_t k = 0; k < q.contour.size(); ++k) {
+          const Vec2 &a = q.contour[k], &b = q.contour[(k + 1) % q.contour.size()];
+          if ((a.y() > at.y()) == (b.y() > at.y())) continue;
+          inside ^= at.x() < a.x() + (at.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+        }
+        labels.push_back(inside);
+      }
+    const std::vector<float> coverage(labels.begin(), labels.end());
+    q.contour = segment::outlines(labels, coverage, kPixels, kPixels, 1, {})[0].points;
+    for (Vec2& v : q.contour) v /= kPerMm;
+  }
+  return p;
+}
+
+TEST(CompareOutlines, PixelStepsCountOnNeitherSide) {
+  const Profiles a = outlines(1, 200, 0.8), pixels = stepped(outlines(2, 200, 0.8));
+  const Comparison c = compare::compare(pixels, a, {});
+  EXPECT_EQ(exceeding(c, "total_curvature"), 0);
+  EXPECT_EQ(exceeding(c, "circularity"), 0);
+  // What is wider than pixels is still seen.
+  const Comparison square = compare::compare(pixels, outlines(3, 200, 0.8, true), {});
+  EXPECT_EQ(exceeding(square, "circularity"), 2);
 }
 
 TEST(CompareOutlines, CutProfilesDoNotCountAndNoneIsSaid) {

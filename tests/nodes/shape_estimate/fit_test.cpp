@@ -71,7 +71,7 @@ TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
 // The means over evenly spread sections satisfy the identities of stereology.
 TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
   const Shapes s = one(box_mesh({3, 1, 0.5}));
-  const auto sample = sample_sections(s.shapes[0].mesh, 2000, {});
+  const auto sample = measured(cut_sections(s.shapes[0].mesh, 2000), {});
   double area = 0;
   for (std::size_t i = 0; i < sample.weight.size(); ++i)
     area += sample.weight[i] * sample.root_area[i] * sample.root_area[i] / total_weight(sample);
@@ -80,9 +80,9 @@ TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
 
 TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
   const Shapes cube = one(box_mesh({1, 1, 1})), slab = one(box_mesh({3, 3, 1}));
-  const auto a = sample_sections(cube.shapes[0].mesh, 300, {}),
-             b = sample_sections(slab.shapes[0].mesh, 300, {}),
-             c = sample_sections(cube.shapes[0].mesh, 300, {}, 300);
+  const auto a = measured(cut_sections(cube.shapes[0].mesh, 300), {}),
+             b = measured(cut_sections(slab.shapes[0].mesh, 300), {}),
+             c = measured(cut_sections(cube.shapes[0].mesh, 300, 300), {});
   const FeatureTarget target(a, false, 1);
   EXPECT_LT(target.distance(a), 0.01);
   EXPECT_LT(target.distance(c), 0.1);
@@ -91,12 +91,12 @@ TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
 }
 
 TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
-  auto s = sample_sections(one(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500, {});
-  const auto all = s.features.size();
+  auto s = cut_sections(one(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500);
+  const auto all = s.size();
   drop_small(s, 0.5);
   // For a ball, √area < half the largest means a depth beyond √¾ of the radius; the value that a tenth exceed
   // is almost the largest.
-  EXPECT_NEAR(static_cast<double>(s.features.size()) / static_cast<double>(all), std::sqrt(0.75), 0.02);
+  EXPECT_NEAR(static_cast<double>(s.size()) / static_cast<double>(all), std::sqrt(0.75), 0.02);
 }
 
 TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
@@ -153,7 +153,7 @@ TEST(ShapeEstimateFit, ModeledBodiesBendBeyondStars) {
 TEST(ShapeEstimateFit, RoughnessOfAllWavesTurnsSections) {
   const auto family = deformed_bodies(ellipsoid_mesh({1, 1, 1}, 2), 1);
   const auto turning = [&](const Eigen::VectorXd& x) {
-    const auto sample = sample_sections(family->body(x), 60, {});
+    const auto sample = measured(cut_sections(family->body(x), 60), {});
     double sum = 0;
     for (std::size_t i = 0; i < sample.features.size(); ++i)
       sum += sample.weight[i] / total_weight(sample) * sample.features[i][OutlineFeature::TotalCurvature];
