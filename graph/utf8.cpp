@@ -1,10 +1,8 @@
 #include "graph/utf8.h"
 
 namespace terrazzo {
-namespace {
 
-// Length in bytes of the character at the start of `text`, or 0 if it is invalid (RFC 3629).
-std::size_t length_of_first(std::string_view text) {
+std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);
   if (first < 0x80) return 1;
@@ -20,11 +18,9 @@ std::size_t length_of_first(std::string_view text) {
   return overlong || surrogate || beyond ? 0 : length;
 }
 
-}  // namespace
-
 std::size_t find_invalid_utf8(std::string_view text, std::size_t from) {
   while (from < text.size()) {
-    const std::size_t n = length_of_first(text.substr(from));
+    const std::size_t n = utf8_length(text.substr(from));
     if (n == 0) return from;
     from += n;
   }

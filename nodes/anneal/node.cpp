@@ -19,8 +19,7 @@ void compute(Context& c) {
   o.population.all_void = c.keyword("voids") == "all";
   if (c.keyword("voids").empty()) o.population.void_classes = c.ints("voids");
   o.iterations = static_cast<int>(c.integer("iterations"));
-  const std::string on_jam = c.text("on_jam");
-  o.on_jam = on_jam == "shrink" ? OnJam::Shrink : on_jam == "drop" ? OnJam::Drop : OnJam::Fail;
+  o.on_jam = c.choice<OnJam>("on_jam");
 
   o.interrupted = saving(c, shapes);
 

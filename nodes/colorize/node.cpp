@@ -23,11 +23,8 @@ double mean_difference(const Particles& particles, const Profiles& profiles) {
 void compute(Context& c) {
   Particles particles = c.input<Particles>("particles");
   const Profiles& profiles = c.input<Profiles>("profiles");
-  const std::string mode = c.text("mode");
   ColorChoice choice;
-  choice.mode = mode == "random"    ? ColorMode::Random
-                : mode == "by_size" ? ColorMode::BySize
-                                    : ColorMode::Classes;
+  choice.mode = c.choice<ColorMode>("mode");
   choice.seed = c.seed();
   choice.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
   const ColorReport report = colorize::colorize(particles, profiles, choice, c.work());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/band_statistics.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/phase_statistics.h"
@@ -162,13 +163,12 @@ void compare_patches(const Texture& a, const Texture& b, Comparison& out, const 
 std::vector<Phase> darker_half(const Image& lab) {
   std::vector<float> light;
   for (const Vec3f& c : lab.pixels) light.push_back(c[0]);
-  auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
-  std::nth_element(light.begin(), middle, light.end());
+  const float middle = median(std::move(light));
   std::vector<Phase> all;
   for (int s = 0; s < lab.sections; ++s) {
     Phase p{lab.width, lab.height, {}};
     for (int y = 0; y < lab.height; ++y)
-      for (int x = 0; x < lab.width; ++x) p.in.push_back(lab.at(x, y, s)[0] < *middle);
+      for (int x = 0; x < lab.width; ++x) p.in.push_back(lab.at(x, y, s)[0] < middle);
     all.push_back(std::move(p));
   }
   return all;

@@ -30,7 +30,7 @@ void compute(Context& c) {
         .parameter("captions");
   if (const auto v = c.optional_integer("columns")) choice.columns = static_cast<int>(*v);
   choice.cell = static_cast<int>(c.integer("cell"));
-  choice.dark = c.text("background") == "dark";
+  choice.background = c.choice<Background>("background");
   const Image sheet = contact_sheet::contact_sheet(images, choice, c.work());
   c.metric("pictures", static_cast<double>(images.size()));
   c.output("image", sheet);

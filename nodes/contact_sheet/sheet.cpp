@@ -67,8 +67,9 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
       captioned[i / columns] = below + words;
   }
 
-  const Vec3f paper = srgb_to_linear(choice.dark ? Vec3f(0.085f, 0.088f, 0.096f) : Vec3f(1, 1, 1));
-  const Vec3f ink = srgb_to_linear(choice.dark ? Vec3f::Constant(0.88f) : Vec3f::Constant(0.16f));
+  const bool dark = choice.background == Background::Dark;
+  const Vec3f paper = srgb_to_linear(dark ? Vec3f(0.085f, 0.088f, 0.096f) : Vec3f(1, 1, 1));
+  const Vec3f ink = srgb_to_linear(dark ? Vec3f::Constant(0.88f) : Vec3f::Constant(0.16f));
   Image sheet(std::accumulate(width.begin(), width.end(), gap * (columns + 1)),
               std::accumulate(height.begin(), height.end(),
                               std::accumulate(captioned.begin(), captioned.end(), gap * (rows + 1))),

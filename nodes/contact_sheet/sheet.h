@@ -16,11 +16,13 @@ Vec3f label_color(std::int32_t id);
 // One section of the labels, one pixel per label.
 Image picture_of(const Labels&, int section = 0);
 
+enum class Background { Light, Dark };
+
 struct SheetChoice {
   std::vector<std::string> captions;  // of the first images; may be fewer
   int columns = 0;                    // 0: one row for up to three images, else about as many columns as rows
   int cell = 480;                     // length of each image's longer side, pixels
-  bool dark = false;
+  Background background = Background::Light;
 };
 
 // Scales the first section of each image to the cell size. Rows and columns shrink to fit their images. The

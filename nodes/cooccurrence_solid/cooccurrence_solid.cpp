@@ -57,7 +57,7 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
   };
   DescentSettings descent;
   descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps;
-  descent.from_noise = s.from_noise, descent.seed = s.seed;
+  descent.start = s.start, descent.seed = s.seed;
   DescentResult found = descend(all, s.size, targets, descent, work);
   r.noise_error = found.noise_error;
   r.sweeps = std::move(found.sweeps);

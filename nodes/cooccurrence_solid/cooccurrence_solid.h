@@ -17,8 +17,8 @@ namespace terrazzo::cooccurrence_solid {
 struct SolidFieldSettings {
   int levels = 8, extent = 2, scales = 1, sweeps = 10;
   Vec3i size = Vec3i::Constant(64);  // voxels
-  std::string space = "oklab";
-  bool from_noise = false;  // only at full resolution, not from coarse to fine
+  ColorSpace space = ColorSpace::Oklab;
+  Start start = Start::Coarse;
   std::uint64_t seed = 1;
 };
 

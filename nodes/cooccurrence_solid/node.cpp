@@ -29,7 +29,7 @@ void compute(Context& c) {
   SolidFieldSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.space = c.text("space"), s.from_noise = c.text("start") == "noise", s.seed = c.seed();
+  s.space = c.choice<ColorSpace>("space"), s.start = c.choice<Start>("start"), s.seed = c.seed();
   s.size = one_or_three(c, "size");
   const SolidFieldResult r = synthesize_solid(pictures, s, c.work().part(0, 0.95));
 

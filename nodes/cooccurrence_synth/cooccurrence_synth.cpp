@@ -50,13 +50,13 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   for (const auto& f : sections) all.push_back(&f);
   DescentSettings descent;
   descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps, descent.periodic = s.tileable;
-  descent.from_noise = s.from_noise, descent.seed = s.seed;
+  descent.start = s.start, descent.seed = s.seed;
   DescentResult found = descend(all, Vec3i(width, height, 1), targets, descent, work);
   r.noise_error = found.noise_error;
   r.sweeps = std::move(found.sweeps);
   r.field = std::move(found.field);
   r.finished_error = r.sweeps.back().error;
-  if (s.patches) {
+  if (s.finish == Finish::Patches) {
     r.from = patch_sources(source, sections, r.levels, wanted, s.tileable, s.seed, r.field, work.quiet());
     r.finished_error =
         cooccurrence_error(measure_cooccurrence(r.field, levels, offsets, s.tileable, work.quiet()), wanted);

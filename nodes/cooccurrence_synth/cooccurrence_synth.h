@@ -14,16 +14,21 @@
 
 namespace terrazzo::cooccurrence_synth {
 
+enum class Finish {
+  Levels,  // the clustered colors
+  Patches  // the source's own colors (patches.h)
+};
+
 struct SynthSettings {
   int levels = 8;
-  int extent = 2;               // pixels: offsets up to ± this in x and y
-  int scales = 1;               // number of scales of the offsets: times 1, 2, 4, …
-  int sweeps = 10;              // most sweeps at each resolution; ends early when a sweep changes nothing
-  int width = 0, height = 0;    // pixels; 0: the source's
-  bool tileable = true;         // opposite edges are neighbors
-  std::string space = "oklab";  // color space for clustering: oklab or rgb
-  bool from_noise = false;      // only at full resolution (as in the paper), not from coarse to fine
-  bool patches = false;         // finish with the source's own colors (patches.h)
+  int extent = 2;             // pixels: offsets up to ± this in x and y
+  int scales = 1;             // number of scales of the offsets: times 1, 2, 4, …
+  int sweeps = 10;            // most sweeps at each resolution; ends early when a sweep changes nothing
+  int width = 0, height = 0;  // pixels; 0: the source's
+  bool tileable = true;       // opposite edges are neighbors
+  ColorSpace space = ColorSpace::Oklab;  // for clustering
+  Start start = Start::Coarse;
+  Finish finish = Finish::Levels;
   std::uint64_t seed = 1;
 };
 

@@ -40,8 +40,8 @@ void compute(Context& c) {
   SynthSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
   s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.patches = c.text("finish") == "patches", s.from_noise = c.text("start") == "noise";
-  s.tileable = c.boolean("tileable"), s.space = c.text("space");
+  s.finish = c.choice<Finish>("finish"), s.start = c.choice<Start>("start");
+  s.tileable = c.boolean("tileable"), s.space = c.choice<ColorSpace>("space");
   s.seed = c.seed();
   if (c.keyword("size").empty()) {
     const auto size = c.ints("size");

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
 #include "runtime/random.h"
 
 namespace terrazzo::detail_solid {
@@ -50,7 +51,7 @@ void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
   const int reach = std::min(static_cast<int>(std::ceil(3 * sigma)), 4 * n);
   std::vector<float> kernel(static_cast<std::size_t>(n), 0.0f);  // wrapped around the tile
   for (int t = -reach; t <= reach; ++t)
-    kernel[static_cast<std::size_t>(((t % n) + n) % n)] +=
+    kernel[static_cast<std::size_t>(wrap_index(t, n))] +=
         static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
   double squares = 0;
   for (const float k : kernel) squares += static_cast<double>(k) * k;

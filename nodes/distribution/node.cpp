@@ -13,13 +13,13 @@ SizeLaw law_of(const NodeParameters& c) {
   law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
   law.min = c.number("min");
   if (const auto v = c.optional_number("max")) law.max = *v;
-  law.of_volume = c.text("density_by") == "volume";
+  law.density_by = c.choice<DensityBy>("density_by");
   law.classes = static_cast<int>(c.integer("classes"));
   if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
   if (const auto v = c.optional_number("volume_fraction")) law.volume_fraction = *v;
   if (const auto v = c.optional_number("number_density")) law.number_density = *v;
-  law.by_class = c.text("types") == "by_class";
+  law.types = c.choice<Types>("types");
   return law;
 }
 

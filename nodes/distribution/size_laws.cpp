@@ -100,7 +100,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
     for (std::size_t i = 0; i + 1 < out.class_edges.size(); ++i) {
       const double lo = out.class_edges[i], hi = out.class_edges[i + 1];
       const double share = law_cdf(law, hi) - law_cdf(law, lo);
-      e.N_V.push_back(law.of_volume ? share / mean_cube(lo, hi) : share);
+      e.N_V.push_back(law.density_by == DensityBy::Volume ? share / mean_cube(lo, hi) : share);
     }
   }
   const double unit = unit_volume(shapes);
@@ -124,7 +124,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
     throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", out.volume_fraction),
                 "lower the densities or the sizes");
   out.d_max = out.class_edges.back();
-  if (!law.by_class) {
+  if (law.types == Types::Mixed) {
     out.shapes.push_back(std::move(e));
     return out;
   }

@@ -10,20 +10,25 @@
 namespace terrazzo::distribution {
 
 enum class LawKind { Classes, Lognormal, Normal, Uniform, RosinRammler };
+enum class DensityBy { Number, Volume };  // what the law distributes
+enum class Types {
+  Mixed,   // particles of any shape
+  ByClass  // each shape is a separate class with the share of its probability
+};
 
 struct SizeLaw {
   LawKind kind = LawKind::Lognormal;
-  double mean = 5;                  // mm; for rosin_rammler, 63.2 % of the sizes are smaller
-  double sd = 1.5;                  // mm
-  double exponent = 3;              // of rosin_rammler
-  double min = 0, max = 0;          // mm, where the law is cut off; max 0: the size that 0.1 % exceed
-  bool of_volume = false;           // the law is by volume, not by number
+  double mean = 5;          // mm; for rosin_rammler, 63.2 % of the sizes are smaller
+  double sd = 1.5;          // mm
+  double exponent = 3;      // of rosin_rammler
+  double min = 0, max = 0;  // mm, where the law is cut off; max 0: the size that 0.1 % exceed
+  DensityBy density_by = DensityBy::Number;
   int classes = 10;                 // number of equal classes of a law
   std::vector<double> class_edges;  // for `classes`: n + 1 increasing sizes, mm
   std::vector<double> N_V;          // for `classes`: n densities, per mm³
   double volume_fraction = -1;      // < 0: not set
   double number_density = -1;       // per mm³; < 0: not set
-  bool by_class = false;            // each shape is a separate class with the share of its probability
+  Types types = Types::Mixed;
 };
 
 // Share of the law below a size, in closed form.

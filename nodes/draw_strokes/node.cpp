@@ -2,6 +2,7 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/common/texture/footprint.h"
 #include "nodes/data/image.h"
 #include "nodes/data/strokes.h"
@@ -9,14 +10,6 @@
 
 namespace terrazzo {
 namespace {
-
-Vec3f parse_color(const std::string& text) {
-  std::string why;
-  const auto v = read_parameter(Parameter::color("color", 0, 0, 0), {false, {text}}, why);
-  if (!v) throw Error("bad-color", why).parameter("colors");
-  const auto& rgb = std::get<std::vector<double>>(*v);
-  return Vec3(rgb[0], rgb[1], rgb[2]).cast<float>();
-}
 
 void check(const NodeParameters& p) {
   for (const auto& text : p.texts("colors")) parse_color(text);

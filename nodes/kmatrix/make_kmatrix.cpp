@@ -41,8 +41,8 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
     const Shape& shape = shapes.shapes[i];
     const Work part = work.part(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
     const SectionStatistics s =
-        options.method == "analytic" ? ellipsoid_statistics(fit_ellipsoid(shape))
-        : options.method == "stencil"
+        options.method == Method::Analytic ? ellipsoid_statistics(fit_ellipsoid(shape))
+        : options.method == Method::Stencil
             ? stencil_statistics(shape, options.classes, options.orientations, options.device, part)
             : slice_statistics(shape, options.classes, options.orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();

@@ -10,9 +10,15 @@
 
 namespace terrazzo::kmatrix {
 
+enum class Method {
+  Slice,     // cuts the mesh in quasi-random directions
+  Analytic,  // closed form, for ellipsoids
+  Stencil    // renders sections
+};
+
 struct KMatrixOptions {
-  std::string method = "slice";  // "analytic", "slice" or "stencil"
-  int classes = 10;              // equal classes of √(A/A_max)
+  Method method = Method::Slice;
+  int classes = 10;  // equal classes of √(A/A_max)
   // Sizes within a column's class: "uniform", or "upper_edge" (Jagnow et al. 2004, eq. 3).
   std::string averaging = "uniform";
   // Directions of `slice`, 0: until no class changes by more than 0.1 % (see slice_statistics). Planes

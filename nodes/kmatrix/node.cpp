@@ -54,15 +54,15 @@ Image figure_of(const KMatrix& k, const Shapes& shapes) {
 
 void compute(Context& c) {
   KMatrixOptions options;
-  options.method = c.text("method");
+  options.method = c.choice<Method>("method");
   options.classes = static_cast<int>(c.integer("classes"));
   options.averaging = c.text("averaging");
   const bool automatic = c.keyword("orientations") == "auto";
   if (!automatic) options.orientations = static_cast<std::size_t>(c.integer("orientations"));
-  options.device = c.text("device") == "gpu" ? GlDevice::Gpu : GlDevice::Cpu;
+  options.device = c.choice<GlDevice>("device");
   std::size_t used = 0;
   KMatrix k = make_kmatrix(c.input<Shapes>("shapes"), options, c.work(), &used);
-  if (automatic && options.method == "slice" && k.residual > 4e-3)
+  if (automatic && options.method == Method::Slice && k.residual > 4e-3)
     c.warn(fmt::format(
         "after {} directions a class still changed by {:.2g} %; use fewer classes, or set orientations", used,
         100 * k.residual));
@@ -72,7 +72,7 @@ void compute(Context& c) {
   c.metric("mean_caliper", caliper);
   c.metric("profiles_per_caliper", profiles);
   c.metric("residual", k.residual);
-  if (options.method != "analytic") c.metric("orientations", static_cast<double>(used));
+  if (options.method != Method::Analytic) c.metric("orientations", static_cast<double>(used));
   const Shapes& shapes = c.input<Shapes>("shapes");
   double sum = 0;
   for (const Shape& s : shapes.shapes) sum += s.probability;

@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/common/geometry/disjoint_sets.h"
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/kmatrix/section_statistics.h"
 #include "nodes/kmatrix/stencil_slicer.h"
@@ -41,17 +41,11 @@ Planned plan(const Mesh& mesh, std::size_t i) {
 
 // Whether the surface is connected, so that every plane between the tangent planes meets it.
 bool in_one_piece(const Mesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const Triangle& t : mesh.triangles)
-    for (const std::int32_t v : {t[1], t[2]}) parent[root(v)] = root(t[0]);
-  const std::int32_t first = root(mesh.triangles[0][0]);
+  DisjointSets pieces(mesh.vertices.size());
+  for (const Triangle& t : mesh.triangles) pieces.join(t[0], t[1]), pieces.join(t[0], t[2]);
+  const std::int32_t first = pieces.find(mesh.triangles[0][0]);
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                     [&](const Triangle& t) { return root(t[0]) == first; });
+                     [&](const Triangle& t) { return pieces.find(t[0]) == first; });
 }
 
 struct Body {

@@ -9,6 +9,8 @@
 
 namespace terrazzo::load_labels {
 
+enum class MaskKind { Instances, Classes };  // what each value is
+
 // The pixels of one mask: 0 for background (0, black or transparent), otherwise the pixel's value, or for a
 // color 0xRRGGBB + 1. Values are those of the file, never scaled.
 struct RawMask {

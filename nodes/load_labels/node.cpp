@@ -20,8 +20,8 @@ void compute(Context& c) {
     held += masks.back().values.size() * (sizeof(std::uint32_t) + sizeof(std::int32_t));
   }
   const double pixel_size = c.number("pixel_size");
-  Labels labels = c.text("kind") == "instances" ? labels_from_instances(masks, pixel_size)
-                                                : labels_from_classes(masks, pixel_size);
+  Labels labels = c.choice<MaskKind>("kind") == MaskKind::Instances ? labels_from_instances(masks, pixel_size)
+                                                                    : labels_from_classes(masks, pixel_size);
   c.metric("profiles", labels.count());
   c.metric("sections", labels.sections);
   c.output("labels", std::move(labels));

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
-#include "nodes/packing/aabb_tree.h"
-#include "nodes/packing/mesh_distance.h"
+#include "nodes/common/geometry/aabb_tree.h"
+#include "nodes/common/geometry/mesh_distance.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/packing/triangle_overlap.h"
 
 namespace terrazzo::packing {
@@ -195,40 +197,6 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   return distance < bound ? gap - distance * scale_a : 0;
 }
 
-// A simple periodic grid. A particle is listed in every cell that its bounding cube touches.
-class Cells {
- public:
-  Cells(const Vec3& box, const std::vector<Vec3>& position, const std::vector<double>& radius) : box_(box) {
-    double mean = 0;
-    for (double r : radius) mean += r;
-    mean /= static_cast<double>(radius.size());
-    for (int a = 0; a < 3; ++a) n_[a] = std::clamp(static_cast<int>(box[a] / (2 * mean)), 1, 128);
-    lists_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
-    for (std::size_t i = 0; i < position.size(); ++i)
-      visit(position[i], radius[i],
-            [&](std::size_t c) { lists_[c].push_back(static_cast<std::int32_t>(i)); });
-  }
-  template <class F>
-  void visit(const Vec3& p, double r, F&& f) const {
-    std::array<int, 3> lo, hi;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = static_cast<int>(std::floor((p[a] - r) / box_[a] * n_[a]));
-      hi[a] = std::min(static_cast<int>(std::floor((p[a] + r) / box_[a] * n_[a])), lo[a] + n_[a] - 1);
-    }
-    for (int z = lo[2]; z <= hi[2]; ++z)
-      for (int y = lo[1]; y <= hi[1]; ++y)
-        for (int x = lo[0]; x <= hi[0]; ++x)
-          f((static_cast<std::size_t>(wrap(z, 2)) * n_[1] + wrap(y, 1)) * n_[0] + wrap(x, 0));
-  }
-  const std::vector<std::int32_t>& list(std::size_t c) const { return lists_[c]; }
-
- private:
-  int wrap(int x, int a) const { return ((x % n_[a]) + n_[a]) % n_[a]; }
-  Vec3 box_;
-  std::array<int, 3> n_;
-  std::vector<std::vector<std::int32_t>> lists_;
-};
-
 }  // namespace
 
 Auditor::Auditor(const Shapes& shapes) : shapes_(shapes), solids_(shapes.shapes.size()) {}
@@ -249,7 +217,13 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
   }
   std::vector<double> reach(n);
   for (std::size_t i = 0; i < n; ++i) reach[i] = radius[i] + 0.5 * gap;
-  const Cells cells(particles.box, particles.position, reach);
+  // A particle is listed in every cell that the cube around it touches.
+  const PeriodicCells cells(
+      particles.box, 2 * std::accumulate(reach.begin(), reach.end(), 0.0) / static_cast<double>(n), 128);
+  std::vector<std::vector<std::int32_t>> in_cell(cells.count());
+  for (std::size_t i = 0; i < n; ++i)
+    cells.visit(particles.position[i], reach[i],
+                [&](std::size_t c) { in_cell[c].push_back(static_cast<std::int32_t>(i)); });
 
   // Pairs of which neither particle has moved since the last audit still have the depth found then.
   const bool again = last_.count() == n && last_.box == particles.box && last_gap_ == gap;
@@ -278,7 +252,7 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
       const auto i = static_cast<std::int32_t>(s);
       near.clear();
       cells.visit(particles.position[i], reach[i], [&](std::size_t c) {
-        for (std::int32_t j : cells.list(c))
+        for (std::int32_t j : in_cell[c])
           if (j >= i) near.push_back(j);
       });
       std::sort(near.begin(), near.end());

@@ -5,8 +5,9 @@
 #include <map>
 #include <numbers>
 
+#include "nodes/common/geometry/aabb_tree.h"
 #include "nodes/common/geometry/mesh.h"
-#include "nodes/packing/aabb_tree.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/packing/simplify.h"
 
 namespace terrazzo::packing {
@@ -19,7 +20,7 @@ constexpr double kAllowance = 0.15;
 constexpr int kLeaf = 4;
 // Radius of a packed sphere, as a fraction of the way from the sphere of the mesh's volume to its corners:
 // less would need many tries to rotate the corners away.
-constexpr double kCorners = 0.15;
+constexpr double kTowardsCorners = 0.15;
 constexpr double kSimplify = 0.005;  // largest deviation of the mesh for contact, in sizes
 constexpr std::size_t kFaces = 40;   // largest number of faces of a polyhedron tested by separating axes
 
@@ -206,10 +207,7 @@ double field_error(const Mesh& mesh, const DistanceField& field) {
       errors.push_back(std::abs(field.value(f)));
     }
   }
-  if (errors.empty()) return 0;
-  const auto at = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() * 95 / 100);
-  std::nth_element(errors.begin(), at, errors.end());
-  return *at;
+  return errors.empty() ? 0 : at_rank(errors, errors.size() * 95 / 100);
 }
 
 }  // namespace
@@ -228,7 +226,7 @@ ContactShape make_contact_shape(const Mesh& original, const Work& work) {
   s.field = DistanceField::of(mesh, kCells, work);
   if (s.field.kind() == DistanceField::Kind::Sphere) {
     const double even = std::cbrt(0.75 / std::numbers::pi * mesh_volume(mesh));
-    s.ball = even + kCorners * (r - even);
+    s.ball = even + kTowardsCorners * (r - even);
   }
   if (s.field.kind() == DistanceField::Kind::Planes) s.polytope = make_polytope(mesh, kFaces);
   s.core = inner_balls(mesh, s.field);

@@ -1,6 +1,7 @@
 #include "nodes/packing/distance_field.h"
 
-#include "nodes/packing/mesh_distance.h"
+#include "nodes/common/geometry/aabb_tree.h"
+#include "nodes/common/geometry/mesh_distance.h"
 
 namespace terrazzo::packing {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh_distance.h"
 #include "nodes/packing/distance_field.h"
-#include "nodes/packing/mesh_distance.h"
 
 namespace terrazzo::packing {
 namespace {

@@ -2,28 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "nodes/common/geometry/periodic.h"
 
 namespace terrazzo::packing {
 namespace {
 
 struct Level {
   double largest = 0;  // radius
-  std::array<int, 3> cells{1, 1, 1};
+  PeriodicCells grid;
   std::vector<std::int32_t> begin;  // per cell, + 1
   std::vector<std::int32_t> item;
   std::vector<Vec3> place;  // positions of the items, for sequential access
 };
-
-std::array<int, 3> cell_of(const Level& level, const Vec3& box, const Vec3& p) {
-  std::array<int, 3> c;
-  for (int a = 0; a < 3; ++a)
-    c[a] = std::clamp(static_cast<int>(p[a] / box[a] * level.cells[a]), 0, level.cells[a] - 1);
-  return c;
-}
-
-std::size_t flat(const Level& level, const std::array<int, 3>& c) {
-  return (static_cast<std::size_t>(c[2]) * level.cells[1] + c[1]) * level.cells[0] + c[0];
-}
 
 std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& position,
                                const std::vector<double>& radius, const std::vector<int>& level_of, int count,
@@ -40,15 +32,14 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
     if (members[l] == 0) continue;
     // At most a few cells per member: a level with one tiny ball needs no fine grid.
     const double width = std::max(2 * level.largest + reach, std::cbrt(box.prod() / (4.0 * members[l] + 8)));
-    for (int a = 0; a < 3; ++a) level.cells[a] = std::max(1, static_cast<int>(box[a] / width));
-    const std::size_t n = static_cast<std::size_t>(level.cells[0]) * level.cells[1] * level.cells[2];
-    level.begin.assign(n + 1, 0);
+    level.grid = PeriodicCells(box, width, std::numeric_limits<int>::max());
+    level.begin.assign(level.grid.count() + 1, 0);
     level.item.resize(members[l]);
   }
   std::vector<std::size_t> cell(radius.size());
   for (std::size_t i = 0; i < radius.size(); ++i) {
     Level& level = levels[level_of[i]];
-    cell[i] = flat(level, cell_of(level, box, position[i]));
+    cell[i] = level.grid.at(position[i]);
     ++level.begin[cell[i] + 1];
   }
   for (auto& level : levels)
@@ -90,9 +81,10 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
         const Level& level = levels[l];
         if (level.item.empty()) continue;
         const double far = radius[i] + level.largest + reach;
+        const Vec3i& cells = level.grid.cells;
         std::array<int, 3> lo, hi;
         for (int a = 0; a < 3; ++a) {
-          const double width = box[a] / level.cells[a];
+          const double width = box[a] / cells[a];
           lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
           hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
         }
@@ -105,15 +97,15 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
         };
         std::array<int, 3> image;
         for (int z = lo[2]; z <= hi[2]; ++z) {
-          const Cell cz(z, level.cells[2]);
+          const Cell cz(z, cells[2]);
           image[2] = cz.image;
-          const std::size_t plane = static_cast<std::size_t>(cz.at) * level.cells[1];
+          const std::size_t plane = static_cast<std::size_t>(cz.at) * cells[1];
           for (int y = lo[1]; y <= hi[1]; ++y) {
-            const Cell cy(y, level.cells[1]);
+            const Cell cy(y, cells[1]);
             image[1] = cy.image;
-            const std::size_t row = (plane + cy.at) * level.cells[0];
+            const std::size_t row = (plane + cy.at) * cells[0];
             for (int x = lo[0]; x <= hi[0]; ++x) {
-              const Cell cx(x, level.cells[0]);
+              const Cell cx(x, cells[0]);
               image[0] = cx.image;
               const std::size_t f = row + cx.at;
               const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);

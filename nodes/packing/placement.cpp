@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/directions.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/packing/spatial_order.h"
 #include "runtime/random.h"
 
@@ -23,7 +25,7 @@ class Occupied {
 
   void add(const Vec3& p, double radius) {
     Level& level = at(radius);
-    level.balls[level.flat(level.cell(box_, p))].push_back({p, radius});
+    level.balls[level.cells.at(p)].push_back({p, radius});
   }
 
   // Deepest overlap of a ball at p, relative to the smaller radius. Stops once it reaches `enough`.
@@ -31,26 +33,14 @@ class Occupied {
     double worst = 0;
     for (const Level& level : levels_) {
       if (level.balls.empty()) continue;
-      const double far = radius + level.largest;
-      std::array<int, 3> lo, hi;
-      for (int a = 0; a < 3; ++a) {
-        const double width = box_[a] / level.cells[a];
-        lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
-        hi[a] = std::min(static_cast<int>(std::floor((p[a] + far) / width)), lo[a] + level.cells[a] - 1);
-      }
-      for (int z = lo[2]; z <= hi[2]; ++z)
-        for (int y = lo[1]; y <= hi[1]; ++y)
-          for (int x = lo[0]; x <= hi[0]; ++x) {
-            std::array<int, 3> c{x, y, z};
-            for (int a = 0; a < 3; ++a) c[a] = ((c[a] % level.cells[a]) + level.cells[a]) % level.cells[a];
-            for (const Ball& ball : level.balls[level.flat(c)]) {
-              Vec3 d = ball.p - p;
-              for (int a = 0; a < 3; ++a) d[a] -= std::round(d[a] / box_[a]) * box_[a];
-              const double depth = radius + ball.radius - d.norm();
-              if (depth > 0) worst = std::max(worst, depth / std::min(radius, ball.radius));
-              if (worst >= enough) return worst;
-            }
-          }
+      level.cells.visit(p, radius + level.largest, [&](std::size_t cell) {
+        for (const Ball& ball : level.balls[cell]) {
+          if (worst >= enough) return;
+          const double depth = radius + ball.radius - nearest_image(ball.p - p, box_).norm();
+          if (depth > 0) worst = std::max(worst, depth / std::min(radius, ball.radius));
+        }
+      });
+      if (worst >= enough) return worst;
     }
     return worst;
   }
@@ -62,17 +52,8 @@ class Occupied {
   };
   struct Level {
     double largest = 0;
-    std::array<int, 3> cells{0, 0, 0};
+    PeriodicCells cells;
     std::vector<std::vector<Ball>> balls;
-    std::array<int, 3> cell(const Vec3& box, const Vec3& p) const {
-      std::array<int, 3> c;
-      for (int a = 0; a < 3; ++a)
-        c[a] = std::clamp(static_cast<int>(p[a] / box[a] * cells[a]), 0, cells[a] - 1);
-      return c;
-    }
-    std::size_t flat(const std::array<int, 3>& c) const {
-      return (static_cast<std::size_t>(c[2]) * cells[1] + c[1]) * cells[0] + c[0];
-    }
   };
   Vec3 box_;
   double largest_;
@@ -84,9 +65,8 @@ class Occupied {
     Level& level = levels_[octave];
     if (level.balls.empty()) {
       level.largest = largest_ / std::exp2(static_cast<double>(octave));
-      for (int a = 0; a < 3; ++a)
-        level.cells[a] = std::clamp(static_cast<int>(box_[a] / (2 * level.largest)), 1, 160);
-      level.balls.resize(static_cast<std::size_t>(level.cells[0]) * level.cells[1] * level.cells[2]);
+      level.cells = PeriodicCells(box_, 2 * level.largest, 160);
+      level.balls.resize(level.cells.count());
     }
     return level;
   }
@@ -145,7 +125,7 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
     }
     crowded = 0.98 * crowded + 0.02 * (least > 0);
     tries = crowded > 0.5 ? 8 : 24;
-    Quat q(random.normal(), random.normal(), random.normal(), random.normal());
+    const Quat q = random_quaternion(random);
     packing.orientation[i] = q.norm() > 1e-9 ? q.normalized() : Quat::Identity();
     occupied.add(packing.position[i], radius[i]);
   }

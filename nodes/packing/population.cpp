@@ -1,5 +1,6 @@
 #include "nodes/packing/population.h"
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/common/stereology/size_kernel.h"
 
 #include <fmt/format.h>
@@ -233,7 +234,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     throw Error("no-particles", "the distribution has no particles: all its number densities are 0",
                 "check the profiles or densities from which it is computed");
   out.requested_fraction = computed;
-  if (o.keep_volume_fraction && d.volume_fraction > 0 && std::isfinite(d.volume_fraction)) {
+  if (o.conserve == Conserve::VolumeFraction && d.volume_fraction > 0 && std::isfinite(d.volume_fraction)) {
     out.requested_fraction = d.volume_fraction;
     const double factor = d.volume_fraction / computed;
     if (factor < 0.93 || factor > 1.07) {
@@ -344,10 +345,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
     ++out.kept;
     p.position[i] = start->position[m.start];
     if (start->box != p.box) p.position[i] = p.position[i].cwiseQuotient(start->box).cwiseProduct(p.box);
-    for (int a = 0; a < 3; ++a) {
-      p.position[i][a] -= std::floor(p.position[i][a] / p.box[a]) * p.box[a];
-      if (!(p.position[i][a] < p.box[a])) p.position[i][a] = 0;
-    }
+    p.position[i] = wrap_point(p.position[i], p.box);
     p.orientation[i] = start->orientation[m.start];
     if (std::abs(p.orientation[i].norm() - 1) > 1e-9) p.orientation[i].normalize();
     if (!p.is_void(i)) p.color[i] = start->color[m.start];

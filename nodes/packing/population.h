@@ -12,13 +12,16 @@
 
 namespace terrazzo::packing {
 
+// What to keep if densities and volume fraction contradict.
+enum class Conserve { VolumeFraction, NumberDensity };
+
 struct PopulationOptions {
   std::vector<double> edges;  // mm, one to three as in node.cpp; empty: a cube for about `count` particles
   std::int64_t count = 2000;
-  std::int64_t most = 1'000'000;     // largest number of particles
-  bool keep_volume_fraction = true;  // if densities and volume fraction contradict, keep the volume fraction
-  double binder_gap = 0;             // mm
-  bool fills_space = false;          // the particles may fill the whole box; larger volume fractions become 1
+  std::int64_t most = 1'000'000;  // largest number of particles
+  Conserve conserve = Conserve::VolumeFraction;
+  double binder_gap = 0;     // mm
+  bool fills_space = false;  // the particles may fill the whole box; larger volume fractions become 1
   bool all_void = false;
   std::vector<std::int64_t> void_classes;  // classes whose particles are voids
   std::uint64_t seed = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
 #include "runtime/random.h"
 
 namespace terrazzo::packing {
@@ -245,11 +246,7 @@ void Relaxation::resize(double shrink) {
 }
 
 void Relaxation::wrap(std::size_t i) {
-  for (int a = 0; a < 3; ++a) {
-    double& x = packing_.position[i][a];
-    x -= std::floor(x / packing_.box[a]) * packing_.box[a];
-    if (!(x >= 0 && x < packing_.box[a])) x = 0;
-  }
+  packing_.position[i] = wrap_point(packing_.position[i], packing_.box);
 }
 
 Overlap Relaxation::step(double enough, const Work& work) {

@@ -25,7 +25,7 @@ PopulationOptions read_population(const Context& c) {
   PopulationOptions o;
   if (c.keyword("size") != "auto") o.edges = c.numbers("size");
   o.count = c.integer("count");
-  o.keep_volume_fraction = c.text("conserve") == "volume_fraction";
+  o.conserve = c.choice<Conserve>("conserve");
   o.seed = c.seed();
   return o;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/packing/spatial_order.h"
 
 namespace terrazzo::packing {
@@ -58,11 +59,7 @@ std::optional<Population> regrown(Population fresh, const Particles& start) {
   reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
   reorder(p.color, order), reorder(p.voids, order), reorder(fresh.size_class, order);
   for (std::size_t i = 0; i < m; ++i) {
-    p.position[i] = start.position[i], p.orientation[i] = start.orientation[i];
-    for (int a = 0; a < 3; ++a) {
-      p.position[i][a] -= std::floor(p.position[i][a] / p.box[a]) * p.box[a];
-      if (!(p.position[i][a] < p.box[a])) p.position[i][a] = 0;
-    }
+    p.position[i] = wrap_point(start.position[i], p.box), p.orientation[i] = start.orientation[i];
     if (!p.is_void(i)) p.color[i] = start.color[i];
   }
   fresh.kept = m;

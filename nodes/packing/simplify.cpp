@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh_distance.h"
 #include "nodes/common/geometry/reduce.h"
-#include "nodes/packing/mesh_distance.h"
 
 namespace terrazzo::packing {
 namespace {

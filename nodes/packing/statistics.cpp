@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/periodic.h"
+
 namespace terrazzo::packing {
 
 namespace {
@@ -87,23 +89,14 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   const double per_particle = particles.box.prod() / static_cast<double>(n);
   const double farthest = std::min(0.5 * particles.box.minCoeff(), 5 * std::cbrt(per_particle));
   // A grid with cells as wide as the mean spacing; only cells within reach are visited.
-  std::array<int, 3> cells;
-  for (int a = 0; a < 3; ++a)
-    cells[a] = std::clamp(static_cast<int>(particles.box[a] / std::cbrt(per_particle)), 1, 256);
-  const auto cell_of = [&](const Vec3& p, int a) {
-    return std::clamp(static_cast<int>(p[a] / particles.box[a] * cells[a]), 0, cells[a] - 1);
-  };
-  const auto flat = [&](int x, int y, int z) {
-    return (static_cast<std::size_t>(z) * cells[1] + y) * cells[0] + x;
-  };
+  const PeriodicCells cells(particles.box, std::cbrt(per_particle), 256);
   // Centers are sorted by cell, so that consecutive centers visit the same neighbors.
-  std::vector<std::int32_t> begin_of(flat(0, 0, cells[2]) + 1, 0);
-  const auto cell_at = [&](const Vec3& p) { return flat(cell_of(p, 0), cell_of(p, 1), cell_of(p, 2)); };
-  for (const Vec3& p : particles.position) ++begin_of[cell_at(p) + 1];
+  std::vector<std::int32_t> begin_of(cells.count() + 1, 0);
+  for (const Vec3& p : particles.position) ++begin_of[cells.at(p) + 1];
   for (std::size_t c = 1; c < begin_of.size(); ++c) begin_of[c] += begin_of[c - 1];
   std::vector<Vec3> center(n);
   std::vector<std::int32_t> next(begin_of.begin(), begin_of.end() - 1);
-  for (const Vec3& p : particles.position) center[static_cast<std::size_t>(next[cell_at(p)]++)] = p;
+  for (const Vec3& p : particles.position) center[static_cast<std::size_t>(next[cells.at(p)]++)] = p;
   using Counts = std::vector<std::int64_t>;
   const Counts count = work.reduce<Counts>(
       looked, 64, Counts(bins, 0),
@@ -112,26 +105,15 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
         for (std::size_t m = begin; m < end; ++m) {
           const std::size_t i = m * stride;
           const Vec3& p = center[i];
-          std::array<int, 3> lo, hi;
-          for (int a = 0; a < 3; ++a) {
-            lo[a] = static_cast<int>(std::floor((p[a] - farthest) / particles.box[a] * cells[a]));
-            hi[a] = std::min(static_cast<int>(std::floor((p[a] + farthest) / particles.box[a] * cells[a])),
-                             lo[a] + cells[a] - 1);
-          }
-          const auto wrapped = [&](int c, int a) { return ((c % cells[a]) + cells[a]) % cells[a]; };
-          for (int z = lo[2]; z <= hi[2]; ++z)
-            for (int y = lo[1]; y <= hi[1]; ++y)
-              for (int x = lo[0]; x <= hi[0]; ++x) {
-                const std::size_t cell = flat(wrapped(x, 0), wrapped(y, 1), wrapped(z, 2));
-                for (auto j = static_cast<std::size_t>(begin_of[cell]);
-                     j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
-                  if (j == i) continue;
-                  Vec3 d = center[j] - p;
-                  for (int a = 0; a < 3; ++a) d[a] -= std::round(d[a] / particles.box[a]) * particles.box[a];
-                  const int bin = static_cast<int>(d.norm() / farthest * bins);
-                  if (bin < bins) ++part[bin];
-                }
-              }
+          cells.visit(p, farthest, [&](std::size_t cell) {
+            for (auto j = static_cast<std::size_t>(begin_of[cell]);
+                 j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
+              if (j == i) continue;
+              const double distance = nearest_image(center[j] - p, particles.box).norm();
+              const int bin = static_cast<int>(distance / farthest * bins);
+              if (bin < bins) ++part[bin];
+            }
+          });
         }
         return part;
       },

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/packing/mesh_distance.h"
+#include "nodes/common/geometry/mesh_distance.h"
 
 namespace terrazzo::packing {
 

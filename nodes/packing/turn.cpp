@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/directions.h"
 #include "runtime/random.h"
 
 namespace terrazzo::packing {
@@ -87,7 +88,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
     for (int k = 0; k < tries && least > 0; ++k) {
       if (k % 256 == 255) work.check();
       // Alternate between any rotation and one near the best so far.
-      Quat q(random.normal(), random.normal(), random.normal(), random.normal());
+      Quat q = random_quaternion(random);
       if (k % 2 == 1) q = Quat(1, near * q.x(), near * q.y(), near * q.z()) * best;
       if (!(q.norm() > 1e-9)) continue;
       q.normalize();

@@ -2,19 +2,12 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/profiles.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
-
-Vec3f parse(const std::string& text) {
-  std::string why;
-  const auto v = read_parameter(Parameter::color("color", 0, 0, 0), {false, {text}}, why);
-  if (!v) throw Error("bad-color", why).parameter("colors");
-  const auto& rgb = std::get<std::vector<double>>(*v);
-  return Vec3f(static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]));
-}
 
 void check(const NodeParameters& p) {
   const auto colors = p.texts("colors");
@@ -23,7 +16,7 @@ void check(const NodeParameters& p) {
     throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colors but " +
                                   std::to_string(shares) + " shares")
         .parameter("shares");
-  for (const auto& color : colors) parse(color);
+  for (const auto& color : colors) parse_color(color);
 }
 
 void compute(Context& c) {
@@ -38,7 +31,7 @@ void compute(Context& c) {
     Profile p;
     p.area = 1;
     p.weight = shares[i];
-    p.color = parse(colors[i]);
+    p.color = parse_color(colors[i]);
     out.profiles.push_back(p);
   }
   c.output("profiles", std::move(out));

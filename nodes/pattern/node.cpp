@@ -7,7 +7,7 @@ namespace {
 
 void compute(Context& c) {
   pattern::PatternChoice p;
-  p.kind = c.text("kind"), p.axis = c.text("axis"), p.offset = c.number("offset");
+  p.kind = c.choice<pattern::Kind>("kind"), p.axis = c.choice<int>("axis"), p.offset = c.number("offset");
   p.width = static_cast<int>(c.integer("width")), p.height = static_cast<int>(c.integer("height"));
   p.pixel_size = c.number("pixel_size"), p.scale = c.number("scale");
   p.seed = c.seed();

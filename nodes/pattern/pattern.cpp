@@ -85,16 +85,16 @@ Vec3f bone(std::uint64_t seed, const Vec3& p) {
 Vec3f pattern_color(const PatternChoice& c, const Vec3& point) {
   // Keep sections off the planes of the noise lattice, where gradient noise is flat and shows its axes.
   const Vec3 p = point / c.scale + Vec3(0.37, 0.21, 0.43);
-  if (c.kind == "muscle") return muscle(c.seed, p);
-  if (c.kind == "wood") return wood(c.seed, p);
+  if (c.kind == Kind::Muscle) return muscle(c.seed, p);
+  if (c.kind == Kind::Wood) return wood(c.seed, p);
   static const Mat3 oblique = Quat(0.83, 0.31, -0.37, 0.27).normalized().toRotationMatrix();
   const Vec3 q = oblique * p;
-  return c.kind == "marble" ? marble(c.seed, q) : c.kind == "fat" ? fat(c.seed, q) : bone(c.seed, q);
+  return c.kind == Kind::Marble ? marble(c.seed, q) : c.kind == Kind::Fat ? fat(c.seed, q) : bone(c.seed, q);
 }
 
 Image pattern_image(const PatternChoice& c, const Work& work) {
   Image out(c.width, c.height, 1, c.pixel_size);
-  const int axis = c.axis == "x" ? 0 : c.axis == "y" ? 1 : 2;
+  const int axis = c.axis;
   work.parallel(static_cast<std::size_t>(c.height), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
       for (int x = 0; x < c.width; ++x) {

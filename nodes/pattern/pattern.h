@@ -2,17 +2,18 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "nodes/data/image.h"
 #include "runtime/work.h"
 
 namespace terrazzo::pattern {
 
+enum class Kind { Wood, Marble, Muscle, Fat, Bone };
+
 struct PatternChoice {
-  std::string kind = "wood";  // wood, marble, muscle, fat, bone
-  std::string axis = "x";     // the axis normal to the plane; z is up on x and y
-  double offset = 0;          // mm along the axis
+  Kind kind = Kind::Wood;
+  int axis = 0;       // normal to the plane: x, y, z; z is up on x and y
+  double offset = 0;  // mm along the axis
   int width = 128, height = 128;
   double pixel_size = 0.1;  // mm
   double scale = 2;         // mm: width of a ring, distance of veins, diameter of a bundle or lobule

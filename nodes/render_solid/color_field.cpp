@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/floor_of.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/data/volume.h"
 
 namespace terrazzo::render_solid {
@@ -90,9 +91,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
 
 int ColorField::wrap(int i, int axis) const {
   const int n = resolution_[axis];
-  if (!periodic_) return std::clamp(i, 0, n - 1);
-  i %= n;
-  return i < 0 ? i + n : i;
+  return periodic_ ? wrap_index(i, n) : std::clamp(i, 0, n - 1);
 }
 
 namespace {

@@ -22,17 +22,27 @@ using namespace render_solid;
 
 constexpr float degree = 0.0174532925f;
 
-std::string resolved_mode(const Context& c) {
-  const std::string mode = c.text("mode");
-  if (mode != "auto") return mode;
-  if (c.has("object")) return "object";
-  return c.has("volume") || !c.has("particles") ? "block" : "particles";
+enum class Mode { Auto, Block, Cube, Object, Vase, Knot, Particles, Fracture };
+enum class ColorSource { Auto, Volume, Particles };
+
+const std::vector<std::string> kModes = {"auto", "block", "cube",      "object",
+                                         "vase", "knot",  "particles", "fracture"};
+
+Mode resolved_mode(const Context& c) {
+  const auto mode = c.choice<Mode>("mode");
+  if (mode != Mode::Auto) return mode;
+  if (c.has("object")) return Mode::Object;
+  return c.has("volume") || !c.has("particles") ? Mode::Block : Mode::Particles;
 }
 
 void need(const Context& c, const std::string& what, const std::string& input) {
   if (!c.has(input))
     throw Error("no-" + input, what + " needs the input '" + input + "', which is not connected",
                 input == "volume" ? "connect a volume with colors, for example from Voxelize" : "connect it");
+}
+
+void need(const Context& c, Mode mode, const std::string& input) {
+  need(c, "mode '" + kModes[static_cast<std::size_t>(mode)] + "'", input);
 }
 
 Placement placement_of(const NodeParameters& c) {
@@ -72,30 +82,30 @@ void take_residual(Context& c, Material& m) {
 }
 
 // Sets up the color inside, from voxels or from the particles themselves.
-void take_paint(Context& c, const std::string& mode, Material& m) {
-  const double repeat = mode == "fracture" ? 1 : c.number("repeat");
-  std::string color = c.text("color");
-  if (mode == "fracture")
-    color = "particles";
-  else if (color == "auto")
-    color = c.has("volume") || !c.has("particles") ? "volume" : "particles";
-  if (color == "particles") {
+void take_paint(Context& c, Mode mode, Material& m) {
+  const double repeat = mode == Mode::Fracture ? 1 : c.number("repeat");
+  auto color = c.choice<ColorSource>("color");
+  if (mode == Mode::Fracture)
+    color = ColorSource::Particles;
+  else if (color == ColorSource::Auto)
+    color = c.has("volume") || !c.has("particles") ? ColorSource::Volume : ColorSource::Particles;
+  if (color == ColorSource::Particles) {
     need(c, "color from particles", "particles"), need(c, "color from particles", "shapes");
     const auto& particles = c.input<Particles>("particles");
     check_shown(particles, c.input<Shapes>("shapes"));
     take_residual(c, m);
     m.paint = particle_paint(particles, c.input<Shapes>("shapes"), repeat,
-                             mode == "fracture" ? Placement{} : placement_of(c), m.residual.get());
+                             mode == Mode::Fracture ? Placement{} : placement_of(c), m.residual.get());
     return;
   }
-  need(c, "mode '" + mode + "'", "volume");
+  need(c, mode, "volume");
   if (c.has("detail"))
     c.warn("the residual is not used, because colors come from the volume; set color: particles to use it");
   m.field = std::make_unique<ColorField>(ColorField::of(c.input<Volume>("volume"), c.work().part(0, 0.05)));
   if (m.field->clamped() > 0.01f)
     c.warn("colors outside 0 to 1 in " + std::to_string(static_cast<int>(100 * m.field->clamped() + 0.5f)) +
            " % of the voxels were clamped, since no surface reflects more light than it receives");
-  m.paint = field_paint(*m.field, repeat, placement_of(c), mode == "block" || mode == "cube");
+  m.paint = field_paint(*m.field, repeat, placement_of(c), mode == Mode::Block || mode == Mode::Cube);
 }
 
 // The voids of a packing, which become holes in the carved body.
@@ -111,15 +121,15 @@ Voids voids_of(Context& c) {
   return {particles, &c.input<Shapes>("shapes"), c.number("repeat"), placement_of(c)};
 }
 
-std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m, std::uint64_t seed) {
+std::unique_ptr<Solid> solid_of(Context& c, Mode mode, Material& m, std::uint64_t seed) {
   const Paint* paint = m.paint.get();
-  const Voids voids = mode == "fracture" || mode == "particles" ? Voids{} : voids_of(c);
-  if (mode == "block") return block_solid(*paint, c.number("cut"), kBevel, voids);
-  if (mode == "cube") return block_solid(*paint, 0, kBevel, voids);
-  if (mode == "vase") return object_solid(*paint, vase_form(), voids);
-  if (mode == "knot") return object_solid(*paint, knot_form(), voids);
-  if (mode == "object") {
-    need(c, "mode 'object'", "object");
+  const Voids voids = mode == Mode::Fracture || mode == Mode::Particles ? Voids{} : voids_of(c);
+  if (mode == Mode::Block) return block_solid(*paint, c.number("cut"), kBevel, voids);
+  if (mode == Mode::Cube) return block_solid(*paint, 0, kBevel, voids);
+  if (mode == Mode::Vase) return object_solid(*paint, vase_form(), voids);
+  if (mode == Mode::Knot) return object_solid(*paint, knot_form(), voids);
+  if (mode == Mode::Object) {
+    need(c, mode, "object");
     const Shapes& shapes = c.input<Shapes>("object");
     if (shapes.shapes.empty()) throw Error("no-shapes", "the object has no mesh");
     if (shapes.shapes.size() > 1)
@@ -127,10 +137,10 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m
              shapes.shapes[0].name + "', is shown");
     return object_solid(*paint, shapes.shapes[0], voids);
   }
-  need(c, "mode '" + mode + "'", "particles"), need(c, "mode '" + mode + "'", "shapes");
+  need(c, mode, "particles"), need(c, mode, "shapes");
   const auto& particles = c.input<Particles>("particles");
   const auto& shapes = c.input<Shapes>("shapes");
-  if (mode == "fracture")
+  if (mode == Mode::Fracture)
     return fracture_solid(*paint, particles, shapes, c.number("level"), c.number("roughness"), seed,
                           m.residual.get());
   check_shown(particles, shapes);
@@ -141,14 +151,15 @@ std::unique_ptr<Solid> solid_of(Context& c, const std::string& mode, Material& m
 void check(const NodeParameters& p) { placement_of(p); }
 
 void compute(Context& c) {
-  const std::string mode = resolved_mode(c);
-  if (c.text("tone") == "view" && c.text("color_config") != color_config_id())
+  const Mode mode = resolved_mode(c);
+  const auto tone_kind = c.choice<ToneKind>("tone");
+  if (tone_kind == ToneKind::View && c.text("color_config") != color_config_id())
     throw Error(
         "color-config",
         "the color configuration is '" + color_config_id() + "', not '" + c.text("color_config") + "'",
         "set the variable OCIO to the configuration that the graph was written for, or remove color_config")
         .parameter("color_config");
-  const Tone tone(c.text("tone"), c.text("view"));
+  const Tone tone(tone_kind, c.text("view"));
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
   const float elevation = degree * static_cast<float>(c.number("elevation"));
   RenderSettings settings;
@@ -159,7 +170,7 @@ void compute(Context& c) {
   settings.seed = c.seed();
 
   Material material;
-  if (mode != "particles") take_paint(c, mode, material);
+  if (mode != Mode::Particles) take_paint(c, mode, material);
   const std::unique_ptr<Solid> solid = solid_of(c, mode, material, settings.seed);
 
   const int frames = static_cast<int>(c.integer("frames"));
@@ -207,8 +218,7 @@ NodeType render_solid_node() {
                      .doc_("Light paths per pixel. Four times as many halve the noise; powers of two are "
                            "distributed best."))
       .parameter(
-          Parameter::choice("mode", "auto",
-                            {"auto", "block", "cube", "object", "vase", "knot", "particles", "fracture"})
+          Parameter::choice("mode", "auto", kModes)
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "
                     "vase, knot: a body carved from the solid. particles: particles without binder. "
                     "fracture: one period broken across, along the particles' surfaces. auto: object if one "

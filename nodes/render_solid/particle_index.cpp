@@ -2,36 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh_distance.h"
 #include "nodes/common/geometry/render_mesh.h"
 
 namespace terrazzo::render_solid {
-namespace {
-
-// Distance from the origin to a triangle's plane if the foot is inside it, else to its nearest edge: a lower
-// bound on the distance to the mesh.
-double distance_to(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double twice = n.norm();
-  if (twice > 0) {
-    const Vec3 foot = n * (n.dot(a) / (twice * twice));
-    bool within = true;
-    for (const auto& [p, q] : {std::pair{&a, &b}, {&b, &c}, {&c, &a}})
-      within = within && (*q - *p).cross(foot - *p).dot(n) >= 0;
-    if (within) return foot.norm();
-  }
-  double best = std::numeric_limits<double>::infinity();
-  for (const auto& [p, q] : {std::pair{&a, &b}, {&b, &c}, {&c, &a}}) {
-    const Vec3 e = *q - *p;
-    const double t = e.squaredNorm() > 0 ? std::clamp(-p->dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-    best = std::min(best, (*p + t * e).norm());
-  }
-  return best;
-}
-
-}  // namespace
 
 void check_shown(const Particles& particles, const Shapes& shapes) {
   if (particles.count() == 0) throw Error("no-particles", "there are no particles to show");
@@ -61,14 +37,13 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
   for (const Shape& s : shapes.shapes) {
     const RenderMesh m = render_mesh(s);
     RayScene::Triangles t;
-    double far = 0, near = std::numeric_limits<double>::infinity();
+    double far = 0;
     for (const Vec3& p : m.positions) t.positions.push_back(p.cast<float>()), far = std::max(far, p.norm());
     t.indices = m.indices;
-    for (const Triangle& f : s.mesh.triangles)
-      near = std::min(near, distance_to(s.mesh.vertices[f[0]], s.mesh.vertices[f[1]], s.mesh.vertices[f[2]]));
     meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
     triangles_.push_back(std::move(t));
-    outer.push_back(far), inner.push_back(near);
+    outer.push_back(far),
+        inner.push_back(std::sqrt(squared_distance(s.mesh, AabbTree(s.mesh), Vec3::Zero(), 1e300)));
   }
   double largest = 0;
   for (std::size_t i = 0; i < particles.count(); ++i) {

@@ -85,16 +85,16 @@ struct Tone::Transform {
   ocio::ConstCPUProcessorRcPtr processor;
 };
 
-Tone::Tone(const std::string& kind, const std::string& view) : view_(kind == "view"), name_(view) {
+Tone::Tone(ToneKind kind, const std::string& view) : view_(kind == ToneKind::View), name_(view) {
   if (view_) {
     show_through_view(nullptr, 0, 0, view);  // fail now, not after rendering
     return;
   }
-  if (kind == "none") return;
+  if (kind == ToneKind::None) return;
   try {
     transform_ = std::make_unique<Transform>();
     transform_->processor = ocio::Config::CreateRaw()
-                                ->getProcessor(kind == "aces" ? aces() : neutral())
+                                ->getProcessor(kind == ToneKind::Aces ? aces() : neutral())
                                 ->getDefaultCPUProcessor();
   } catch (const ocio::Exception& e) {
     throw Error("color-config", std::string("the OpenColorIO display rendering failed: ") + e.what(),

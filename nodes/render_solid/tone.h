@@ -8,13 +8,15 @@
 
 namespace terrazzo::render_solid {
 
+enum class ToneKind { Neutral, Aces, View, None };
+
 class Tone {
  public:
   // neutral: neutral_curve(). aces: the Academy's rendering for displays (ACES 1.0 SDR video), where strong
   // light rolls off like film and loses saturation. view: a view of the configuration in $OCIO, see
   // show_through_view. none: no tone mapping. Throws Error "color-config" if OpenColorIO has no such
   // transform.
-  explicit Tone(const std::string& kind, const std::string& view = "");
+  explicit Tone(ToneKind, const std::string& view = "");
   ~Tone();
 
   // Maps linear Rec. 709 in place, to [0, 1] except for none.

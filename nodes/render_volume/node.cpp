@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
+#include "nodes/common/gl/open_gl.h"
 #include "nodes/data/opaque_volume.h"
 #include "nodes/data/table.h"
 #include "nodes/render_volume/gl_march.h"
@@ -12,6 +13,8 @@ namespace terrazzo {
 namespace {
 
 using namespace render_volume;
+
+enum class Mode { Textured, Plain };
 
 Error bad(const char* parameter, const std::string& what, const std::string& hint) {
   return Error(std::string("bad-") + parameter, what, hint).parameter(parameter);
@@ -31,12 +34,11 @@ Look look_of(const Context& c) {
   Look l;
   l.width = static_cast<int>(c.integer("width")), l.height = static_cast<int>(c.integer("height"));
   l.samples = static_cast<int>(c.integer("samples")), l.step = c.number("step");
-  l.textured = c.text("mode") == "textured";
+  l.textured = c.choice<Mode>("mode") == Mode::Textured;
   l.scales = exactly<kScales>(c, "scales"), l.weights = exactly<kScales>(c, "weights");
   if (!(l.weights[0] + l.weights[1] + l.weights[2] > 0))
     throw bad("weights", "all weights are 0", "make at least one of them positive");
-  const std::string turning = c.text("turning");
-  l.turning = turning == "random" ? Turning::Random : turning == "about_z" ? Turning::AboutZ : Turning::None;
+  l.turning = c.choice<Turning>("turning");
   const auto window = exactly<2>(c, "window");
   l.window = Vec2(window[0], window[1]);
   if (!(window[1] > window[0]))
@@ -53,28 +55,12 @@ Look look_of(const Context& c) {
           fmt::format("the clip from {} to {} leaves nothing of {}", clip[2 * k], clip[2 * k + 1], "xyz"[k]),
           "write x from, to, y from, to, z from, to, as fractions of the edges");
   }
-  l.up = c.text("up")[0] - 'x';
+  l.up = c.choice<int>("up");
   l.azimuth = c.number("azimuth"), l.elevation = c.number("elevation"), l.zoom = c.number("zoom");
   const auto b = c.numbers("background");
   l.background = Vec3f(float(b[0]), float(b[1]), float(b[2]));
   l.seed = c.seed();
   return l;
-}
-
-// Opens the renderer that the parameter device selects: a GPU, Mesa's software renderer, or null for the CPU.
-std::unique_ptr<GlMarcher> gl_marcher(Context& c, const Scene& scene, const Bricks& bricks) {
-  const std::string device = c.text("device");
-  if (device == "cpu") return nullptr;
-  try {
-    return std::make_unique<GlMarcher>(scene, bricks, GlDevice::Gpu);
-  } catch (const Error& e) {
-    if (device == "auto") {
-      c.warn("rendered on the CPU: " + e.diagnostic().message);
-      return nullptr;
-    }
-    if (e.diagnostic().code != "no-gl") throw;
-  }
-  return std::make_unique<GlMarcher>(scene, bricks, GlDevice::Cpu);
 }
 
 void compute(Context& c) {
@@ -95,8 +81,8 @@ void compute(Context& c) {
   c.metric("visible_bricks", bricks.visible_share());
 
   const int frames = static_cast<int>(c.integer("frames"));
-  const auto gl = gl_marcher(c, scene, bricks);
-  if (gl) c.warn("rendered by OpenGL on " + gl->renderer());
+  const auto gl = open_gl(
+      c, "rendered", [&](GlDevice device) { return std::make_unique<GlMarcher>(scene, bricks, device); });
   Image image(look.width, look.height, frames, 1);
   Table table;
   table.columns = {"frame", "azimuth degrees", "rays", "samples", "texture lookups"};

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/directions.h"
 #include "runtime/random.h"
 
 namespace terrazzo::render_volume {
@@ -71,7 +72,7 @@ Placement placement(const SolidTexture& texture, double scale, double footprint,
   Random random(seed, 0x54757262, item);
   Quat turn = Quat::Identity();
   const double angle = 2 * M_PI * random.uniform();
-  const Quat any(random.normal(), random.normal(), random.normal(), random.normal());
+  const Quat any = random_quaternion(random);
   if (turning == Turning::AboutZ) turn = Eigen::AngleAxisd(angle, Vec3::UnitZ());
   if (turning == Turning::Random) turn = any.normalized();
   Placement p;

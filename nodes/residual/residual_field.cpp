@@ -5,6 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/floor_of.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/common/geometry/tile_fit.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/detail.h"
@@ -21,11 +22,6 @@ constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332
 constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
 constexpr float kBlend = 10;   // width in voxels over which cells blend
 
-int wrap(int i, int n) {
-  i %= n;
-  return i < 0 ? i + n : i;
-}
-
 // Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {
   int at[3];
@@ -41,7 +37,7 @@ float periodic_noise(const Vec3f& p, const Vec3i& cells) {
     std::uint64_t item = 0;
     float w = 1;
     for (int k = 0; k < 3; ++k) {
-      item = item * 65537 + static_cast<std::uint64_t>(wrap(at[k] + d[k], cells[k]));
+      item = item * 65537 + static_cast<std::uint64_t>(wrap_index(at[k] + d[k], cells[k]));
       w *= d[k] ? u[k] : 1 - u[k];
     }
     const std::uint64_t h = Random(1, layer_stream, item).bits();
@@ -230,8 +226,8 @@ Vec3f ResidualField::binder(const Vec3f& mm) const {
   for (int z = -1; z <= 1; ++z)
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x) {
-        const Vec3i c(wrap(home[0] + x, cells_[0]), wrap(home[1] + y, cells_[1]),
-                      wrap(home[2] + z, cells_[2]));
+        const Vec3i c(wrap_index(home[0] + x, cells_[0]), wrap_index(home[1] + y, cells_[1]),
+                      wrap_index(home[2] + z, cells_[2]));
         const std::size_t i =
             (static_cast<std::size_t>(c.z()) * cells_.y() + c.y()) * static_cast<std::size_t>(cells_.x()) +
             c.x();

@@ -4,14 +4,10 @@
 #include <cmath>
 
 #include "nodes/common/geometry/floor_of.h"
+#include "nodes/common/geometry/periodic.h"
 
 namespace terrazzo::residual {
 namespace {
-
-int wrapped(int i, int n) {
-  i %= n;
-  return i < 0 ? i + n : i;
-}
 
 // Converts samples of a period to the coefficients of the cubic spline through them, in place (Unser 1999).
 void spline_coefficients(std::vector<Vec3f>& line) {
@@ -20,13 +16,13 @@ void spline_coefficients(std::vector<Vec3f>& line) {
   const float around = 1 - std::pow(z, static_cast<float>(n));
   Vec3f first = Vec3f::Zero();
   float power = 1;
-  for (int k = 0; k < n; ++k, power *= z) first += power * line[static_cast<std::size_t>(wrapped(-k, n))];
+  for (int k = 0; k < n; ++k, power *= z) first += power * line[static_cast<std::size_t>(wrap_index(-k, n))];
   line[0] = first / around;
   for (int i = 1; i < n; ++i) line[static_cast<std::size_t>(i)] += z * line[static_cast<std::size_t>(i - 1)];
   Vec3f last = Vec3f::Zero();
   power = 1;
   for (int k = 0; k < n; ++k, power *= z)
-    last += power * line[static_cast<std::size_t>(wrapped(n - 1 + k, n))];
+    last += power * line[static_cast<std::size_t>(wrap_index(n - 1 + k, n))];
   Vec3f next = -z * last / around;
   line[static_cast<std::size_t>(n - 1)] = 6 * next;
   for (int i = n - 2; i >= 0; --i) {
@@ -66,7 +62,7 @@ void smooth_line(std::vector<Vec3f>& line, const std::vector<float>& kernel, std
   for (int i = 0; i < n; ++i)
     for (int t = -reach; t <= reach; ++t)
       buffer[static_cast<std::size_t>(i)] +=
-          kernel[static_cast<std::size_t>(t + reach)] * line[static_cast<std::size_t>(wrapped(i + t, n))];
+          kernel[static_cast<std::size_t>(t + reach)] * line[static_cast<std::size_t>(wrap_index(i + t, n))];
   line.swap(buffer);
 }
 
@@ -142,7 +138,8 @@ Vec3f SplineTile::at(const Vec3f& p) const {
   for (int k = 0; k < 3; ++k) {
     const int low = floor_of(p[k]);
     weights(p[k] - static_cast<float>(low), w[k]);
-    for (int i = 0; i < 4; ++i) at[k][i] = static_cast<std::size_t>(wrapped(low + i - 1, size_[k])) * step[k];
+    for (int i = 0; i < 4; ++i)
+      at[k][i] = static_cast<std::size_t>(wrap_index(low + i - 1, size_[k])) * step[k];
   }
   Vec3f sum = Vec3f::Zero();
   for (int z = 0; z < 4; ++z)

@@ -19,6 +19,8 @@ namespace terrazzo {
 namespace {
 using namespace residual_synth;
 
+enum class Method { Slices, Radial };
+
 Vec3i volume_size(const NodeParameters& c) {
   const Vec3i size = one_or_three(c, "size");
   if (size.cast<double>().prod() > 5.4e8)
@@ -100,7 +102,7 @@ void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const Vec3i size = volume_size(c);
   const Work& work = c.work();
-  const bool radial = c.text("method") == "radial";
+  const bool radial = c.choice<Method>("method") == Method::Radial;
   if (radial && (c.has("image_y") || c.has("image_z")))
     throw Error("bad-value", "method radial cannot use a picture per axis",
                 "set method: slices, or disconnect image_y and image_z")

@@ -2,27 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "nodes/common/geometry/disjoint_sets.h"
 
 namespace terrazzo::section {
 
 namespace {
-
-class Sets {  // union-find; the smallest member represents the set
- public:
-  explicit Sets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 // Sums over a region's pixels. Positions are relative to its first pixel, by the shorter way around in a
 // tile.
@@ -56,26 +41,25 @@ void PixelRegions::measure(Section& out, const Work& work) const {
   for (int section = 0; section < sections; ++section) {
     work.check();
     const std::int32_t* value = values_.data() + section * count;
-    Sets sets(count);
+    DisjointSets sets(count);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const auto at = static_cast<std::uint32_t>(y * w + x);
+        const std::int32_t at = y * w + x;
         if (value[at] < 0) continue;
-        const auto right = static_cast<std::uint32_t>(y * w + (x + 1) % w),
-                   below = static_cast<std::uint32_t>((y + 1) % h * w + x);
+        const std::int32_t right = y * w + (x + 1) % w, below = (y + 1) % h * w + x;
         if ((x + 1 < w || layout_.tile) && value[right] == value[at]) sets.join(at, right);
         if ((y + 1 < h || layout_.tile) && value[below] == value[at]) sets.join(at, below);
       }
     std::vector<std::int32_t> index(count, -1);
     std::vector<Sums> regions;
-    for (std::uint32_t at = 0; at < count; ++at) {
+    for (std::size_t at = 0; at < count; ++at) {
       const int x = static_cast<int>(at) % w, y = h - 1 - static_cast<int>(at) / w;
       const Eigen::Vector3d color = image_.pixels[section * count + at].cast<double>();
       if (value[at] < 0) {
         binder += color, ++outside;
         continue;
       }
-      const std::uint32_t root = sets.find(at);
+      const std::int32_t root = sets.find(static_cast<std::int32_t>(at));
       if (index[root] < 0) {
         index[root] = static_cast<std::int32_t>(regions.size());
         Sums s;

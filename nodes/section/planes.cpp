@@ -6,21 +6,13 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/slice_axes.h"
 #include "runtime/random.h"
 
 namespace terrazzo::section {
 
 namespace {
-
-// Uniform over all rotations (Shoemake 1992).
-Mat3 random_rotation(Random& random) {
-  const double u = random.uniform(), v = 2 * M_PI * random.uniform(), w = 2 * M_PI * random.uniform();
-  const double a = std::sqrt(1 - u), b = std::sqrt(u);
-  return Quat(b * std::cos(w), a * std::sin(v), a * std::cos(v), b * std::sin(w))
-      .normalized()
-      .toRotationMatrix();
-}
 
 void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
   constexpr double most = 64e6, limit = 256e6;
@@ -53,7 +45,7 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
     for (int i = 0; i < choice.planes; ++i) {
       Random random(choice.seed, 0x73656374, static_cast<std::uint64_t>(i));
       SectionPlane plane;
-      plane.frame = random_rotation(random);
+      plane.frame = random_rotation(random).normalized().toRotationMatrix();
       Vec3 center;
       for (int k = 0; k < 3; ++k) center[k] = box[k] * random.uniform();
       plane.origin =

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
+
 namespace terrazzo::section {
 
 namespace {
@@ -21,11 +23,6 @@ Bounds bounds_of(const Region& region, const PixelGrid& grid) {
     b.x0 = std::max(b.x0, 0), b.y0 = std::max(b.y0, 0), b.x1 = std::min(b.x1, grid.width),
     b.y1 = std::min(b.y1, grid.height);
   return b;
-}
-
-int wrapped(int v, int n) {
-  v %= n;
-  return v < 0 ? v + n : v;
 }
 
 // Accumulates the signed area to the right of the directed edge: `area` is the share within a pixel, `rise`
@@ -72,7 +69,8 @@ void cover_pixels(const Region& region, const PixelGrid& grid,
       const std::size_t at = static_cast<std::size_t>(y) * width + x;
       const double share = std::clamp(carried + area[at], 0.0, 1.0);
       carried += rise[at];
-      if (share > 1e-9) visit(wrapped(b.x0 + x, grid.width), grid.row(wrapped(b.y0 + y, grid.height)), share);
+      if (share > 1e-9)
+        visit(wrap_index(b.x0 + x, grid.width), grid.row(wrap_index(b.y0 + y, grid.height)), share);
     }
   }
 }
@@ -92,7 +90,7 @@ void fill_pixels(const Region& region, const PixelGrid& grid, const std::functio
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
       const int from = std::max(b.x0, static_cast<int>(std::ceil(crossings[i] - 0.5)));
       const int to = std::min(b.x1, static_cast<int>(std::ceil(crossings[i + 1] - 0.5)));
-      for (int x = from; x < to; ++x) visit(wrapped(x, grid.width), grid.row(wrapped(y, grid.height)));
+      for (int x = from; x < to; ++x) visit(wrap_index(x, grid.width), grid.row(wrap_index(y, grid.height)));
     }
   }
 }

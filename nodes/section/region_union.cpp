@@ -12,11 +12,7 @@ using Interval = std::pair<double, double>;  // parameter range along an edge, w
 
 bool inside(const Region& region, const Vec2& p) {
   bool in = false;
-  for (const Loop& l : region)
-    for (std::size_t i = 0, j = l.size() - 1; i < l.size(); j = i++)
-      if ((l[i].y() > p.y()) != (l[j].y() > p.y()) &&
-          p.x() < (l[j].x() - l[i].x()) * (p.y() - l[i].y()) / (l[j].y() - l[i].y()) + l[i].x())
-        in = !in;
+  for (const Loop& l : region) in = in != loop_contains(l, p);
   return in;
 }
 
@@ -25,8 +21,6 @@ bool apart(const Extent& e, const Vec2& p, const Vec2& q) {
     if (std::min(p[k], q[k]) > e.hi[k] || std::max(p[k], q[k]) < e.lo[k]) return true;
   return false;
 }
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Adds the parts of the edge p → q that lie within the region.
 void cover(const Region& region, const Extent& extent, const Vec2& p, const Vec2& q,

@@ -19,7 +19,9 @@ struct Clusters {
 };
 
 // Lloyd's k-means, the best of four k-means++ starts (Arthur and Vassilvitskii 2007). Returns fewer than k
-// clusters if there are fewer distinct points.
+// clusters if there are fewer distinct points. With kmeans() of common/texture, which weights its points, is
+// in double precision, stops when no point moves and has another silhouette, nearly every result would
+// change.
 Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, const Work&);
 
 }  // namespace terrazzo::segment

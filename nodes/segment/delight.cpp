@@ -6,19 +6,13 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/segment/split.h"
 
 namespace terrazzo::segment {
 namespace {
 
 float luminance(const Vec3f& c) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
-
-template <class T>
-T median(std::vector<T> v) {
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
 
 // The pixels of each label of one section, label after label.
 struct PixelLists {

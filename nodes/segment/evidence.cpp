@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/common/geometry/rank.h"
+
 namespace terrazzo::segment {
 namespace {
 
@@ -25,9 +27,7 @@ double quantile_of(const cv::Mat& map, const cv::Mat& mask, double q, double oth
     for (int x = 0; x < map.cols; ++x)
       if (mask.at<std::uint8_t>(y, x)) values.push_back(map.at<float>(y, x));
   if (values.empty()) return otherwise;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return at_rank(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 
 namespace terrazzo::segment {
@@ -45,9 +46,7 @@ float noise_of(const LabImage& image) {
                                   2 * L(1, 0) + L(-1, 1) - 2 * L(0, 1) + L(1, 1)));
     }
   if (response.empty()) return 0;
-  const auto middle = response.begin() + static_cast<std::ptrdiff_t>(response.size() / 2);
-  std::nth_element(response.begin(), middle, response.end());
-  return *middle / (6 * 0.6745f);
+  return median(std::move(response)) / (6 * 0.6745f);
 }
 
 LabImage diffuse(LabImage image, float contrast, int rounds, const Work& work) {

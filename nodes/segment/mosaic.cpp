@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/segment/region_graph.h"
 #include "nodes/segment/watershed.h"
@@ -34,10 +35,7 @@ float usual_difference(const LabImage& image) {
       if (x + apart < image.width) all.push_back((p - image.pixels[image.index(x + apart, y)]).norm());
       if (y + apart < image.height) all.push_back((p - image.pixels[image.index(x, y + apart)]).norm());
     }
-  if (all.empty()) return 0;
-  const auto quartile = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 4);
-  std::nth_element(all.begin(), quartile, all.end());
-  return 2.4f * *quartile;
+  return all.empty() ? 0 : 2.4f * at_rank(all, all.size() / 4);
 }
 
 }  // namespace

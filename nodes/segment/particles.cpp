@@ -5,6 +5,7 @@
 #include <map>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/segment/bodies.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/min_cut.h"
@@ -179,9 +180,7 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   const std::size_t n = m.colors.size();
   const std::vector<float> gradient = gradient_of(m.smooth);
   auto sorted = gradient;
-  const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 4);
-  std::nth_element(sorted.begin(), quartile, sorted.end());
-  const double usual = 3.1 * *quartile + 1e-6;
+  const double usual = 3.1 * at_rank(sorted, sorted.size() / 4) + 1e-6;
   // Length, sum of gradients.
   std::map<std::pair<std::int32_t, std::int32_t>, std::pair<double, double>> borders;
   for (int y = 0; y < m.height; ++y)

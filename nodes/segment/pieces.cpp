@@ -2,31 +2,9 @@
 
 #include <algorithm>
 
-namespace terrazzo::segment {
+#include "nodes/common/geometry/loop.h"
 
-double hull_area(std::vector<Vec2>& points) {
-  std::sort(points.begin(), points.end(),
-            [](const Vec2& a, const Vec2& b) { return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y(); });
-  auto cross = [](const Vec2& o, const Vec2& a, const Vec2& b) {
-    return (a.x() - o.x()) * (b.y() - o.y()) - (a.y() - o.y()) * (b.x() - o.x());
-  };
-  std::vector<Vec2> hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t start = hull.size();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec2& p = points[side == 0 ? i : points.size() - 1 - i];
-      while (hull.size() >= start + 2 && cross(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-      hull.push_back(p);
-    }
-    if (!hull.empty()) hull.pop_back();
-  }
-  double twice = 0;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Vec2 &p = hull[i], &q = hull[(i + 1) % hull.size()];
-    twice += p.x() * q.y() - p.y() * q.x();
-  }
-  return twice / 2;
-}
+namespace terrazzo::segment {
 
 std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int width, int height) {
   const std::int32_t n = raster.empty() ? 0 : std::max(0, *std::max_element(raster.begin(), raster.end()));
@@ -54,7 +32,7 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
       if (x + 1 == width || raster[i + 1] != id)
         ends[id - 1].emplace_back(x + 1, y), ends[id - 1].emplace_back(x + 1, y + 1);
     }
-  for (std::int32_t k = 0; k < n; ++k) pieces[k].hull_area = hull_area(ends[k]);
+  for (std::int32_t k = 0; k < n; ++k) pieces[k].hull_area = hull_area(std::move(ends[k]));
   return pieces;
 }
 

@@ -21,7 +21,4 @@ struct Piece {
 // Element k − 1 describes piece k.
 std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int width, int height);
 
-// Area of the convex hull of points (Andrew's monotone chain). Sorts the points.
-double hull_area(std::vector<Vec2>& points);
-
 }  // namespace terrazzo::segment

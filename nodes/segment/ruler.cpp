@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 
 namespace terrazzo::segment {
@@ -143,8 +144,7 @@ std::optional<ScaleMark> find_bar(const Image& image, int section, const PixelBo
   std::vector<float> all;
   for (int y = box.top; y <= box.bottom; ++y)
     for (int x = box.left; x <= box.right; ++x) all.push_back(lightness(image, x, y, section));
-  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
-  const float usual = all[all.size() / 2];
+  const float usual = median(std::move(all));
   // Rows in line make a bar; a letter is not that long.
   int best = 0, from = -9, to = -9, rows = 0;
   const auto close = [&] {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+#include "nodes/common/geometry/disjoint_sets.h"
+#include "nodes/segment/neighbors.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -91,17 +93,12 @@ std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster
 
   // Basins grow from their summits down. Where two basins meet, the meeting pixel is their neck.
   const double widest = std::sqrt(std::clamp(strength, 0.0, 1.0));
-  std::vector<std::int32_t> parent;
+  DisjointSets basins;
   std::vector<float> summit;
-  auto root = [&](std::int32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
   std::vector<std::int32_t> basin(raster.size(), -1);
   for (std::size_t k = 0; k < order.size(); ++k) {
     if (k % 65536 == 0) work.check();
     const std::int32_t i = order[k];
-    const int x = i % width, y = i / width;
     const float here = std::sqrt(distance2[i]);
     std::int32_t highest = -1;
     std::int32_t met[4];
@@ -109,34 +106,30 @@ std::vector<std::int32_t> split_at_necks(const std::vector<std::int32_t>& raster
     auto visit = [&](std::int32_t j) {
       if (basin[j] < 0 || raster[j] != raster[i]) return;
       if (highest < 0 || distance2[j] > distance2[highest]) highest = j;
-      met[count++] = root(basin[j]);
+      met[count++] = basins.find(basin[j]);
     };
-    if (x > 0) visit(i - 1);
-    if (x + 1 < width) visit(i + 1);
-    if (y > 0) visit(i - width);
-    if (y + 1 < height) visit(i + width);
+    neighbors(i, width, height, visit);
     if (highest < 0) {
-      basin[i] = static_cast<std::int32_t>(parent.size());
-      parent.push_back(basin[i]);
+      basin[i] = basins.add();
       summit.push_back(here);
       continue;
     }
     basin[i] = basin[highest];
     for (int n = 0; n < count; ++n) {
-      std::int32_t a = root(basin[i]), b = root(met[n]);
+      std::int32_t a = basins.find(basin[i]), b = basins.find(met[n]);
       if (a == b) continue;
       const float lower = std::min(summit[a], summit[b]);
       if (lower - here < 1 || here >= widest * lower) {
         if (summit[a] < summit[b] || (summit[a] == summit[b] && a > b)) std::swap(a, b);
-        parent[b] = a;
+        basins.join_to(a, b);
       }
     }
   }
-  std::vector<std::int32_t> number(parent.size(), 0), out(raster.size(), 0);
+  std::vector<std::int32_t> number(basins.count(), 0), out(raster.size(), 0);
   std::int32_t pieces = 0;
   for (std::size_t i = 0; i < raster.size(); ++i) {
     if (raster[i] == 0) continue;
-    auto& n = number[root(basin[i])];
+    auto& n = number[basins.find(basin[i])];
     if (n == 0) n = ++pieces;
     out[i] = n;
   }

@@ -96,19 +96,19 @@ ClosedForm superquadric_closed_form(const Vec3& extents, double e1, double e2) {
   return f;
 }
 
-ClosedForm platonic_closed_form(const std::string& kind, double e) {
+ClosedForm platonic_closed_form(SolidKind kind, double e) {
   // H̄ = E·θ/(4π), where E is the sum of the edges and θ the angle between the normals
   // of two neighboring faces.
   const double e2 = e * e, e3 = e2 * e, s5 = std::sqrt(5.0), s3 = std::sqrt(3.0);
   ClosedForm f;
-  if (kind == "tetrahedron") {
+  if (kind == SolidKind::Tetrahedron) {
     f = {e3 / (6 * std::sqrt(2.0)), s3 * e2, 6 * e * (pi - std::acos(1.0 / 3)) / (4 * pi), s3 / 4 * e2};
-  } else if (kind == "octahedron") {
+  } else if (kind == SolidKind::Octahedron) {
     f = {std::sqrt(2.0) / 3 * e3, 2 * s3 * e2, 12 * e * (pi - std::acos(-1.0 / 3)) / (4 * pi), e2};
-  } else if (kind == "dodecahedron") {
+  } else if (kind == SolidKind::Dodecahedron) {
     f = {(15 + 7 * s5) / 4 * e3, 3 * std::sqrt(25 + 10 * s5) * e2,
          30 * e * (pi - std::acos(-1 / s5)) / (4 * pi), std::nullopt};
-  } else if (kind == "icosahedron") {
+  } else if (kind == SolidKind::Icosahedron) {
     f = {5 * (3 + s5) / 12 * e3, 5 * s3 * e2, 30 * e * (pi - std::acos(-s5 / 3)) / (4 * pi), std::nullopt};
   }
   return f;

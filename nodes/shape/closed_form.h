@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "nodes/data/linear.h"
+#include "nodes/shape/solid_kind.h"
 
 namespace terrazzo::shape {
 
@@ -26,8 +26,8 @@ ClosedForm cylinder_closed_form(const Vec3& extents);
 // Only the volume: 2abc·ε₁ε₂·B(ε₁/2 + 1, ε₁)·B(ε₂/2, ε₂/2) of the semi-axes (Jaklič, Leonardis,
 // Solina 2000, eq. 2.60).
 ClosedForm superquadric_closed_form(const Vec3& extents, double e1, double e2);
-// Regular "tetrahedron", "octahedron", "dodecahedron" or "icosahedron" with the given edge, mm.
-ClosedForm platonic_closed_form(const std::string& kind, double edge);
+// Tetrahedron, Octahedron, Dodecahedron or Icosahedron, regular, with the given edge, mm.
+ClosedForm platonic_closed_form(SolidKind, double edge);
 
 // Carlson's symmetric elliptic integral R_G: the mean over all directions u of √(x u₁² + y u₂² +
 // z u₃²). Arguments ≥ 0, at most one of them zero. Carlson (1995), "Numerical computation of real

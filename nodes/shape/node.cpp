@@ -17,9 +17,7 @@ namespace terrazzo {
 namespace {
 using namespace shape;
 
-bool is_stone(const std::string& kind) {
-  return kind == "rock" || kind == "pebble" || kind == "shard" || kind == "clinker";
-}
+bool is_stone(SolidKind kind) { return kind >= SolidKind::Rock; }
 
 // A solid of arbitrary scale with its exact measures.
 struct Solid {
@@ -40,15 +38,15 @@ Vec3 axes_of(const NodeParameters& c) {
   return axes / axes.maxCoeff();
 }
 
-Solid solid(const Context& c, const std::string& kind) {
+Solid solid(const Context& c, SolidKind kind) {
   const Vec3 axes = axes_of(c);
   const int detail = static_cast<int>(c.integer("detail"));
   const bool equal = axes.minCoeff() == axes.maxCoeff();
-  if (kind == "sphere") return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
-  if (kind == "ellipsoid") return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
-  if (kind == "box") return {box_mesh(axes), box_closed_form(axes), false};
-  if (kind == "cylinder") return {cylinder_mesh(axes, detail), cylinder_closed_form(axes), false};
-  if (kind == "superquadric") {
+  if (kind == SolidKind::Sphere) return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
+  if (kind == SolidKind::Ellipsoid) return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
+  if (kind == SolidKind::Box) return {box_mesh(axes), box_closed_form(axes), false};
+  if (kind == SolidKind::Cylinder) return {cylinder_mesh(axes, detail), cylinder_closed_form(axes), false};
+  if (kind == SolidKind::Superquadric) {
     const auto e = c.numbers("exponents");
     return {superquadric_mesh(axes, e[0], e[1], detail), superquadric_closed_form(axes, e[0], e[1]),
             std::min(e[0], e[1]) >= 0.5 && std::max(e[0], e[1]) <= 1.5};
@@ -77,21 +75,23 @@ Shape sized(std::string name, Solid s, double size, double probability, const Wo
 }
 
 void check(const NodeParameters& p) {
-  const std::string kind = p.text("kind");
+  const auto kind = p.choice<SolidKind>("kind");
   const Vec3 axes = axes_of(p);
-  if (kind == "sphere" && axes.minCoeff() != axes.maxCoeff())
+  if (kind == SolidKind::Sphere && axes.minCoeff() != axes.maxCoeff())
     throw Error("bad-axes", "the axes of a sphere must be equal", "use kind: ellipsoid").parameter("axes");
   if (!is_stone(kind) && p.integer("count") != 1)
-    throw Error("bad-count", fmt::format("count must be 1 for kind {}; it is {}", kind, p.integer("count")),
+    throw Error("bad-count",
+                fmt::format("count must be 1 for kind {}; it is {}", p.text("kind"), p.integer("count")),
                 "set count to 1, or kind to a stone (rock, pebble, shard, clinker)")
         .parameter("count");
 }
 
 void compute(Context& c) {
-  const std::string kind = c.text("kind");
+  const auto kind = c.choice<SolidKind>("kind");
+  const std::string name = c.text("kind");
   const double size = c.number("size");
   Shapes shapes;
-  if (kind == "rock") {
+  if (kind == SolidKind::Rock) {
     RockOptions o;
     o.seed = c.seed();
     o.axes = axes_of(c);
@@ -103,7 +103,7 @@ void compute(Context& c) {
     for (std::int64_t i = 0; i < count; ++i) {
       const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
       o.item = static_cast<std::uint64_t>(i);
-      shapes.shapes.push_back(sized(count > 1 ? fmt::format("rock {}", i + 1) : "rock",
+      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
                                     {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
     }
   } else if (is_stone(kind)) {
@@ -116,11 +116,12 @@ void compute(Context& c) {
     for (std::int64_t i = 0; i < count; ++i) {
       const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
       o.item = static_cast<std::uint64_t>(i);
-      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", kind, i + 1) : kind,
-                                    {stone_mesh(o, part), {}, kind != "shard"}, size, 1.0 / count, part));
+      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
+                                    {stone_mesh(o, part), {}, kind != SolidKind::Shard}, size, 1.0 / count,
+                                    part));
     }
   } else {
-    shapes.shapes.push_back(sized(kind, solid(c, kind), size, 1, c.work()));
+    shapes.shapes.push_back(sized(name, solid(c, kind), size, 1, c.work()));
   }
   double triangles = 0, volume = 0, caliper = 0;
   for (const auto& s : shapes.shapes) {

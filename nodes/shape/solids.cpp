@@ -123,11 +123,11 @@ Mesh superquadric_mesh(const Vec3& extents, double e1, double e2, int detail) {
   return mesh;
 }
 
-Mesh platonic_mesh(const std::string& kind) {
-  if (kind == "icosahedron") return icosahedron_mesh();
-  if (kind == "dodecahedron") return dodecahedron();
+Mesh platonic_mesh(SolidKind kind) {
+  if (kind == SolidKind::Icosahedron) return icosahedron_mesh();
+  if (kind == SolidKind::Dodecahedron) return dodecahedron();
   Mesh m;
-  if (kind == "tetrahedron") {
+  if (kind == SolidKind::Tetrahedron) {
     m.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     m.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
     for (auto& v : m.vertices) v /= 2 * std::sqrt(2.0);

@@ -1,9 +1,8 @@
 // Meshes of elementary solids: centered at the origin, watertight, facing outwards.
 #pragma once
 
-#include <string>
-
 #include "nodes/data/shapes.h"
+#include "nodes/shape/solid_kind.h"
 
 namespace terrazzo::shape {
 
@@ -17,7 +16,7 @@ Mesh cylinder_mesh(const Vec3& extents, int detail);
 // (|x/a|^(2/ε₂) + |y/b|^(2/ε₂))^(ε₂/ε₁) + |z/c|^(2/ε₁) = 1 on the grid of a cube, 12·4^detail triangles; ε in
 // [0.1, 2.5] (Barr 1981). (1, 1) is the ellipsoid, small values are box-like, (2, 2) is an octahedron.
 Mesh superquadric_mesh(const Vec3& extents, double e1, double e2, int detail);
-// Regular "tetrahedron", "octahedron", "dodecahedron" or "icosahedron" with edge 1.
-Mesh platonic_mesh(const std::string& kind);
+// Tetrahedron, Octahedron, Dodecahedron or Icosahedron, regular, with edge 1.
+Mesh platonic_mesh(SolidKind);
 
 }  // namespace terrazzo::shape

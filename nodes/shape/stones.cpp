@@ -82,11 +82,11 @@ Mesh stone_mesh(const StoneOptions& o, const Work& work) {
     for (auto& v : mesh.vertices) v = v.cwiseProduct(axes);
   };
   work.check();
-  if (o.kind == "pebble") {
+  if (o.kind == SolidKind::Pebble) {
     axes = axes.cwiseProduct(Vec3(1.15, 1, 0.8));
     swell(mesh, random(kStoneField), 0.05, 1.8, 4);
     stretch();
-  } else if (o.kind == "shard") {
+  } else if (o.kind == SolidKind::Shard) {
     axes = axes.cwiseProduct(Vec3(1.7, 1, 0.8));
     swell(mesh, random(kStoneField), 0.05, 1.5, 4);
     flatten(mesh, random(kSides), 5, 0.72, 0.85);

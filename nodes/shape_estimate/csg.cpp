@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/loop.h"
 #include "nodes/shape_estimate/extrusions.h"
 #include "nodes/shape_estimate/method.h"
 #include "nodes/shape_estimate/silhouettes.h"
@@ -74,7 +75,7 @@ double silhouette_deviation(const std::array<Polygon, 3>& p) {
     diameter = std::sqrt(diameter);
     // (x_k, x_k+1) is visible if some x_k+2 is inside both other polygons.
     const auto seen = [&](const Vec2& q) {
-      if (!polygon_contains(own, q)) return false;
+      if (!loop_contains(own, q)) return false;
       const auto one = spans((k + 1) % 3, true, q.y()), two = spans((k + 2) % 3, false, q.x());
       for (std::size_t i = 0; i + 1 < one.size(); i += 2)
         for (std::size_t j = 0; j + 1 < two.size(); j += 2)

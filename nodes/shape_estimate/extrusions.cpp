@@ -8,14 +8,14 @@
 #include <tuple>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/disjoint_sets.h"
+#include "nodes/common/geometry/loop.h"
 #include "nodes/common/geometry/mesh.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {
 
 namespace {
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // What created a vertex: the faces of three edges (edge of polygon 0, 1, 2), or the line over a corner
 // (stored as −1 − corner instead of its polygon's edge) and the face that crosses it (the third is kNone).
@@ -61,10 +61,10 @@ class Solid {
       return m;
     };
     const auto inside1 = [&](const Vec2& p) {
-      return polygon_contains(polygons_[k1], {from.y() + p.x() / length * edge.y(), p.y()});
+      return loop_contains(polygons_[k1], {from.y() + p.x() / length * edge.y(), p.y()});
     };
     const auto inside2 = [&](const Vec2& p) {
-      return polygon_contains(polygons_[k2], {p.y(), from.x() + p.x() / length * edge.x()});
+      return loop_contains(polygons_[k2], {p.y(), from.x() + p.x() / length * edge.x()});
     };
 
     // Edges of the two other polygons that cross the face, clipped to its ends.
@@ -149,8 +149,7 @@ class Solid {
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t c = 0; c + 1 < cuts.size(); ++c) {
       const double middle = (cuts[c].first + cuts[c + 1].first) / 2;
-      if (polygon_contains(polygons_[k1], {at.y(), middle}) &&
-          polygon_contains(polygons_[k2], {middle, at.x()}))
+      if (loop_contains(polygons_[k1], {at.y(), middle}) && loop_contains(polygons_[k2], {middle, at.x()}))
         pieces_.push_back(
             {{cuts[c].second, {along, cuts[c].first}}, {cuts[c + 1].second, {along, cuts[c + 1].first}}});
     }
@@ -241,24 +240,18 @@ class Solid {
 };
 
 Mesh largest_piece(const Mesh& mesh) {
-  std::vector<std::int32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](std::int32_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const auto& t : mesh.triangles)
-    for (int k = 1; k < 3; ++k) parent[std::max(root(t[0]), root(t[k]))] = std::min(root(t[0]), root(t[k]));
+  DisjointSets pieces(mesh.vertices.size());
+  for (const auto& t : mesh.triangles) pieces.join(t[0], t[1]), pieces.join(t[0], t[2]);
   std::map<std::int32_t, double> volume;
   for (const auto& t : mesh.triangles)
-    volume[root(t[0])] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
+    volume[pieces.find(t[0])] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;
   std::int32_t best = volume.begin()->first;
   for (const auto& [r, v] : volume)
     if (v > volume[best]) best = r;
   Mesh out;
   std::vector<std::int32_t> number(mesh.vertices.size(), -1);
   for (const auto& t : mesh.triangles) {
-    if (root(t[0]) != best) continue;
+    if (pieces.find(t[0]) != best) continue;
     Triangle moved{};
     for (int k = 0; k < 3; ++k) {
       if (number[t[k]] < 0) {
@@ -290,17 +283,6 @@ void simplify(const Polygon& p, std::size_t from, std::size_t to, double distanc
 }
 
 }  // namespace
-
-bool polygon_contains(const Polygon& polygon, const Vec2& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Vec2 &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      inside = !inside;
-  }
-  return inside;
-}
 
 Polygon simplified(const Polygon& p, double distance) {
   // Start from the two ends of the extent in x, which are kept.

@@ -23,6 +23,4 @@ Mesh intersect_extrusions(const std::array<Polygon, 3>& polygons, const Work& = 
 // Removes points that are at most `distance` from the remaining polygon (Douglas and Peucker 1973).
 Polygon simplified(const Polygon&, double distance);
 
-bool polygon_contains(const Polygon&, const Vec2&);
-
 }  // namespace terrazzo::shape_estimate

@@ -7,19 +7,13 @@
 #include <numbers>
 #include <numeric>
 
+#include "nodes/common/geometry/loop.h"
+
 namespace terrazzo::shape_estimate {
 
 namespace {
 
 using std::numbers::pi;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double signed_area(const std::vector<Vec2>& p) {
-  double twice = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) twice += cross(p[i] - p[0], p[(i + 1) % p.size()] - p[0]);
-  return twice / 2;
-}
 
 double length(const std::vector<Vec2>& p) {
   double sum = 0;
@@ -27,14 +21,11 @@ double length(const std::vector<Vec2>& p) {
   return sum;
 }
 
-double turn(const Vec2& before, const Vec2& after) {
-  return std::atan2(cross(before, after), before.dot(after));
-}
-
 double total_turn(const std::vector<Vec2>& p) {
   const std::size_t n = p.size();
   double sum = 0;
-  for (std::size_t i = 0; i < n; ++i) sum += std::abs(turn(p[i] - p[(i + n - 1) % n], p[(i + 1) % n] - p[i]));
+  for (std::size_t i = 0; i < n; ++i)
+    sum += std::abs(turn_between(p[i] - p[(i + n - 1) % n], p[(i + 1) % n] - p[i]));
   return sum;
 }
 
@@ -94,9 +85,9 @@ std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
     }
     out[i] /= weight;
   }
-  const double area = signed_area(out);
+  const double area = loop_area(out);
   if (!(area > 0)) return p;
-  const double scale = std::sqrt(signed_area(p) / area);
+  const double scale = std::sqrt(loop_area(p) / area);
   for (auto& q : out) q *= scale;
   return out;
 }
@@ -110,23 +101,6 @@ std::vector<Vec2> densified(const std::vector<Vec2>& p, double longest) {
     for (int k = 0; k < parts; ++k) out.push_back(p[i] + d * (static_cast<double>(k) / parts));
   }
   return out;
-}
-
-double hull_area(std::vector<Vec2> p) {
-  std::sort(p.begin(), p.end(),
-            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
-  std::vector<Vec2> hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = hull.size();
-    for (const auto& q : p) {
-      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], q - hull.back()) <= 0)
-        hull.pop_back();
-      hull.push_back(q);
-    }
-    hull.pop_back();
-    std::reverse(p.begin(), p.end());
-  }
-  return signed_area(hull);
 }
 
 // Moves the centroid to the origin and aligns the long principal axis of the area's second moments with x.
@@ -173,7 +147,7 @@ void find_corners(Outline& o, double window, double blur, double crease) {
   for (std::size_t i = 0; i < n; ++i) {
     const double s = curve.at(i);
     const auto over = [&](double w) {
-      return turn(o.points[i] - curve(s - w), curve(s + w) - o.points[i]) * 180 / pi;
+      return turn_between(o.points[i] - curve(s - w), curve(s + w) - o.points[i]) * 180 / pi;
     };
     // Over twice the length, an arc turns twice as far and a bump turns back, but a corner turns no further.
     const double near = over(window) / near_share, far = over(2 * window) / far_share,
@@ -247,7 +221,7 @@ std::string outline_fault(const std::vector<Vec2>& contour) {
     if (!p.allFinite()) return "its contour has coordinates that are not finite";
   const auto p = without_repeats(contour);
   if (p.size() < 3) return fmt::format("its contour has only {} point{}", p.size(), p.size() == 1 ? "" : "s");
-  const double area = signed_area(p), around = length(p);
+  const double area = loop_area(p), around = length(p);
   if (!(std::abs(area) > 1e-6 * around * around)) return "its contour encloses no area";
   // Sweep over x: only segments with overlapping intervals are tested.
   const std::size_t n = p.size();
@@ -275,7 +249,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   Outline o;
   o.id = id;
   auto p = without_repeats(contour);
-  if (signed_area(p) < 0) std::reverse(p.begin(), p.end());
+  if (loop_area(p) < 0) std::reverse(p.begin(), p.end());
   double blur = 0;
   if (p.size() >= 12) {
     std::vector<double> steps;
@@ -294,7 +268,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
     }
   }
   o.blur = blur;
-  const double area = blur > 0 ? signed_area(p) : 0;
+  const double area = blur > 0 ? loop_area(p) : 0;
   p = densified(p, length(p) / kPoints);
   align(p);
   o.points = std::move(p);
@@ -304,12 +278,12 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   if (blur > 0 && o.corners > 0) {
     Outline sharp = o;
     restore_tips(sharp, window, blur);
-    const double scale = std::sqrt(area / signed_area(sharp.points));
+    const double scale = std::sqrt(area / loop_area(sharp.points));
     for (auto& q : sharp.points) q *= scale;
     align(sharp.points);
     if (outline_fault(sharp.points).empty()) o = std::move(sharp);
   }
-  o.area = signed_area(o.points);
+  o.area = loop_area(o.points);
   o.perimeter = length(o.points);
   Vec2 low = o.points[0], high = low;
   for (const auto& q : o.points) low = low.cwiseMin(q), high = high.cwiseMax(q);

@@ -14,6 +14,8 @@ struct Population {
   Shapes shapes;
 };
 
+enum class Rows { Auto, Shape, Set };
+
 Shapes alone(const Shape& s) {
   Shapes one;
   one.shapes.push_back(s);
@@ -23,8 +25,8 @@ Shapes alone(const Shape& s) {
 
 std::vector<Population> populations(const Context& c) {
   const auto& wires = c.list("shapes");
-  const std::string rows = c.text("rows");
-  const bool sets = rows == "set" || (rows == "auto" && wires.size() > 1);
+  const auto rows = c.choice<Rows>("rows");
+  const bool sets = rows == Rows::Set || (rows == Rows::Auto && wires.size() > 1);
   std::vector<Population> out;
   for (const Value& v : wires) {
     const auto& shapes = v.as<Shapes>();

@@ -12,6 +12,8 @@ namespace terrazzo {
 
 namespace {
 
+enum class Planes { Random, Central, Principal };
+
 void compute(Context& c) {
   const auto& shapes = c.input<Shapes>("shapes");
   if (shapes.shapes.empty())
@@ -19,14 +21,14 @@ void compute(Context& c) {
   for (const Shape& s : shapes.shapes)
     if (const auto faults = mesh_faults(s.mesh); !faults.empty())
       throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
-  const std::string planes = c.text("planes");
+  const auto planes = c.choice<Planes>("planes");
   const auto count = static_cast<std::size_t>(c.integer("count"));
   const auto seed = c.seed();
   std::vector<BodySection> sections;
-  if (planes == "principal") {
+  if (planes == Planes::Principal) {
     sections = shape_sections::principal_sections(shapes);
   } else {
-    const SectionKind kind = planes == "central" ? SectionKind::Central : SectionKind::Random;
+    const SectionKind kind = planes == Planes::Central ? SectionKind::Central : SectionKind::Random;
     sections = random_sections(shapes, count, {kind, seed, 0}, c.work().part(0, 0.7));
   }
   const double extent = shape_sections::largest_extent(sections);

@@ -3,6 +3,7 @@
 #include "graph/diagnostic.h"
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "nodes/common/gl/open_gl.h"
 #include "nodes/solids/outputs.h"
 #include "nodes/solids/request.h"
 
@@ -15,7 +16,7 @@ void check(const NodeParameters& p) {
   if (method == SolidMethod::Reference && p.boolean("sources"))
     throw Error("not-with-reference", "method reference cannot record sources", "set method: coherence")
         .parameter("sources");
-  if (method != SolidMethod::Blockwise && p.text("device") == "gl")
+  if (method != SolidMethod::Blockwise && p.choice<Device>("device") == Device::Gl)
     throw Error("bad-value", fmt::format("device gl needs method blockwise; method is {}", p.text("method")),
                 "set method: blockwise, or device: cpu")
         .parameter("device");

@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/gl/open_gl.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 
@@ -43,21 +44,7 @@ double worst(const std::vector<PlaneMeasures>& measures, Get&& get, double from)
 }  // namespace
 
 std::unique_ptr<BlockGl> open_device(Context& c) {
-  const std::string device = c.text("device");
-  if (device == "cpu") return nullptr;
-  std::unique_ptr<BlockGl> gl;
-  try {
-    gl = std::make_unique<BlockGl>(GlDevice::Gpu);
-  } catch (const Error& e) {
-    if (device == "auto") {
-      c.warn("made on the CPU: " + e.diagnostic().message);
-      return nullptr;
-    }
-    if (e.diagnostic().code != "no-gl") throw;
-    gl = std::make_unique<BlockGl>(GlDevice::Cpu);
-  }
-  c.warn("made by OpenGL on " + gl->renderer());
-  return gl;
+  return open_gl(c, "made", [](GlDevice device) { return std::make_unique<BlockGl>(device); });
 }
 
 void give_solid(Context& c, SolidResult&& r, const std::vector<SolidExemplar>& exemplars, bool whole,

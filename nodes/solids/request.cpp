@@ -148,7 +148,7 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   else
     for (const auto i : c.ints("iterations")) s.iterations.push_back(static_cast<int>(i));
   s.levels = static_cast<int>(c.optional_integer("levels").value_or(0));
-  s.lab = c.text("color") == "lab";
+  s.lab = c.choice<SolidColor>("color") == SolidColor::Lab;
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.copying = c.number("copying"),
   s.window = c.number("window");
   s.guide = c.number("guide");

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 
 namespace terrazzo::synthetic_photo {
@@ -56,9 +57,8 @@ void compress(Picture& p, int quality) {
 Picture expose(const Canvas& c, const std::vector<Vec3f>& radiance, bool gray, Random& r) {
   std::vector<float> bright;
   for (const auto& v : radiance) bright.push_back(v.sum() / 3);
-  const auto middle = bright.begin() + static_cast<std::ptrdiff_t>(bright.size() * 0.9);
-  std::nth_element(bright.begin(), middle, bright.end());
-  const double gain = r.uniform(0.3, 0.95) / std::max(0.01f, *middle);
+  const float high = at_rank(bright, static_cast<std::size_t>(static_cast<double>(bright.size()) * 0.9));
+  const double gain = r.uniform(0.3, 0.95) / std::max(0.01f, high);
   Vec3f balance = Vec3f::Ones();
   const double cast = r.uniform(0, 0.12);
   if (!gray)

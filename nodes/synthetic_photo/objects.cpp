@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/plot/drawing.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/noise.h"
@@ -42,9 +43,7 @@ void lay(Canvas& c, const Board& board, double thickness, Shade&& shade) {
     for (int x = x0; x <= x1; x += 3)
       if (board.inside(x, y, along, across)) heights.push_back(c.z[c.at(x, y)]);
   if (heights.empty()) return;
-  const auto high = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() * 9 / 10);
-  std::nth_element(heights.begin(), high, heights.end());
-  ground = *high + static_cast<float>(thickness);
+  ground = at_rank(heights, heights.size() * 9 / 10) + static_cast<float>(thickness);
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x) {
       if (!board.inside(x, y, along, across)) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/noise.h"
 #include "nodes/synthetic_photo/soil.h"
 #include "nodes/synthetic_photo/stone.h"
@@ -80,8 +81,7 @@ Footprint look_under(const Canvas& c, double x, double y, double radius) {
     heights.push_back(c.z[c.at(px, py)]);
     taken += c.id[c.at(px, py)] > 0;
   }
-  std::nth_element(heights.begin(), heights.begin() + 12, heights.end());
-  return {heights[12], taken / 25.0};
+  return {median(std::move(heights)), taken / 25.0};
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/noise.h"
 
 namespace terrazzo::synthetic_photo {
@@ -198,10 +199,8 @@ void spread_clay(Canvas& c, const PhotoPalette& palette, Random& r, const Work& 
   std::vector<float> above(level.size());
   for (std::size_t i = 0; i < above.size(); ++i) above[i] = level[i] - c.z[i];
   std::vector<float> sorted = above;
-  const auto at =
-      sorted.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(sorted.size()) * r.uniform(0.5, 0.97));
-  std::nth_element(sorted.begin(), at, sorted.end());
-  const float drop = *at;
+  const float drop =
+      at_rank(sorted, static_cast<std::size_t>(static_cast<double>(sorted.size()) * r.uniform(0.5, 0.97)));
   for (int y = 0; y < c.height; ++y)
     for (int x = 0; x < c.width; ++x) {
       const std::size_t i = c.at(x, y);

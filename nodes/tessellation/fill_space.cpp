@@ -8,7 +8,9 @@
 #include <numeric>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/packing/placement.h"
 #include "nodes/packing/schedule.h"
@@ -23,13 +25,6 @@ constexpr std::uint64_t kAxes = 0x61786573;
 constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
 constexpr double kFilm = 0.45;          // largest share of the binder that is film between sharp particles
 constexpr int kShownSections = 30000;   // of all particles together
-
-Quat random_rotation(Random& r) {  // uniform (Shoemake 1992)
-  const double u = r.uniform(), a = 2 * std::numbers::pi * r.uniform(),
-               b = 2 * std::numbers::pi * r.uniform();
-  return Quat(std::sqrt(u) * std::cos(b), std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a),
-              std::sqrt(u) * std::sin(b));
-}
 
 // A crystal whose z axis is within a normal distribution of tilts about the box's z axis.
 Quat fiber_rotation(Random& r, double spread) {
@@ -94,11 +89,7 @@ void Filler::add(std::vector<Mesh>& meshes, const Work& work) {
       if (options_.axes == CrystalAxes::Uniform) p.orientation[i] = random_rotation(random);
       if (options_.axes == CrystalAxes::Fiber) p.orientation[i] = fiber_rotation(random, options_.spread);
       const Vec3 centroid = mesh_centroid(mesh);
-      p.position[i] = placed ? centroid : Vec3(from.position[i] + centroid);
-      for (int a = 0; a < 3; ++a) {
-        p.position[i][a] -= std::floor(p.position[i][a] / p.box[a]) * p.box[a];
-        if (!(p.position[i][a] < p.box[a])) p.position[i][a] = 0;
-      }
+      p.position[i] = wrap_point(placed ? centroid : Vec3(from.position[i] + centroid), p.box);
       const Mat3 back = p.orientation[i].toRotationMatrix().transpose();
       transform(mesh, back, -back * centroid);
       Shape& s = result_.shapes.shapes[i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/tessellation/voro.h"
 
 namespace terrazzo::tessellation {
@@ -48,11 +49,7 @@ void for_each_cell(const Seeds& s, const Work& work, const Visit& visit) {
 double seed_distance(double face, double wa, double wb, const Vec3& apart, const Vec3& normal,
                      const Vec3& box) {
   const double root = std::sqrt(std::max(0.0, face * face - (wa - wb)));
-  const auto error = [&](double d) {
-    Vec3 r = apart - d * normal;
-    for (int a = 0; a < 3; ++a) r[a] -= box[a] * std::round(r[a] / box[a]);
-    return r.squaredNorm();
-  };
+  const auto error = [&](double d) { return nearest_image(apart - d * normal, box).squaredNorm(); };
   return error(face - root) < error(face + root) ? face - root : face + root;
 }
 

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/periodic.h"
 
 namespace terrazzo::tessellation {
 namespace {
@@ -120,11 +121,7 @@ VolumeFit fit_round_cells(Seeds& seeds, const std::vector<double>& volume, doubl
     const CellSizes cells = cell_sizes(seeds, part.quiet());
     for (std::size_t i = 0; i < seeds.count(); ++i) {
       Vec3& p = seeds.position[i];
-      p += cells.centroid[i];
-      for (int a = 0; a < 3; ++a) {
-        p[a] -= std::floor(p[a] / seeds.box[a]) * seeds.box[a];
-        if (!(p[a] < seeds.box[a])) p[a] = 0;
-      }
+      p = wrap_point(p + cells.centroid[i], seeds.box);
     }
   }
   VolumeFit out =

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "nodes/common/geometry/rank.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_nib {
@@ -207,9 +208,7 @@ class Filler {
     measure();
     std::vector<float> sorted;
     for (const auto p : patches_) sorted.push_back(distance_[p]);
-    const auto quartile = sorted.begin() + static_cast<std::ptrdiff_t>(3 * (sorted.size() - 1) / 4);
-    std::nth_element(sorted.begin(), quartile, sorted.end());
-    const float scale = 1 / std::max(1e-7f, *quartile);
+    const float scale = 1 / std::max(1e-7f, at_rank(sorted, 3 * (sorted.size() - 1) / 4));
     std::vector<float> weight(t_.state.size(), 0);
     for (const auto p : patches_)
       weight[p] = std::exp(-distance_[p] * scale) * std::pow(1.3f, -float(depth_[p])) + 1e-12f;

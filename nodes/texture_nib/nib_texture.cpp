@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/cooccurrence.h"
 
 namespace terrazzo::texture_nib {
@@ -43,10 +44,8 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   for (int k = 1; k < levels; ++k)
     t.histogram[static_cast<std::size_t>(k)] += t.histogram[static_cast<std::size_t>(k - 1)];
   // Exclude the region's own outliers.
-  const auto far =
-      distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(distances.size() - 1) * 0.99);
-  std::nth_element(distances.begin(), far, distances.end());
-  t.threshold = s.threshold >= 0 ? s.threshold : 1.25 * *far;
+  const auto far = static_cast<std::size_t>(static_cast<double>(distances.size() - 1) * 0.99);
+  t.threshold = s.threshold >= 0 ? s.threshold : 1.25 * at_rank(distances, far);
 
   LevelField field(Vec3i(picture.width, picture.height, 1));
   field.at = t.level;

@@ -17,7 +17,7 @@ struct NibSettings {
   int scales = 1;  // number of scales of the offsets: times 1, 2, 4, …
   double threshold =
       -1;  // φ: pixels farther than this from every level are ignored; below 0: derived from the region
-  std::string space = "oklab";
+  ColorSpace space = ColorSpace::Oklab;
   std::uint64_t seed = 1;
 };
 

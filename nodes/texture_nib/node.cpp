@@ -47,15 +47,12 @@ void compute(Context& c) {
 
   NibSettings s;
   s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
-  s.scales = static_cast<int>(c.integer("scales")), s.space = c.text("space");
+  s.scales = static_cast<int>(c.integer("scales")), s.space = c.choice<ColorSpace>("space");
   s.seed = c.seed();
   if (const auto v = c.optional_number("threshold")) s.threshold = *v;
   DabSettings dab_settings;
   dab_settings.passes = static_cast<int>(c.integer("passes")), dab_settings.seed = s.seed;
-  const auto finish = c.text("finish");
-  dab_settings.finish = finish == "levels"   ? Finish::Levels
-                        : finish == "colors" ? Finish::Colors
-                                             : Finish::Patches;
+  dab_settings.finish = c.choice<Finish>("finish");
 
   const auto region = region_of(c, picture, strokes, fill, s.extent);
   Nib nib(picture, learn(picture, region, s, c.work().quiet()), dab_settings);

@@ -68,11 +68,10 @@ void compute(Context& c) {
   o.method = c.choice<unfolding::Method>("method");
   if (const auto v = c.optional_integer("classes")) o.classes = static_cast<int>(*v);
   if (const auto v = c.optional_number("smallest_visible")) o.smallest_visible = *v;
-  const std::string border = c.text("border");
-  o.border = border == "weights" ? Border::Weights : border == "all" ? Border::All : Border::Inside;
+  o.border = c.choice<Border>("border");
   if (const auto v = c.optional_number("d_max")) o.d_max = *v;
   o.area_fraction = c.number("area_fraction");
-  o.by_class = c.text("types") == "by_class";
+  o.types = c.choice<Types>("types");
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = c.seed();
   UnfoldResult r = unfolding::unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());

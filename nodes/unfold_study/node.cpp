@@ -56,7 +56,7 @@ void compute(Context& c) {
   o.profiles = static_cast<double>(c.integer("profiles"));
   o.sections = static_cast<int>(c.integer("sections"));
   o.classes = static_cast<int>(c.integer("classes"));
-  o.known_d_max = c.text("d_max") == "known";
+  o.largest = c.choice<unfold_study::LargestSize>("d_max");
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = c.seed();
   const auto& truths = c.list("distributions");

@@ -53,7 +53,7 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
   work.parallel(repetitions, 1, [&](std::size_t r, std::size_t) {
     const Profiles profiles = sampler.sample(options.profiles, options.sections, options.seed, r, work);
     // Estimated once per repetition, so that all methods have equal classes.
-    double d_max = options.known_d_max ? truth.largest() : 0;
+    double d_max = options.largest == LargestSize::Known ? truth.largest() : 0;
     for (std::size_t m = 0; m < methods; ++m) {
       work.check();
       const std::string& method = options.methods[m];
@@ -64,7 +64,7 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
       o.seed = options.seed + r;
       o.bootstrap = o.method == Method::Inverse ? 0 : options.bootstrap;
       o.d_max = d_max;
-      if (options.known_d_max) o.smallest_visible = 0;
+      if (options.largest == LargestSize::Known) o.smallest_visible = 0;
       try {
         const SizeDistribution found = unfold(profiles, paper ? upper : k, o, work.quiet()).distribution;
         trials[m * repetitions + r] = judge(truth, found, o.bootstrap > 0);

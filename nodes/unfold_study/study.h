@@ -11,6 +11,11 @@
 
 namespace terrazzo::unfold_study {
 
+enum class LargestSize {
+  Estimated,  // as Unfold estimates it
+  Known       // the largest true size
+};
+
 struct StudyOptions {
   // "em", "nnls", "inverse", and "equation 4": inverse with all sizes of a class at its upper edge,
   // as in the paper.
@@ -19,8 +24,8 @@ struct StudyOptions {
   double profiles = 1200;  // expected number of profiles per repetition
   int sections = 10;       // number of sections that the profiles are spread over
   int classes = 10;
-  bool known_d_max = false;  // classes end at the largest true size, otherwise at the estimate
-  int bootstrap = 0;         // repetitions for the intervals of em and nnls; 0: no coverage
+  LargestSize largest = LargestSize::Estimated;  // where classes end
+  int bootstrap = 0;  // repetitions for the intervals of em and nnls; 0: no coverage
   std::uint64_t seed = 1;
 };
 

@@ -10,8 +10,8 @@ namespace terrazzo::unfolding {
 
 enum class Border {
   Weights,  // each profile has Profile::weight: zero for those cut by the border, more for larger ones
-  All,      // every profile has weight 1, cut ones with their visible area
-  Inside    // profiles that the border does not cut have weight 1, the others 0
+  Inside,   // profiles that the border does not cut have weight 1, the others 0
+  All       // every profile has weight 1, cut ones with their visible area
 };
 
 struct Observation {           // one color class

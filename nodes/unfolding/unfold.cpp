@@ -151,7 +151,7 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
   const bool em = options.method == Method::Em;
-  if (options.by_class && o.classes.size() > k.shapes.size())
+  if (options.types == Types::ByClass && o.classes.size() > k.shapes.size())
     throw Error("wrong-count",
                 fmt::format("the profiles have {} color classes, but the K matrix has {} shapes",
                             o.classes.size(), k.shapes.size()),
@@ -165,8 +165,8 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   const double count_of_classes = static_cast<double>(o.classes.size());
   for (std::size_t c = 0; c < o.classes.size(); ++c) {
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
-    const KMatrix own = options.by_class ? only(k, c) : k;
-    const UnfoldModel model = options.by_class ? make_model(own, classes, d_max, visible) : m;
+    const KMatrix own = options.types == Types::ByClass ? only(k, c) : k;
+    const UnfoldModel model = options.types == Types::ByClass ? make_model(own, classes, d_max, visible) : m;
     const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
     const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {

@@ -16,6 +16,11 @@ namespace terrazzo::unfolding {
 
 enum class Method { Em, Nnls, Inverse };
 
+enum class Types {
+  Mixed,   // every color class has all shapes by probability
+  ByClass  // color class c has only shape c (eq. 9)
+};
+
 struct UnfoldOptions {
   Method method = Method::Em;
   int classes = 0;  // number of size classes; 0: as many as the K matrix has, fewer if profiles are few
@@ -24,9 +29,9 @@ struct UnfoldOptions {
   Border border = Border::Weights;
   double d_max = 0;          // size of the largest particle, mm; 0: estimated
   double area_fraction = 0;  // overrides that of the profiles; 0: use theirs
-  bool by_class = false;     // color class c has only shape c (eq. 9); otherwise all shapes by probability
-  int bootstrap = 0;         // number of repetitions for the intervals
-  std::uint64_t seed = 1;    // random seed of the bootstrap
+  Types types = Types::Mixed;
+  int bootstrap = 0;       // number of repetitions for the intervals
+  std::uint64_t seed = 1;  // random seed of the bootstrap
 };
 
 // The fit of one color class, per visible profile class.

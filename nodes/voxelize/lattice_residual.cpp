@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/common/geometry/tile_fit.h"
 #include "nodes/data/volume.h"
 
@@ -16,11 +17,6 @@ constexpr int kLobes =
     6;  // white noise keeps 0.83 of its variance between samples; 0.7 with 3 lobes, 0.3 when trilinear
 
 double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x); }
-
-int wrap(int i, int n) {
-  const int r = i % n;
-  return r < 0 ? r + n : r;
-}
 
 // One period as a dense array, x fastest.
 std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
@@ -98,7 +94,7 @@ LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice,
         for (int i = 0; i < nx; ++i) {
           Vec3f sum = Vec3f::Zero();
           for (std::size_t t = 0; t < x[i].weight.size(); ++t)
-            sum += x[i].weight[t] * row[wrap(x[i].first + static_cast<int>(t), in.x())];
+            sum += x[i].weight[t] * row[wrap_index(x[i].first + static_cast<int>(t), in.x())];
           rows[static_cast<std::size_t>(j) * nx + i] = sum;
         }
       }
@@ -109,7 +105,7 @@ LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice,
           const float w = y[j].weight[t];
           if (w == 0) continue;
           const Vec3f* row =
-              &rows[static_cast<std::size_t>(wrap(y[j].first + static_cast<int>(t), in.y())) * nx];
+              &rows[static_cast<std::size_t>(wrap_index(y[j].first + static_cast<int>(t), in.y())) * nx];
           for (int i = 0; i < nx; ++i) out[i] += w * row[i];
         }
       }
@@ -122,7 +118,7 @@ void LatticeResidual::add_plane(int k, Vec3f* colors) const {
   for (std::size_t t = 0; t < z_[k].weight.size(); ++t) {
     const float w = z_[k].weight[t];
     if (w == 0) continue;
-    const Vec3f* from = &field_[plane * wrap(z_[k].first + static_cast<int>(t), planes_)];
+    const Vec3f* from = &field_[plane * wrap_index(z_[k].first + static_cast<int>(t), planes_)];
     for (std::size_t i = 0; i < plane; ++i) colors[i] += w * from[i];
   }
 }

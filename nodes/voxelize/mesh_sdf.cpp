@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/voxelize/closest.h"
+#include "nodes/voxelize/block_distances.h"
 
 namespace terrazzo::voxelize {
 
@@ -22,31 +22,21 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   Scan scan;
   scan_mesh(vertices, mesh.triangles, box_, 1, scan);
 
-  // One query at a block's center detects whether all its nodes are far from the surface.
   nodes_.resize(box_.count());
-  const ClosestTriangle closest(mesh);
-  constexpr int edge = 4;
-  const Vec3i blocks = (box_.size.array() + edge - 1) / edge;
-  const double reach = 0.5 * std::sqrt(3.0) * (edge - 1) * spacing_;
+  const AabbTree tree(mesh);
+  const Vec3i blocks = (box_.size.array() + kBlock - 1) / kBlock;
   work.parallel(static_cast<std::size_t>(blocks.prod()), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
-      const Vec3i lo = edge * Vec3i(b % blocks.x(), b / blocks.x() % blocks.y(), b / blocks.x() / blocks.y());
-      const Vec3i hi = (lo.array() + edge).min(box_.size.array());
-      const Vec3 center = origin_ + spacing_ * (lo.cast<double>() + Vec3::Constant(0.5 * (edge - 1)));
-      const double limit = far_ + reach;
-      const double to_center = std::sqrt(closest.distance2(center, limit * limit));
-      for (int k = lo.z(); k < hi.z(); ++k)
-        for (int j = lo.y(); j < hi.y(); ++j)
-          for (int i = lo.x(); i < hi.x(); ++i) {
-            double d = far_;
-            if (to_center < limit) {
-              const Vec3 p = origin_ + spacing_ * Vec3(i, j, k);
-              const double bound = std::min<double>(far_, to_center + (p - center).norm() * (1 + 1e-12));
-              d = std::sqrt(closest.distance2(p, bound * bound));
-            }
+      const Vec3i lo =
+          kBlock * Vec3i(b % blocks.x(), b / blocks.x() % blocks.y(), b / blocks.x() / blocks.y());
+      const Vec3i hi = (lo.array() + kBlock).min(box_.size.array());
+      block_distances(
+          mesh, tree, lo, hi, kBlockReach * spacing_, far_,
+          [&](const Vec3& cell) { return Vec3(origin_ + spacing_ * cell); },
+          [&](int i, int j, int k, double d) {
             const std::size_t at = box_.index(i, j, k);
             nodes_[at] = static_cast<float>(scan.inside[at] ? -d : d);
-          }
+          });
     }
   });
 }

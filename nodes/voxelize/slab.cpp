@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/voxelize/closest.h"
+#include "nodes/common/geometry/periodic.h"
+#include "nodes/voxelize/block_distances.h"
 
 namespace terrazzo::voxelize {
 
@@ -20,31 +21,19 @@ namespace {
 // cell coordinates relative to `center` into those of the mesh, whose unit is `unit` voxels.
 void exact_distances(const Mesh& mesh, const CellBox& box, const Mat3& to_mesh, const Vec3& center,
                      double unit, std::vector<float>& distance) {
-  constexpr int kEdge = 4;
-  const ClosestTriangle closest(mesh);
-  const double band = kBand / unit, reach = 0.5 * std::sqrt(3.0) * (kEdge - 1) / unit;
+  const AabbTree tree(mesh);
   const auto in_mesh = [&](const Vec3& cell) {
     return Vec3(to_mesh * (box.lo.cast<double>() + cell - center));
   };
-  for (int z = 0; z < box.size.z(); z += kEdge)
-    for (int y = 0; y < box.size.y(); y += kEdge)
-      for (int x = 0; x < box.size.x(); x += kEdge) {
-        // One query at a block's center detects whether all its cells are far from the surface.
-        const Vec3i lo(x, y, z), hi = (lo.array() + kEdge).min(box.size.array());
-        const Vec3 middle = in_mesh(lo.cast<double>() + Vec3::Constant(0.5 * (kEdge - 1)));
-        const double limit = band + reach, to_middle = std::sqrt(closest.distance2(middle, limit * limit));
-        for (int k = lo.z(); k < hi.z(); ++k)
-          for (int j = lo.y(); j < hi.y(); ++j)
-            for (int i = lo.x(); i < hi.x(); ++i) {
-              double d = band;
-              if (to_middle < limit) {
-                const Vec3 p = in_mesh(Vec3(i, j, k));
-                const double bound = std::min(band, to_middle + (p - middle).norm() * (1 + 1e-12));
-                d = std::sqrt(closest.distance2(p, bound * bound));
-              }
-              distance[box.index(box.lo.x() + i, box.lo.y() + j, box.lo.z() + k)] =
-                  static_cast<float>(d * unit);
-            }
+  for (int z = 0; z < box.size.z(); z += kBlock)
+    for (int y = 0; y < box.size.y(); y += kBlock)
+      for (int x = 0; x < box.size.x(); x += kBlock) {
+        const Vec3i lo(x, y, z), hi = (lo.array() + kBlock).min(box.size.array());
+        block_distances(mesh, tree, lo, hi, kBlockReach / unit, kBand / unit, in_mesh,
+                        [&](int i, int j, int k, double d) {
+                          distance[box.index(box.lo.x() + i, box.lo.y() + j, box.lo.z() + k)] =
+                              static_cast<float>(d * unit);
+                        });
       }
 }
 
@@ -93,7 +82,6 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
 }
 
 void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& particles, const Work& work) {
-  const auto wrap = [](int i, int n) { return ((i % n) + n) % n; };
   const int nx = slab.lattice.x(), ny = slab.lattice.y(), nz = slab.lattice.z();
   work.parallel(slab.z1 - slab.z0, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t plane = begin; plane < end; ++plane)
@@ -103,11 +91,11 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
         const Vec3i lo = s.box.lo, hi = s.box.lo + s.box.size;
         // Every nz-th plane of the stamp maps to this plane.
         const int z = slab.z0 + static_cast<int>(plane);
-        for (int k = lo.z() + wrap(z - lo.z(), nz); k < hi.z(); k += nz)
+        for (int k = lo.z() + wrap_index(z - lo.z(), nz); k < hi.z(); k += nz)
           for (int j = lo.y(); j < hi.y(); ++j) {
-            const std::size_t row = slab.index(0, wrap(j, ny), static_cast<int>(plane));
+            const std::size_t row = slab.index(0, wrap_index(j, ny), static_cast<int>(plane));
             std::size_t from = s.box.index(lo.x(), j, k);
-            int x = wrap(lo.x(), nx);
+            int x = wrap_index(lo.x(), nx);
             for (int i = lo.x(); i < hi.x(); ++i, ++from, x = x + 1 == nx ? 0 : x + 1) {
               const std::size_t to = row + x;
               if (!hole) slab.distance[to] = std::min(slab.distance[to], s.distance[from]);

@@ -66,17 +66,17 @@ BENCHMARK(anneal_spheres)
     ->Args({100000, 59})
     ->Apply(once);
 
-void anneal_stones(benchmark::State& state, const char* kind, std::int64_t count, double fraction) {
+void anneal_stones(benchmark::State& state, SolidKind kind, std::int64_t count, double fraction) {
   Shapes shapes;
   StoneOptions o;
   o.kind = kind;
-  shapes.shapes = {measure_shape(kind, o.kind == "rock" ? rock_mesh({}) : stone_mesh(o))};
+  shapes.shapes = {measure_shape("stone", o.kind == SolidKind::Rock ? rock_mesh({}) : stone_mesh(o))};
   pack(state, shapes, count, fraction);
 }
-BENCHMARK_CAPTURE(anneal_stones, rock, "rock", 4000, 0.5)->Apply(once);
-BENCHMARK_CAPTURE(anneal_stones, shard, "shard", 4000, 0.5)->Apply(once);
-BENCHMARK_CAPTURE(anneal_stones, pebble, "pebble", 4000, 0.5)->Apply(once);
-BENCHMARK_CAPTURE(anneal_stones, clinker, "clinker", 3500, 0.44)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, rock, SolidKind::Rock, 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, shard, SolidKind::Shard, 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, pebble, SolidKind::Pebble, 4000, 0.5)->Apply(once);
+BENCHMARK_CAPTURE(anneal_stones, clinker, SolidKind::Clinker, 3500, 0.44)->Apply(once);
 
 // The baseline.
 void overlap_descent(benchmark::State& state) {

@@ -53,7 +53,7 @@ BENCHMARK(voro_baseline)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(on
 
 void grow_stones(benchmark::State& state) {
   StoneOptions kind;
-  kind.kind = "pebble";
+  kind.kind = SolidKind::Pebble;
   Shapes shapes;
   shapes.shapes = {measure_shape("pebble", stone_mesh(kind))};
   SizeDistribution d;

@@ -1,41 +1,29 @@
 #include "nodes/common/geometry/components.h"
 
 #include <map>
-#include <numeric>
+
+#include "nodes/common/geometry/disjoint_sets.h"
 
 namespace terrazzo {
 
 Components connected_components(const std::vector<std::int32_t>& raster, int width, int height,
                                 bool diagonal) {
   Components out;
-  std::vector<std::int32_t> parent(raster.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  auto root = [&](std::int32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  // The smaller index becomes the root, so that a component's root is its first pixel.
-  auto join = [&](std::int32_t a, std::int32_t b) {
-    a = root(a), b = root(b);
-    if (a < b)
-      parent[b] = a;
-    else
-      parent[a] = b;
-  };
+  DisjointSets sets(raster.size());  // each is represented by its first pixel
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::int32_t i = y * width + x, v = raster[i];
       if (v == 0) continue;
-      if (x > 0 && raster[i - 1] == v) join(i, i - 1);
+      if (x > 0 && raster[i - 1] == v) sets.join(i, i - 1);
       if (y == 0) continue;
-      if (raster[i - width] == v) join(i, i - width);
-      if (diagonal && x > 0 && raster[i - width - 1] == v) join(i, i - width - 1);
-      if (diagonal && x + 1 < width && raster[i - width + 1] == v) join(i, i - width + 1);
+      if (raster[i - width] == v) sets.join(i, i - width);
+      if (diagonal && x > 0 && raster[i - width - 1] == v) sets.join(i, i - width - 1);
+      if (diagonal && x + 1 < width && raster[i - width + 1] == v) sets.join(i, i - width + 1);
     }
   out.ids.assign(raster.size(), 0);
   for (std::size_t i = 0; i < raster.size(); ++i) {
     if (raster[i] == 0) continue;
-    const auto r = static_cast<std::size_t>(root(static_cast<std::int32_t>(i)));
+    const auto r = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(i)));
     if (r == i) {
       out.values.push_back(raster[i]);
       out.sizes.push_back(0);

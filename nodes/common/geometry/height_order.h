@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/common/geometry/loop.h"
 #include "nodes/data/shapes.h"
 
 namespace terrazzo {
@@ -59,7 +60,6 @@ class Chord {
   Vec2 q_at(double z) const { return q_.head<2>() + q1_ * (z - q_.z()); }
 
  private:
-  static double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
   Vec3 p_, q_;
   Vec2 p1_, q1_;
   double half_;

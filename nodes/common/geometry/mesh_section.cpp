@@ -29,35 +29,7 @@ struct Box {
   }
 };
 
-bool contains(const Loop& loop, const Vec2& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-    const Vec2 &a = loop[i], &b = loop[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) &&
-        p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      inside = !inside;
-  }
-  return inside;
-}
-
 }  // namespace
-
-double loop_area(const Loop& loop) {
-  if (loop.size() < 3) return 0;
-  double twice = 0;
-  const Vec2 o = loop[0];  // a point of the loop, to lose no digits
-  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-    const Vec2 a = loop[i] - o, b = loop[i + 1] - o;
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
-  return twice / 2;
-}
-
-double loop_perimeter(const Loop& loop) {
-  double sum = 0;
-  for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) sum += (loop[i] - loop[j]).norm();
-  return sum;
-}
 
 std::vector<Loop> section_loops(const Mesh& mesh, const Mat3& a_b_u, double h) {
   const Vec3 a = a_b_u.col(0), b = a_b_u.col(1), u = a_b_u.col(2);
@@ -130,7 +102,7 @@ std::vector<std::vector<Loop>> section_profiles(std::vector<Loop> loops) {
     std::size_t owner = profiles.size();
     for (std::size_t i = 0; i < profiles.size(); ++i)
       if ((owner == profiles.size() || area[i] < area[owner]) && box[i].contains(p) &&
-          contains(profiles[i][0], p))
+          loop_contains(profiles[i][0], p))
         owner = i;
     if (owner < profiles.size()) profiles[owner].push_back(std::move(hole));
   }

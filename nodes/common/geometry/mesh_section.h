@@ -3,15 +3,10 @@
 
 #include <vector>
 
+#include "nodes/common/geometry/loop.h"
 #include "nodes/data/shapes.h"
 
 namespace terrazzo {
-
-using Loop = std::vector<Vec2>;  // closed polygon, first point not repeated; outer loops counterclockwise,
-                                 // holes clockwise
-
-double loop_area(const Loop&);  // signed
-double loop_perimeter(const Loop&);
 
 // The section of `mesh` by the plane {x : u·x = h} in the coordinates (a·x, b·x), where a, b, u are the
 // columns of a rotation. Vertices on the plane count as above it, so that every section is a set of closed

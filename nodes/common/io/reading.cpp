@@ -5,32 +5,13 @@
 #include <fstream>
 
 #include "graph/diagnostic.h"
+#include "graph/utf8.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 namespace {
 
 constexpr std::size_t kLongestQuote = 200;
-
-// Length of the UTF-8 character at the start of `text`, or 0 if it is invalid.
-std::size_t character_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first >= 0xc2 && first < 0xe0   ? 2
-                             : first >= 0xe0 && first < 0xf0 ? 3
-                             : first >= 0xf0 && first < 0xf5 ? 4
-                                                             : 0;
-  if (length == 0 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  // Reject overlong forms, surrogates, values beyond the last code point, and C1 control characters.
-  if ((first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
-      (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) > 0x8f) ||
-      (first == 0xc2 && byte(1) < 0xa0))
-    return 0;
-  return length;
-}
 
 }  // namespace
 
@@ -48,8 +29,11 @@ std::string printable(std::string_view foreign) {
       ++at;
       continue;
     }
-    const std::size_t length = character_length(foreign.substr(at, 4));
-    const bool good = length > 0 && static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+    const std::size_t length = utf8_length(foreign.substr(at, 4));
+    const auto first = static_cast<unsigned char>(c);
+    const bool control = first < 0x20 || first == 0x7f ||
+                         (first == 0xc2 && length == 2 && static_cast<unsigned char>(foreign[at + 1]) < 0xa0);
+    const bool good = length > 0 && !control;
     const std::string_view next = good ? foreign.substr(at, length) : "?";
     if (out.size() + blank + next.size() > kLongestQuote) return out + "...";
     if (blank) out += ' ';

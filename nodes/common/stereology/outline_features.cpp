@@ -5,18 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/loop.h"
+
 namespace terrazzo {
 
 namespace {
 
 using std::numbers::pi;
 using Points = std::vector<Vec2>;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double turn(const Vec2& before, const Vec2& after) {
-  return std::atan2(cross(before, after), before.dot(after));
-}
 
 // Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
 Points blurred(const Points& p, double sigma_points) {
@@ -68,39 +64,6 @@ Moments moments_of(const Points& p) {
   const double middle = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
   m.longer = middle + spread, m.shorter = std::max(0.0, middle - spread);
   return m;
-}
-
-// Sorts by x, then y. Along an outline x rises and falls in few long runs, which are merged.
-void sort_by_x(Points& p) {
-  const auto less = [](const Vec2& a, const Vec2& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  };
-  std::size_t sorted = 0;  // the points before this are in order
-  while (sorted < p.size()) {
-    const auto begin = p.begin() + static_cast<std::ptrdiff_t>(sorted);
-    auto end = begin + 1;
-    const bool falls = end != p.end() && less(*end, *begin);
-    while (end != p.end() && less(*end, *(end - 1)) == falls) ++end;
-    if (falls) std::reverse(begin, end);
-    std::inplace_merge(p.begin(), begin, end, less);
-    sorted = static_cast<std::size_t>(end - p.begin());
-  }
-}
-
-double hull_area(Points p) {
-  sort_by_x(p);
-  Points hull;
-  for (int side = 0; side < 2; ++side) {
-    const std::size_t base = hull.size();
-    for (const Vec2& q : p) {
-      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], q - hull.back()) <= 0)
-        hull.pop_back();
-      hull.push_back(q);
-    }
-    hull.pop_back();
-    std::reverse(p.begin(), p.end());
-  }
-  return loop_area(hull);
 }
 
 // An outline z(s) is mirror-symmetric if z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ. The rms distance for the
@@ -162,7 +125,8 @@ double per_circle(std::size_t points, std::size_t arms) {
 std::vector<double> turns_over(const Points& p, std::size_t arms) {
   const std::size_t n = p.size();
   std::vector<double> out(n);
-  for (std::size_t i = 0; i < n; ++i) out[i] = turn(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
+  for (std::size_t i = 0; i < n; ++i)
+    out[i] = turn_between(p[i] - p[(i + n - arms) % n], p[(i + arms) % n] - p[i]);
   return out;
 }
 
@@ -177,7 +141,7 @@ void set_curvature(OutlineFeatures& f, const Points& p) {
     const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(n - 1) + 0.5);
     std::nth_element(order.begin(), order.begin() + k, order.end());
     const std::size_t i = order[static_cast<std::size_t>(k)].second;
-    f.values[static_cast<std::size_t>(feature)] = turn(before(i), after(i)) * per_circle(n, arms);
+    f.values[static_cast<std::size_t>(feature)] = turn_between(before(i), after(i)) * per_circle(n, arms);
   };
   set(OutlineFeature::CurvatureLow, 0.1);
   set(OutlineFeature::CurvatureMedian, 0.5);

@@ -35,13 +35,8 @@ ProfileSweep::ProfileSweep(const Mesh& mesh)
     if (i == 0 || sides[i].low != sides[i - 1].low || sides[i].high != sides[i - 1].high) ++edge;
     sides_[sides[i].triangle][sides[i].side] = edge;
   }
-  parent_.resize(edge + 1), loop_of_edge_.resize(edge + 1);
+  parts_ = DisjointSets(static_cast<std::size_t>(edge) + 1), loop_of_edge_.resize(edge + 1);
   times_middle_.resize(mesh.vertices.size());
-}
-
-std::int32_t ProfileSweep::root(std::int32_t e) {
-  while (parent_[e] != e) e = parent_[e] = parent_[parent_[e]];
-  return e;
 }
 
 void ProfileSweep::start(const Vec3& direction) {
@@ -124,16 +119,16 @@ void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
     return std::min(ra, rb) < top && std::max(ra, rb) > bottom;
   };
   for (std::int32_t t : active_)
-    for (std::int32_t e : sides_[t]) parent_[e] = e, loop_of_edge_[e] = -1;
+    for (std::int32_t e : sides_[t]) parts_.reset(e), loop_of_edge_[e] = -1;
   for (std::int32_t t : active_) {
     std::int32_t first = -1;
     for (int k = 0; k < 3; ++k) {
       if (!passes(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3])) continue;
-      const std::int32_t r = root(sides_[t][k]);
+      const std::int32_t r = parts_.find(sides_[t][k]);
       if (first < 0)
         first = r;
       else if (r != first)
-        parent_[r] = first;
+        parts_.join_to(first, r);
     }
   }
   loops_.clear();
@@ -142,7 +137,7 @@ void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
     const std::int32_t t = active_[i];
     int k = 0;
     while (!passes(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3])) ++k;
-    const std::int32_t r = root(sides_[t][k]);
+    const std::int32_t r = parts_.find(sides_[t][k]);
     if (loop_of_edge_[r] < 0) {
       loop_of_edge_[r] = static_cast<std::int32_t>(loops_.size());
       loops_.emplace_back();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/common/geometry/disjoint_sets.h"
 #include "nodes/common/stereology/depth_areas.h"
 
 namespace terrazzo {
@@ -35,14 +36,13 @@ class ProfileSweep {
   void find_loops(std::int32_t bottom, std::int32_t top);
   void add_areas(std::int32_t bottom, std::int32_t top);
   void find_owners(double z);
-  std::int32_t root(std::int32_t edge);
 
   const Mesh& mesh_;
   HeightOrder order_;
   double flat_;
   std::vector<Triangle> sides_;             // for each triangle: index of the edge from vertex k to k + 1
-  std::vector<std::int32_t> parent_;        // union-find parent of each edge, within a slab
-  std::vector<std::int32_t> loop_of_edge_;  // for root edges
+  DisjointSets parts_;                      // of edges that one loop crosses, within a slab
+  std::vector<std::int32_t> loop_of_edge_;  // for edges that represent a set
   std::vector<RankedTriangle> ranked_;
   std::vector<std::int32_t> by_low_;  // triangles sorted by the rank of their lowest vertex
   std::vector<std::int32_t> bucket_, times_middle_;

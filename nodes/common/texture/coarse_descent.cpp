@@ -31,7 +31,7 @@ bool long_enough(const Vec3i& full, const Vec3i& size, int reach) {
 std::vector<Resolution> resolutions(const Vec3i& size, const PairTargets& targets, const DescentSettings& s) {
   std::vector<Resolution> out;
   out.push_back({1, size, targets(1, size)});
-  for (int k = 1; k <= kMostOctaves && !s.from_noise; ++k) {
+  for (int k = 1; k <= kMostOctaves && s.start == Start::Coarse; ++k) {
     Resolution next{1 << k, coarser(size, 1 << k), {}};
     if (!long_enough(size, next.size, s.reach)) break;
     next.targets = targets(next.stride, next.size);

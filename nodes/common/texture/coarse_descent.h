@@ -20,12 +20,17 @@ using PairTargets = std::function<std::vector<PairTarget>(int stride, const Vec3
 std::optional<Cooccurrence> measure_apart(const std::vector<LevelField>& sections, int levels,
                                           const std::vector<Vec3i>& offsets, int stride, const Work&);
 
+enum class Start {
+  Coarse,  // at a fraction of the resolution, which is refined
+  Noise    // only at full resolution, as in Malzbender and Spach 1993
+};
+
 struct DescentSettings {
   int levels = 8;
   int reach = 2;    // the longest offset, pixels
   int sweeps = 10;  // maximum per resolution; stops when a sweep changes nothing
   bool periodic = true;
-  bool from_noise = false;  // only at full resolution, as in Malzbender and Spach 1993
+  Start start = Start::Coarse;
   std::uint64_t seed = 1;
 };
 

@@ -1,6 +1,11 @@
 #include "nodes/common/texture/color.h"
 
 #include <cmath>
+#include <string>
+#include <vector>
+
+#include "graph/diagnostic.h"
+#include "graph/parameter.h"
 
 namespace terrazzo {
 namespace {
@@ -38,6 +43,14 @@ Vec3f oklab_to_linear(const Vec3f& lab) {
   return {4.0767416621f * l3 - 3.3077115913f * m3 + 0.2309699292f * s3,
           -1.2684380046f * l3 + 2.6097574011f * m3 - 0.3413193965f * s3,
           -0.0041960863f * l3 - 0.7034186147f * m3 + 1.7076147010f * s3};
+}
+
+Vec3f parse_color(const std::string& text) {
+  std::string why;
+  const auto v = read_parameter(Parameter::color("color", 0, 0, 0), {false, {text}}, why);
+  if (!v) throw Error("bad-color", why).parameter("colors");
+  const auto& rgb = std::get<std::vector<double>>(*v);
+  return Vec3(rgb[0], rgb[1], rgb[2]).cast<float>();
 }
 
 }  // namespace terrazzo

@@ -12,5 +12,8 @@ Vec3f linear_to_srgb(const Vec3f& linear);
 // Oklab (Ottosson 2020) from and to scene-linear Rec. 709. Perceptually uniform, L in 0 to 1.
 Vec3f linear_to_oklab(const Vec3f& linear);
 Vec3f oklab_to_linear(const Vec3f& lab);
+// Scene-linear color of "#rrggbb" (sRGB) or three scene-linear numbers, an element of the parameter `colors`.
+// Throws Error "bad-color".
+Vec3f parse_color(const std::string& text);
 
 }  // namespace terrazzo

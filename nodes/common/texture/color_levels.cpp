@@ -13,7 +13,7 @@
 namespace terrazzo {
 
 Vec3f ColorLevels::position(const Vec3f& linear) const {
-  return oklab ? linear_to_oklab(linear) : linear_to_srgb(linear);
+  return space == ColorSpace::Oklab ? linear_to_oklab(linear) : linear_to_srgb(linear);
 }
 
 int ColorLevels::nearest(const Vec3f& p, float* distance2) const {
@@ -26,15 +26,15 @@ int ColorLevels::nearest(const Vec3f& p, float* distance2) const {
   return best;
 }
 
-ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space,
-                         std::uint64_t seed, const Work& work) {
+ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, ColorSpace space, std::uint64_t seed,
+                         const Work& work) {
   if (linear.empty()) throw Error("no-pixels", "the texture has no pixels");
   for (const auto& p : linear)
     if (!p.allFinite())
       throw Error("bad-pixels", "the image contains NaN or infinity",
                   "replace those pixels before this node");
   ColorLevels out;
-  out.oklab = space == "oklab";
+  out.space = space;
   constexpr std::size_t kMost = 16384;
   std::vector<Vec3> points;
   const std::size_t n = std::min(kMost, linear.size());
@@ -56,7 +56,7 @@ ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std
   for (const auto& m : mean) {
     const Vec3f c = m.cast<float>();
     out.center.push_back(c);
-    out.color.push_back(out.oklab ? oklab_to_linear(c) : srgb_to_linear(c));
+    out.color.push_back(space == ColorSpace::Oklab ? oklab_to_linear(c) : srgb_to_linear(c));
   }
   return out;
 }

@@ -14,8 +14,10 @@ namespace terrazzo {
 
 // The color space of comparisons: Oklab, or display RGB (sRGB) as in the paper. The distance of black and
 // white is 1 (√3 in RGB).
+enum class ColorSpace { Oklab, Rgb };
+
 struct ColorLevels {
-  bool oklab = true;
+  ColorSpace space = ColorSpace::Oklab;
   std::vector<Vec3f> center;  // in that space, by increasing first component
   std::vector<Vec3f> color;   // scene-linear
 
@@ -27,8 +29,8 @@ struct ColorLevels {
 
 // k-means on at most 16,384 evenly selected pixels. Throws Error "bad-pixels" if one is not finite,
 // "one-color" if there are fewer than two different colors, "no-pixels".
-ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, const std::string& space,
-                         std::uint64_t seed, const Work& = {});
+ColorLevels color_levels(const std::vector<Vec3f>& linear, int levels, ColorSpace, std::uint64_t seed,
+                         const Work& = {});
 
 // The nearest level of every pixel of a section; kNoLevel where `mask` is 0. `mask` has one entry per pixel
 // of the stack, or is empty (all pixels).

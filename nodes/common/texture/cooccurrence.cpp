@@ -9,6 +9,7 @@
 #include <set>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/periodic.h"
 
 namespace terrazzo {
 
@@ -51,7 +52,7 @@ Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std
           if (y % 256 == 0) work.check();
           int ry = y + o.y(), rz = z + o.z();
           if (periodic)
-            ry = ((ry % n.y()) + n.y()) % n.y(), rz = ((rz % n.z()) + n.z()) % n.z();
+            ry = wrap_index(ry, n.y()), rz = wrap_index(rz, n.z());
           else if (ry < 0 || ry >= n.y() || rz < 0 || rz >= n.z())
             continue;
           const std::uint8_t* home = &field.at[field.index(0, y, z)];
@@ -60,7 +61,7 @@ Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std
             int rx = x + o.x();
             if (rx < 0 || rx >= n.x()) {
               if (!periodic) continue;
-              rx = ((rx % n.x()) + n.x()) % n.x();
+              rx = wrap_index(rx, n.x());
             }
             if (home[x] < levels && remote[rx] < levels)
               ++counts[static_cast<std::size_t>(home[x]) * static_cast<std::size_t>(levels) + remote[rx]];

@@ -27,6 +27,8 @@ enum class SolidMethod {
   Reference,  // Laursen, Ersbøll and Bærentzen 2011
 };
 
+enum class SolidColor { Lab, Linear };  // of distances and means: Oklab, scene-linear Rec. 709
+
 struct SolidSettings {
   SolidMethod method = SolidMethod::Coherence;
   Vec3i size = Vec3i::Constant(64);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "nodes/common/geometry/mesh_distance.h"
 #include "nodes/packing/audit.h"
-#include "nodes/packing/mesh_distance.h"
 #include "nodes/packing/neighbors.h"
 #include "nodes/packing/polytope_contact.h"
 #include "nodes/packing/triangle_overlap.h"
@@ -153,7 +153,7 @@ TEST(AnnealContact, PolyhedraAgreeWithTheAudit) {
 
 TEST(AnnealAudit, SignedDistanceOfACube) {
   const Mesh mesh = test::cube();  // [0, 1]³
-  const packing::MeshDistance distance(mesh);
+  const MeshDistance distance(mesh);
   for (int trial = 0; trial < 500; ++trial) {
     Random random(1, 0, trial);
     const Vec3 p(random.uniform(-1, 2), random.uniform(-1, 2), random.uniform(-1, 2));

@@ -1,5 +1,6 @@
 // The simplified meshes that the contact search uses.
 #include "nodes/packing/simplify.h"
+#include "nodes/common/geometry/mesh_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +8,6 @@
 
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/packing/contact_shape.h"
-#include "nodes/packing/mesh_distance.h"
 #include "tests/nodes/anneal/brute_force.h"
 
 namespace terrazzo {

@@ -39,9 +39,9 @@ TEST(Distribution, LawsHaveTheirMoments) {
 
 TEST(Distribution, FillsTheVolumeAsked) {
   for (const LawKind kind : {LawKind::Lognormal, LawKind::Uniform, LawKind::RosinRammler, LawKind::Normal})
-    for (const bool of_volume : {false, true}) {
+    for (const DensityBy density_by : {DensityBy::Number, DensityBy::Volume}) {
       SizeLaw law;
-      law.kind = kind, law.of_volume = of_volume, law.min = 1, law.max = 8, law.volume_fraction = 0.37;
+      law.kind = kind, law.density_by = density_by, law.min = 1, law.max = 8, law.volume_fraction = 0.37;
       const SizeDistribution d = make_distribution(law, nullptr);
       EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << static_cast<int>(kind);
       EXPECT_NEAR(d.volume_fraction, 0.37, 1e-9);
@@ -68,7 +68,7 @@ TEST(Distribution, ByClassEachShapeIsAClass) {
   }
   SizeLaw law;
   const SizeDistribution mixed = make_distribution(law, &shapes);
-  law.by_class = true;
+  law.types = Types::ByClass;
   const SizeDistribution d = make_distribution(law, &shapes);
   ASSERT_EQ(d.shapes.size(), 2u);
   EXPECT_EQ(d.volume_fraction, mixed.volume_fraction);

@@ -57,12 +57,12 @@ TEST(KMatrix, LastColumnOfCubeAndOctahedron) {
     for (int i = 0; i < 10; ++i) EXPECT_NEAR(k.shapes[0].K(i, 9) / column[i], 1, 1e-3) << i;
   };
   check(cube(), cube_column);
-  check(platonic_mesh("octahedron"), octahedron_column);
+  check(platonic_mesh(SolidKind::Octahedron), octahedron_column);
 }
 
 TEST(KMatrix, SpheresMeetThePaperAndSaltykov) {
   const Shape ball = measure_shape("ball", ellipsoid_mesh(Vec3::Ones(), 3));
-  const KMatrix k = make_kmatrix(one(ball), {.method = "analytic", .averaging = "upper_edge"});
+  const KMatrix k = make_kmatrix(one(ball), {.method = kmatrix::Method::Analytic, .averaging = "upper_edge"});
   const auto& e = k.shapes[0];
   for (int j = 1; j <= 10; ++j)
     for (int i = 1; i <= 10; ++i) {
@@ -94,20 +94,19 @@ TEST(KMatrix, CalipersOfEllipsoids) {
 TEST(KMatrix, SlicingAgreesWithTheClosedForm) {
   const Shapes shapes = one(measure_shape("ellipsoid", ellipsoid_mesh({1, .8, .6}, 4)));
   const KMatrix slice = make_kmatrix(shapes, {.orientations = 1000});
-  const KMatrix exact = make_kmatrix(shapes, {.method = "analytic"});
+  const KMatrix exact = make_kmatrix(shapes, {.method = kmatrix::Method::Analytic});
   // The first class is sensitive to the facets, whose corners have more small sections than a smooth pole.
   for (int i = 1; i < 10; ++i) EXPECT_NEAR(slice.shapes[0].K(i, 9) / exact.shapes[0].K(i, 9), 1, 1e-2) << i;
 }
 
 TEST(KMatrix, IdentitiesOfRandomSections) {
-  const char* names[] = {"tetrahedron", "dodecahedron", "icosahedron"};
-  for (const char* name : names) {
-    const Shape s = measure_shape(name, platonic_mesh(name));
+  for (const SolidKind kind : {SolidKind::Tetrahedron, SolidKind::Dodecahedron, SolidKind::Icosahedron}) {
+    const Shape s = measure_shape("solid", platonic_mesh(kind));
     for (const char* averaging : {"uniform", "upper_edge"}) {
       const KMatrix k = make_kmatrix(one(s), {.classes = 7, .averaging = averaging, .orientations = 1000});
       const auto& e = k.shapes[0];
       EXPECT_EQ(e.profiles_per_caliper, 1);
-      EXPECT_NEAR(mean_area(e) / (s.volume / s.mean_caliper), 1, 1e-3) << name;
+      EXPECT_NEAR(mean_area(e) / (s.volume / s.mean_caliper), 1, 1e-3) << static_cast<int>(kind);
       for (int j = 0; j < 7; ++j) {
         const double sum = std::string(averaging) == "uniform" ? (j + 0.5) / 7 : (j + 1.0) / 7;
         EXPECT_NEAR(e.K.col(j).sum(), sum, 1e-9);
@@ -158,7 +157,7 @@ TEST(KMatrix, HolesAreTakenOff) {
 
 TEST(KMatrix, ProbabilitiesAreNormalized) {
   Shapes shapes = one(measure_shape("cube", cube(), 3));
-  shapes.shapes.push_back(measure_shape("tetrahedron", platonic_mesh("tetrahedron"), 1));
+  shapes.shapes.push_back(measure_shape("tetrahedron", platonic_mesh(SolidKind::Tetrahedron), 1));
   const KMatrix k = make_kmatrix(shapes, {.orientations = 16});
   EXPECT_DOUBLE_EQ(k.shapes[0].probability, 0.75);
   EXPECT_DOUBLE_EQ(k.shapes[1].probability, 0.25);
@@ -182,8 +181,9 @@ TEST(KMatrix, RefusesWhatItCannotCut) {
   };
   EXPECT_EQ(code({}), "no-shapes");
   const Shape good = measure_shape("cube", cube());
-  EXPECT_EQ(code(one(good), {.method = "analytic"}), "not-an-ellipsoid");
-  EXPECT_EQ(code(one(measure_shape("d", platonic_mesh("icosahedron"))), {.method = "analytic"}),
+  EXPECT_EQ(code(one(good), {.method = kmatrix::Method::Analytic}), "not-an-ellipsoid");
+  EXPECT_EQ(code(one(measure_shape("d", platonic_mesh(SolidKind::Icosahedron))),
+                 {.method = kmatrix::Method::Analytic}),
             "not-an-ellipsoid");
   Shape bad = good;
   bad.probability = -1;

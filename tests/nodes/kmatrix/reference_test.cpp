@@ -59,10 +59,10 @@ std::vector<Body> bodies() {
           {"ellipsoid", ellipsoid_mesh({2, 1.6, 1.2}, 5), 1.6200600, 0.8 * pi},
           {"cube", box_mesh({1, 1, 1}), 1.5, std::sqrt(2.0)},
           {"box", box_mesh({1, 2, 3}), 3, 3 * std::sqrt(5.0)},
-          {"tetrahedron", platonic_mesh("tetrahedron"), .9122602, std::sqrt(3.0) / 4},
-          {"octahedron", platonic_mesh("octahedron"), 1.1754797, 1},
-          {"dodecahedron", platonic_mesh("dodecahedron"), 2.6431229, 0},
-          {"icosahedron", platonic_mesh("icosahedron"), 1.7420965, 0},
+          {"tetrahedron", platonic_mesh(SolidKind::Tetrahedron), .9122602, std::sqrt(3.0) / 4},
+          {"octahedron", platonic_mesh(SolidKind::Octahedron), 1.1754797, 1},
+          {"dodecahedron", platonic_mesh(SolidKind::Dodecahedron), 2.6431229, 0},
+          {"icosahedron", platonic_mesh(SolidKind::Icosahedron), 1.7420965, 0},
           {"truncated octahedron", truncated_octahedron(), 3, 0},
           {"cylinder", cylinder_mesh({1, 1, 2}, 4), 1 + pi / 4, 2}};
 }
@@ -97,7 +97,7 @@ int corners(const std::vector<Vec2>& loop) {
 // the middle represents the whole range.
 TEST(KMatrixReference, PerimetersAndSidesOfPolyhedra) {
   const double edges[] = {12, 6};
-  const Mesh solids[] = {box_mesh({1, 1, 1}), platonic_mesh("tetrahedron")};
+  const Mesh solids[] = {box_mesh({1, 1, 1}), platonic_mesh(SolidKind::Tetrahedron)};
   for (int s = 0; s < 2; ++s) {
     const Shape shape = measure_shape("solid", solids[s]);
     double depth = 0, perimeter = 0, sides = 0;

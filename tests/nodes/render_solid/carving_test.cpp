@@ -190,7 +190,7 @@ TEST(Carving, AFractureKeepsWholeParticlesAndLeavesSockets) {
 TEST(Carving, AcesToneIsNeutralAndRises) {
   Image ramp(40, 1, 1, 1);
   for (int i = 0; i < 40; ++i) ramp.at(i, 0) = Vec3f::Constant(0.03f * float(i * i) / 10);
-  Tone("aces").apply(ramp);
+  Tone(ToneKind::Aces).apply(ramp);
   for (int i = 0; i < 40; ++i) {
     const Vec3f v = ramp.at(i, 0);
     EXPECT_LT(v.maxCoeff() - v.minCoeff(), 0.01f) << "gray stays gray";

@@ -27,7 +27,7 @@ Vec3f shown(const Tone& tone, const Vec3f& v) {
   return i.pixels[0];
 }
 
-std::string failure(const std::string& kind, const std::string& view = "") {
+std::string failure(ToneKind kind, const std::string& view = "") {
   try {
     const Tone tone(kind, view);
   } catch (const Error& e) {
@@ -61,7 +61,7 @@ colorspaces:
 )";
 
 TEST(Tone, NeutralIsTheCurve) {
-  const Tone tone("neutral");
+  const Tone tone(ToneKind::Neutral);
   for (std::uint64_t k = 0; k < 2000; ++k) {
     Random r(1, 1, k);
     const double strong = k % 2 ? 2 : 0.85;
@@ -73,25 +73,27 @@ TEST(Tone, NeutralIsTheCurve) {
   EXPECT_EQ(shown(tone, Vec3f::Constant(-1)), Vec3f(Vec3f::Zero()));
 }
 
-TEST(Tone, NoneLeavesLightAsItIs) { EXPECT_EQ(shown(Tone("none"), Vec3f(3, -1, 0.5f)), Vec3f(3, -1, 0.5f)); }
+TEST(Tone, NoneLeavesLightAsItIs) {
+  EXPECT_EQ(shown(Tone(ToneKind::None), Vec3f(3, -1, 0.5f)), Vec3f(3, -1, 0.5f));
+}
 
 TEST(Tone, AViewOfTheConfiguration) {
-  EXPECT_EQ(failure("view"), "no-color-config");
+  EXPECT_EQ(failure(ToneKind::View), "no-color-config");
   const WithConfig with(config);
   const Vec3f v(0.2f, 0.5f, 0.9f);
   // The PNG's values are those of the view.
-  EXPECT_LT((linear_to_srgb(shown(Tone("view"), v)) - linear_to_srgb(v)).norm(), 1e-4f);
+  EXPECT_LT((linear_to_srgb(shown(Tone(ToneKind::View), v)) - linear_to_srgb(v)).norm(), 1e-4f);
   for (const std::string name : {"Half", "Monitor / office/Half", "Wall/Plain"})
-    EXPECT_LT((linear_to_srgb(shown(Tone("view", name), v)) - 0.5f * v).norm(), 1e-4f) << name;
-  EXPECT_EQ(failure("view", "Film"), "unknown-view");
-  EXPECT_EQ(failure("view", "Wall/Half"), "unknown-view");
+    EXPECT_LT((linear_to_srgb(shown(Tone(ToneKind::View, name), v)) - 0.5f * v).norm(), 1e-4f) << name;
+  EXPECT_EQ(failure(ToneKind::View, "Film"), "unknown-view");
+  EXPECT_EQ(failure(ToneKind::View, "Wall/Half"), "unknown-view");
 }
 
 TEST(Tone, AConfigurationThatCannotBeUsed) {
   {
     const WithConfig with("nonsense: [");
-    EXPECT_EQ(failure("view"), "color-config");
-    EXPECT_EQ(failure("neutral"), "");
+    EXPECT_EQ(failure(ToneKind::View), "color-config");
+    EXPECT_EQ(failure(ToneKind::Neutral), "");
   }
   const std::string other = config;
   const std::size_t at = other.find("  - !<ColorSpace> {name: lin_rec709}\n");
@@ -99,7 +101,7 @@ TEST(Tone, AConfigurationThatCannotBeUsed) {
   without.replace(at, 37, "  - !<ColorSpace> {name: linear_of_another_kind}\n");
   without.replace(without.find("scene_linear: lin_rec709"), 24, "scene_linear: linear_of_another_kind");
   const WithConfig with(without);
-  EXPECT_EQ(failure("view"), "color-config");
+  EXPECT_EQ(failure(ToneKind::View), "color-config");
 }
 
 }  // namespace

@@ -25,10 +25,11 @@ int euler(const Mesh& m) {
 
 TEST(ShapeSolids, PlatonicSolidsHaveTheirMeasures) {
   const double caliper[] = {.9122602, 1.1754797, 2.6431229, 1.7420965};
-  const char* kinds[] = {"tetrahedron", "octahedron", "dodecahedron", "icosahedron"};
+  const SolidKind kinds[] = {SolidKind::Tetrahedron, SolidKind::Octahedron, SolidKind::Dodecahedron,
+                             SolidKind::Icosahedron};
   const int faces[] = {4, 8, 36, 20};
   for (int i = 0; i < 4; ++i) {
-    SCOPED_TRACE(kinds[i]);
+    SCOPED_TRACE(i);
     const Mesh m = platonic_mesh(kinds[i]);
     const auto c = platonic_closed_form(kinds[i], 1);
     EXPECT_EQ(mesh_faults(m), std::vector<std::string>{});

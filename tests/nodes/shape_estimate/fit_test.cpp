@@ -101,7 +101,7 @@ TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
 
 TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   StoneOptions o;
-  o.kind = "clinker", o.detail = 2;
+  o.kind = SolidKind::Clinker, o.detail = 2;
   const Mesh start = stone_mesh(o);
   for (int kind = 0; kind < 3; ++kind) {
     const auto family = kind == 0   ? deformed_bodies(start, 1)

@@ -79,7 +79,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
           const Vec2 a = p[k][i], d = p[k][(i + 1) % p[k].size()] - a;
           away = std::min(away, (q - a - std::clamp((q - a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm());
         }
-        EXPECT_TRUE(away < 1e-5 || polygon_contains(p[k], q));
+        EXPECT_TRUE(away < 1e-5 || loop_contains(p[k], q));
         nearest = std::min(nearest, away);
       }
       EXPECT_LT(nearest, 1e-5);
@@ -92,7 +92,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
       Random s(seed, 10, static_cast<std::uint64_t>(i));
       const Vec3 x(s.uniform(-4, 4), s.uniform(-4, 4), s.uniform(-4, 4));
       bool in = true;
-      for (int k = 0; in && k < 3; ++k) in = polygon_contains(p[k], {x[k], x[(k + 1) % 3]});
+      for (int k = 0; in && k < 3; ++k) in = loop_contains(p[k], {x[k], x[(k + 1) % 3]});
       inside += in;
     }
     const double volume = 512.0 * inside / kSamples, error = 512 * std::sqrt(inside + 1.0) / kSamples;

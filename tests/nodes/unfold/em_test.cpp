@@ -22,9 +22,10 @@ using namespace unfolding;
 
 KMatrix kmatrix_of(const std::string& kind) {
   const auto shapes = test::run_node("Shape", {}, {{"kind", kind}, {"size", "1"}}).outputs.at("shapes");
-  return make_kmatrix(shapes.as<Shapes>(), {.method = kind == "sphere" ? "analytic" : "slice",
-                                            .classes = 10,
-                                            .orientations = kind == "sphere" ? std::size_t{0} : 2000});
+  return make_kmatrix(shapes.as<Shapes>(),
+                      {.method = kind == "sphere" ? kmatrix::Method::Analytic : kmatrix::Method::Slice,
+                       .classes = 10,
+                       .orientations = kind == "sphere" ? std::size_t{0} : 2000});
 }
 
 // Sizes in [0, 1] with a density proportional to `density`; Σ N_V is 1 per mm³.

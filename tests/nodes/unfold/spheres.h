@@ -11,7 +11,8 @@ template <int classes>
 const KMatrix& spheres() {
   static const KMatrix k = [] {
     const auto ball = run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
-    return kmatrix::make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
+    return kmatrix::make_kmatrix(ball.as<Shapes>(),
+                                 {.method = kmatrix::Method::Analytic, .classes = classes});
   }();
   return k;
 }

@@ -150,7 +150,8 @@ TEST(Unfold, BadInputIsNamed) {
   // with the requested classes.
   const auto solved = [&](int classes) {
     const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
-    const KMatrix k = make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = classes});
+    const KMatrix k =
+        make_kmatrix(ball.as<Shapes>(), {.method = kmatrix::Method::Analytic, .classes = classes});
     return unfolding::unfold(good, k, {.method = unfolding::Method::Nnls, .classes = 8, .d_max = 12}, {})
         .distribution.shapes[0]
         .N_V;
@@ -269,7 +270,7 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
   for (Profile q : one.profiles) q.cls = 1, p.profiles.push_back(q);
   p.classes = 2, p.area_fraction = 2 * one.area_fraction;
   UnfoldOptions o;
-  o.d_max = 10, o.smallest_visible = 0, o.by_class = true;
+  o.d_max = 10, o.smallest_visible = 0, o.types = unfolding::Types::ByClass;
   const UnfoldResult r = unfolding::unfold(p, k, o, {});
   ASSERT_EQ(r.distribution.shapes.size(), 2u);
   for (int s = 0; s < 2; ++s) {

@@ -18,7 +18,7 @@ using namespace unfold_study;
 const KMatrix& spheres() {
   static const KMatrix k = [] {
     const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "1"}}).outputs.at("shapes");
-    return make_kmatrix(ball.as<Shapes>(), {.method = "analytic", .classes = 10});
+    return make_kmatrix(ball.as<Shapes>(), {.method = kmatrix::Method::Analytic, .classes = 10});
   }();
   return k;
 }
@@ -60,7 +60,7 @@ TEST(TrueSizes, SumsWithinEdges) {
 TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
   StudyOptions o;
   o.methods = {"em", "nnls", "inverse", "equation 4"};
-  o.repetitions = 4, o.known_d_max = true;
+  o.repetitions = 4, o.largest = unfold_study::LargestSize::Known;
   o.profiles = 1000;
   const auto few = study(uniform(0, 10, 0.0005), spheres(), o, {});
   o.profiles = 100000;

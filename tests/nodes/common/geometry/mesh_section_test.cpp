@@ -1,4 +1,5 @@
 #include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/directions.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +17,6 @@ namespace terrazzo {
 namespace {
 
 using std::numbers::pi;
-
-Vec3 random_direction(Random& r) { return Vec3(r.normal(), r.normal(), r.normal()).normalized(); }
 
 Mat3 frame(const Vec3& u) {
   Mat3 f;

@@ -7,7 +7,7 @@
 
 #include "nodes/data/shapes.h"
 
-namespace terrazzo::packing {
+namespace terrazzo {
 
 struct Aabb {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
@@ -29,6 +29,32 @@ class AabbTree {
     std::int32_t first = 0, count = 0;  // range of `triangles` in a leaf
   };
   explicit AabbTree(const Mesh& mesh, int leaf_size = 4);
+
+  // Visits the triangles whose boxes are at most √bound from p, with nearer boxes first. `visit(triangle,
+  // bound)` returns the new, smaller or equal bound. Returns the last one.
+  template <class Visit>
+  double visit_near(const Vec3& p, double bound, Visit&& visit) const {
+    std::int32_t stack[64];  // of halves, so deep enough for any mesh
+    int top = 0;
+    if (!nodes.empty()) stack[top++] = 0;
+    while (top > 0) {
+      const std::int32_t k = stack[--top];
+      const Node& node = nodes[k];
+      if (node.box.squared_distance(p) > bound) continue;
+      if (node.right == 0) {
+        for (std::int32_t m = node.first; m < node.first + node.count; ++m)
+          bound = visit(triangles[m], bound);
+        continue;
+      }
+      // The nearer child is pushed last, so that it is visited first and lowers the bound.
+      const bool left_first =
+          nodes[k + 1].box.squared_distance(p) <= nodes[node.right].box.squared_distance(p);
+      stack[top++] = left_first ? node.right : k + 1;
+      stack[top++] = left_first ? k + 1 : node.right;
+    }
+    return bound;
+  }
+
   std::vector<Node> nodes;              // at least one if the mesh has triangles
   std::vector<std::int32_t> triangles;  // triangle indices, leaves as consecutive ranges
 
@@ -36,4 +62,4 @@ class AabbTree {
   void split(const std::vector<Aabb>& boxes, int first, int count, int leaf_size);
 };
 
-}  // namespace terrazzo::packing
+}  // namespace terrazzo

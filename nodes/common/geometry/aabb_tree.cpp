@@ -1,9 +1,9 @@
-#include "nodes/packing/aabb_tree.h"
+#include "nodes/common/geometry/aabb_tree.h"
 
 #include <algorithm>
 #include <numeric>
 
-namespace terrazzo::packing {
+namespace terrazzo {
 
 AabbTree::AabbTree(const Mesh& mesh, int leaf_size) {
   std::vector<Aabb> boxes(mesh.triangles.size());
@@ -41,4 +41,4 @@ void AabbTree::split(const std::vector<Aabb>& boxes, int first, int count, int l
   split(boxes, first + half, count - half, leaf_size);
 }
 
-}  // namespace terrazzo::packing
+}  // namespace terrazzo
