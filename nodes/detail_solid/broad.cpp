@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/common/geometry/principal_axes.h"
 #include "runtime/random.h"
 
 namespace terrazzo::detail_solid {
@@ -129,7 +130,7 @@ BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Lab
     const Vec3 d = broad[i].cast<double>() - mean;
     covariance += d * d.transpose();
   }
-  model.axes = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors();
+  model.axes = eigen_axes(covariance).eigenvectors();
   std::vector<Vec3> sum(kReach, Vec3::Zero());
   std::vector<double> count(kReach, 0.0);
   Random random(seed, 0x62726f61);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/common/texture/quantiles.h"
 #include "nodes/solids/optimize_solid.h"
 
@@ -85,7 +86,7 @@ void match_phase(std::vector<Vec3f>& tile, const Phases& p, const std::vector<Ve
     const Vec3 d = v.cast<double>() - mean;
     covariance += d * d.transpose();
   }
-  const Eigen::Matrix3f axes = Eigen::SelfAdjointEigenSolver<Mat3>(covariance).eigenvectors().cast<float>();
+  const Eigen::Matrix3f axes = eigen_axes(covariance).eigenvectors().cast<float>();
   std::vector<float> of_tile(tile.size()), of_phase(values.size());
   std::vector<Vec3f> out(tile.size(), Vec3f::Zero());
   for (int c = 0; c < 3; ++c) {

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/kmatrix/section_statistics.h"
 
 namespace terrazzo::kmatrix {
@@ -85,7 +86,7 @@ Vec3 fit_ellipsoid(const Shape& shape) {
     throw refuse("its vertices do not lie on a closed quadric");
   const Vec3 center = -0.5 * M.ldlt().solve(g);
   const double level = 1 + center.dot(M * center);
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(M / level);
+  const auto eigen = eigen_axes(Mat3(M / level));
   if (!(eigen.eigenvalues().minCoeff() > 0)) throw refuse("its vertices do not lie on an ellipsoid");
   double worst = 0;
   for (const Vec3& x : v) {

@@ -1,12 +1,12 @@
 #include "nodes/packing/statistics.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/common/geometry/principal_axes.h"
 
 namespace terrazzo::packing {
 
@@ -41,7 +41,7 @@ Vec3 longest_axis(const Mesh& mesh) {
     const Vec3 m = (a + b + c) / 3;
     spread += area * m * m.transpose();
   }
-  return Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2);
+  return eigen_axes(spread).eigenvectors().col(2);
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ double nematic_order(const Shapes& shapes, const Particles& particles) {
     q += 1.5 * u * u.transpose() - 0.5 * Mat3::Identity();
   }
   q /= static_cast<double>(particles.count());
-  return Eigen::SelfAdjointEigenSolver<Mat3>(q).eigenvalues()[2];
+  return eigen_axes(q).eigenvalues()[2];
 }
 
 Vec3 sections_per_area(const Shapes& shapes, const Particles& particles, const Work& work) {

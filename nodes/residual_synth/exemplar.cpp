@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -51,7 +50,7 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
   }
   Exemplar out;
   out.scales = scales, out.picture = picture;
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(pooled);
+  const auto solver = eigen_axes(pooled);
   const double largest = solver.eigenvalues()[2];
   out.axes = principal_axes(solver);
   for (int c = 0; c < 3; ++c) {

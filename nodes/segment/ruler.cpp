@@ -1,11 +1,11 @@
 #include "nodes/segment/ruler.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 
@@ -117,7 +117,7 @@ std::optional<ScaleMark> find_ticks(const Image& image, int section, const Pixel
       }
   if (pixels < 100) return {};
   mean /= pixels;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(square / pixels - mean * mean.transpose());
+  const auto axes = eigen_axes(Eigen::MatrixXd(square / pixels - mean * mean.transpose()));
   // A rectangle of half-length h has the variance h²/3 along it.
   const double half_width = std::sqrt(3 * std::max(0.0, axes.eigenvalues()[0])),
                half_length = std::sqrt(3 * axes.eigenvalues()[1]);

@@ -89,7 +89,7 @@ std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
 // Moves the centroid to the origin, aligns the principal axes, and scales to the volume of the unit sphere.
 void normalize(Mesh& m) {
   transform(m, Mat3::Identity(), -mesh_centroid(m));
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(m));
+  const auto solver = eigen_axes(covariance(m));
   Mat3 axes = principal_axes(solver);
   if (axes.determinant() < 0) axes.col(2) *= -1;
   transform(m, axes.transpose() / std::cbrt(mesh_volume(m) * 3 / (4 * std::numbers::pi)), Vec3::Zero());

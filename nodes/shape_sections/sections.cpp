@@ -1,6 +1,5 @@
 #include "nodes/shape_sections/sections.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,7 +78,7 @@ void cover_row(const BodySection& section, const Vec2& center, double scale, int
 }  // namespace
 
 Mat3 volume_axes(const Mesh& mesh) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance(mesh, mesh_centroid(mesh)));
+  const auto solver = eigen_axes(covariance(mesh, mesh_centroid(mesh)));
   Mat3 axes = principal_axes(solver);
   if (axes.determinant() < 0) axes.col(2) *= -1;
   return axes;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "nodes/common/geometry/principal_axes.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_observer {
@@ -75,7 +76,7 @@ FilterBank learn_filters(const std::array<CropRows, 2>& classes, std::uint64_t s
     const Eigen::MatrixXd patches = random_patches(classes, level, seed, kPatches).cast<double>();
     const Eigen::VectorXd mean = patches.rowwise().mean();
     const Eigen::MatrixXd centered = patches.colwise() - mean;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(centered * centered.transpose() / kPatches);
+    const auto axes = eigen_axes(Eigen::MatrixXd(centered * centered.transpose() / kPatches));
     // What varies less than rounding to 8 bits is not amplified.
     const Eigen::MatrixXd whiten =
         axes.eigenvectors() *

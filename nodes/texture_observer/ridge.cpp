@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "nodes/common/geometry/principal_axes.h"
+
 namespace terrazzo::texture_observer {
 
 namespace {
@@ -15,8 +17,7 @@ struct Spectrum {
 
 Spectrum spectrum_of(const Eigen::MatrixXd& x) {
   const bool few = x.rows() <= x.cols();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(few ? Eigen::MatrixXd(x * x.transpose())
-                                                                : Eigen::MatrixXd(x.transpose() * x));
+  const auto axes = eigen_axes(few ? Eigen::MatrixXd(x * x.transpose()) : Eigen::MatrixXd(x.transpose() * x));
   const double least = 1e-10 * std::max(axes.eigenvalues().maxCoeff(), 1e-300);
   const auto kept = (axes.eigenvalues().array() > least).count();
   Spectrum out;

@@ -16,7 +16,7 @@ using namespace shape;
 
 using namespace shape_estimate;
 
-const Shapes& body() {
+const Shapes& one_stone() {
   static const Shapes shapes = [] {
     RockOptions o;
     o.detail = 4, o.roughness = 0.008;
@@ -30,7 +30,7 @@ const Shapes& body() {
 const std::vector<Outline>& outlines() {
   static const std::vector<Outline> all = [] {
     Profiles p;
-    for (const auto& section : random_sections(body(), 205, {SectionKind::Random, 1, 0}))
+    for (const auto& section : random_sections(one_stone(), 205, {SectionKind::Random, 1, 0}))
       for (const auto& profile : section) {
         Profile q;
         q.contour = profile[0];
@@ -84,7 +84,7 @@ BENCHMARK(shape_fit_200_profiles)
 
 void shape_sections_measured(benchmark::State& state) {
   for (auto _ : state)
-    for (const auto& section : random_sections(body(), 1000, {SectionKind::Random, 1, 0}))
+    for (const auto& section : random_sections(one_stone(), 1000, {SectionKind::Random, 1, 0}))
       for (const auto& p : section) benchmark::DoNotOptimize(outline_features(p[0]));
   state.counters["sections"] =
       benchmark::Counter(1000.0 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
@@ -92,7 +92,8 @@ void shape_sections_measured(benchmark::State& state) {
 BENCHMARK(shape_sections_measured)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void shape_sections_alone(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(random_sections(body(), 1000, {SectionKind::Random, 1, 0}));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(random_sections(one_stone(), 1000, {SectionKind::Random, 1, 0}));
   state.counters["sections"] =
       benchmark::Counter(1000.0 * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }

@@ -16,7 +16,7 @@ namespace terrazzo {
 namespace {
 using namespace shape;
 
-void once(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
+void one_run(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kSecond)->Iterations(1)->UseRealTime(); }
 
 void laguerre_volumes(benchmark::State& state) {
   const auto n = static_cast<std::size_t>(state.range(0));
@@ -34,7 +34,7 @@ void laguerre_volumes(benchmark::State& state) {
   state.counters["worst"] = worst;
   state.counters["unfilled"] = std::abs(1 - sum / box.prod());
 }
-BENCHMARK(laguerre_volumes)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(once);
+BENCHMARK(laguerre_volumes)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(one_run);
 
 void voro_baseline(benchmark::State& state) {
   const auto n = static_cast<int>(state.range(0));
@@ -49,7 +49,7 @@ void voro_baseline(benchmark::State& state) {
     benchmark::DoNotOptimize(sum = c.sum_cell_volumes());
   }
 }
-BENCHMARK(voro_baseline)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(once);
+BENCHMARK(voro_baseline)->Arg(100)->Arg(1000)->Arg(10000)->Arg(100000)->Apply(one_run);
 
 void grow_stones(benchmark::State& state) {
   StoneOptions kind;
@@ -69,7 +69,7 @@ void grow_stones(benchmark::State& state) {
   for (auto _ : state) worst = tessellation::fill_space(d, shapes, o).worst;
   state.counters["worst"] = worst;
 }
-BENCHMARK(grow_stones)->Arg(70)->Arg(80)->Arg(90)->Apply(once);
+BENCHMARK(grow_stones)->Arg(70)->Arg(80)->Arg(90)->Apply(one_run);
 
 }  // namespace
 }  // namespace terrazzo

@@ -1,4 +1,4 @@
-// Principal axes of a three-dimensional covariance matrix.
+// Axes of symmetric matrices, such as covariances.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -7,17 +7,13 @@
 
 namespace terrazzo {
 
+// Eigenvalues in increasing order, and eigenvectors. Eigen's solvers take seconds to compile, here only once.
+Eigen::SelfAdjointEigenSolver<Mat3> eigen_axes(const Mat3& symmetric);
+Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_axes(const Eigen::MatrixXd& symmetric);
+Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> eigen_axes(const Eigen::MatrixXf& symmetric);
+
 // Columns are sorted by decreasing variance. The largest component of each column is positive, since the
 // solver's sign is arbitrary.
-inline Mat3 principal_axes(const Eigen::SelfAdjointEigenSolver<Mat3>& solver) {
-  Mat3 axes;
-  for (int c = 0; c < 3; ++c) {
-    const Vec3 axis = solver.eigenvectors().col(2 - c);
-    Eigen::Index i;
-    axis.cwiseAbs().maxCoeff(&i);
-    axes.col(c) = axis[i] < 0 ? Vec3(-axis) : axis;
-  }
-  return axes;
-}
+Mat3 principal_axes(const Eigen::SelfAdjointEigenSolver<Mat3>& solver);
 
 }  // namespace terrazzo

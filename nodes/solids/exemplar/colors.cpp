@@ -1,6 +1,5 @@
 #include "nodes/solids/exemplar/colors.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
 #include "nodes/common/geometry/principal_axes.h"
@@ -32,7 +31,7 @@ ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, bool 
     const double share = 1.0 / (static_cast<double>(picture->size()) * static_cast<double>(linear.size()));
     mean += share * m, square += share * s;
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(square - mean * mean.transpose());
+  const auto solver = eigen_axes(Mat3(square - mean * mean.transpose()));
   const double total = solver.eigenvalues().cwiseMax(0).sum();
   out.mean = mean.cast<float>();
   out.axes = principal_axes(solver);

@@ -1,9 +1,9 @@
 #include "nodes/solids/exemplar/patch_space.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/principal_axes.h"
 #include "nodes/solids/exemplar/patch_tree.h"
 #include "nodes/solids/exemplar/wide.h"
 
@@ -84,7 +84,7 @@ PatchSpace principal_axes(const ExemplarLevel& e, double share, int most) {
   const Eigen::VectorXf mean = patches.rowwise().mean();
   patches.colwise() -= mean;
   const Eigen::MatrixXf covariance = patches * patches.transpose() / static_cast<float>(used);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXf> solver(covariance);
+  const auto solver = eigen_axes(covariance);
   const double total = std::max(1e-20, static_cast<double>(solver.eigenvalues().cwiseMax(0).sum()));
   int kept = 0;
   for (double sum = 0; kept < std::min(n, most) && sum < share * total; ++kept)
