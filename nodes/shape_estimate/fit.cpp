@@ -18,8 +18,9 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// Planes per trial: the number of profiles within these bounds. kLastPlanes: planes for the final bodies.
-constexpr std::size_t kLeastPlanes = 192, kMostPlanes = 512;
+// Planes per trial: the number of profiles within these bounds; a longer search may use more. kLastPlanes:
+// planes for the final bodies.
+constexpr std::size_t kLeastPlanes = 144, kPlanesPerRound = 85, kMostPlanes = 512;
 constexpr std::size_t kLastPlanes = 1536;
 constexpr std::size_t kHands = 4;
 constexpr int kPoints = 128;  // as in ShapeMetrics
@@ -157,8 +158,10 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     observed.root_area.push_back(std::sqrt(o.area));
     observed.weight.push_back(1);
   }
+  const std::size_t most =
+      std::clamp(kPlanesPerRound * static_cast<std::size_t>(request.rounds), kLeastPlanes, kMostPlanes);
   const std::size_t planes =
-      request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, kMostPlanes);
+      request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, most);
   const FeatureTarget target(observed, request.one_size, request.seed);
 
   auto starts = starting_bodies(request, work.part(0, 0.05));
@@ -247,11 +250,11 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
       polyhedron(0);
       modeled(2);
     } else if (kind == Kind::Deformed) {
-      deformed(i), deformed(i + 1), modeled(1);
+      deformed(i), modeled(1);
     } else if (kind == Kind::Cut) {
-      polyhedron(i), polyhedron(i + 1), modeled(1);
+      polyhedron(i), modeled(1);
     } else {
-      modeled(3);
+      modeled(2);
     }
     const auto go = [&](Run& run, int rounds, double step, const Work& w) {
       LeastSquaresOptions options;
