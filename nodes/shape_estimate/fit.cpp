@@ -78,6 +78,16 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
   return out;
 }
 
+// The body at x, or closer to the starting body if that intersects itself. Sharpening is not a map of space.
+Mesh simple_body(const BodyFamily& family, const Eigen::VectorXd& x, const Work& work) {
+  Mesh body;
+  for (const double share : {1.0, 0.9, 0.8, 0.65, 0.5, 0.25, 0.0}) {
+    body = family.body(share * x);
+    if (!body.triangles.empty() && self_intersections(body, work.quiet()) == 0) break;
+  }
+  return body;
+}
+
 // Rescales the weights of a sample to its share of a mixture.
 FeatureSample with_share(FeatureSample s, double share) {
   const double total = total_weight(s);
@@ -274,7 +284,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     if (k == 0) kind = best.kind;
     // Do not start from the same modeled body again.
     if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
-    bodies.push_back(best.family->body(best.at.x));
+    bodies.push_back(simple_body(*best.family, best.at.x, part));
     fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
     // All bodies so far have equal shares of the profiles.
     FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));

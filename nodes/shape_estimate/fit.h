@@ -21,8 +21,8 @@ struct FitRequest {
   bool one_size = false;  // the particles are known to have one size: areas are compared too
   int rounds = 3;         // rounds of the search for each body
   int subdivision = 1;
-  std::size_t planes =
-      0;  // sections of each trial; 0: the number of profiles, at least 144 and at most 85 per round or 512
+  // Sections of each trial; 0: the number of profiles, at least 144, and at most 85 per round or 512.
+  std::size_t planes = 0;
   std::uint64_t seed = 1;
 };
 

@@ -29,7 +29,8 @@ const Overrides small{{{"pack.size", "22"},
                        {"block.height", "48"},
                        {"sheet.cell", "48"},
                        {"unfold.bootstrap", "0"},
-                       {"segment.method", "clusters"}},  // the network takes seconds
+                       {"segment.method", "clusters"},  // the network takes seconds, and fit too
+                       {"shape.method", "morphed_generalized_cylinder"}},
                       {},
                       {}};
 

@@ -48,6 +48,8 @@ class DefaultGraph : public ::testing::Test {
                                           "--set",
                                           "detail.size=32",
                                           "--set",
+                                          "shape.rounds=1",
+                                          "--set",
                                           "section.width=28",
                                           "--set",
                                           "section.height=28",
