@@ -78,14 +78,16 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
   return out;
 }
 
-// The body at x, or closer to the starting body if that intersects itself. Sharpening is not a map of space.
+// The body at x, or closer to the starting body if it passes through itself at more places than that:
+// sharpening is not a map of space. Triangles of a starting body may touch within rounding.
 Mesh simple_body(const BodyFamily& family, const Eigen::VectorXd& x, const Work& work) {
-  Mesh body;
-  for (const double share : {1.0, 0.9, 0.8, 0.65, 0.5, 0.25, 0.0}) {
-    body = family.body(share * x);
-    if (!body.triangles.empty() && self_intersections(body, work.quiet()) == 0) break;
+  Mesh start = family.body(Eigen::VectorXd::Zero(x.size()));
+  const std::int64_t touching = self_intersections(start, work.quiet());
+  for (const double share : {1.0, 0.9, 0.8, 0.65, 0.5, 0.25}) {
+    Mesh body = family.body(share * x);
+    if (!body.triangles.empty() && self_intersections(body, work.quiet()) <= touching) return body;
   }
-  return body;
+  return start;
 }
 
 // Rescales the weights of a sample to its share of a mixture.
