@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
 #include "nodes/compare/comparison.h"
 #include "nodes/compare/noise.h"
@@ -29,10 +31,7 @@ double median_step(const Profiles& p, double smallest) {
   std::vector<double> steps;
   for (const Profile& q : p.profiles)
     if (is_whole(q, smallest)) steps.push_back(pixel_step(q.contour));
-  if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return steps.empty() ? 0 : median(std::move(steps));
 }
 
 // Uses whole profiles with an outline of at least a dozen points. `blur` in mm.
@@ -40,7 +39,7 @@ Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest, dou
   Sample s;
   for (const Profile& q : p.profiles) {
     if (!is_whole(q, smallest)) continue;
-    const double share = std::min(0.05, std::hypot(0.01, blur / loop_length(q.contour)));
+    const double share = std::min(0.05, std::hypot(0.01, blur / loop_perimeter(q.contour)));
     const double v = outline_features(q.contour, {.points = 128, .blur = share})[feature];
     if (!std::isfinite(v) || v == 0) continue;
     s.values.emplace_back(v, q.weight);

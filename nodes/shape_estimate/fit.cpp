@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/shape_estimate/body_family.h"
 #include "nodes/shape_estimate/feature_match.h"
 #include "nodes/shape_estimate/least_squares.h"
@@ -150,9 +151,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   // If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur
   // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
   // merged ones.
-  const auto middle = static_cast<std::ptrdiff_t>(blurs.size() / 2);
-  std::nth_element(blurs.begin(), blurs.begin() + middle, blurs.end());
-  const double blur = kPixelBlur * blurs[static_cast<std::size_t>(middle)];
+  const double blur = kPixelBlur * median(std::move(blurs));
   measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
   std::sort(convexity.begin(), convexity.end());
   const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "nodes/common/geometry/loop.h"
 #include "nodes/common/stereology/random_sections.h"
 
 namespace terrazzo::shape_estimate {
@@ -28,8 +29,7 @@ std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::
       const double area = loop_area(s.loop);
       if (!(area > 0)) continue;
       s.root_area = std::sqrt(area);
-      for (std::size_t n = 0; n < s.loop.size(); ++n)
-        s.perimeter += (s.loop[(n + 1) % s.loop.size()] - s.loop[n]).norm();
+      s.perimeter = loop_perimeter(s.loop);
       s.weight = high - low;
       out.push_back(std::move(s));
     }

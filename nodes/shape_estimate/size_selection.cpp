@@ -49,6 +49,7 @@ Sections relative_sizes(const std::vector<std::vector<CutProfile>>& bodies) {
 SizeSelection::SizeSelection(const std::vector<double>& root_area,
                              const std::vector<std::vector<CutProfile>>& typical) {
   if (root_area.empty()) return;
+  mean_ = std::accumulate(root_area.begin(), root_area.end(), 0.0) / static_cast<double>(root_area.size());
   limit_ = *std::min_element(root_area.begin(), root_area.end());
   const double limit = std::log(limit_),
                top = std::log(*std::max_element(root_area.begin(), root_area.end()));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
 
 namespace terrazzo::tessellation {
@@ -41,16 +43,12 @@ double measure_roundness(const Profiles& profiles) {
   for (const Profile& p : profiles.profiles) {
     if (p.touches_border || p.contour.size() < 24) continue;
     const double blur = std::min(
-        0.05, std::hypot(kRelativeBlur, kPixelSteps * pixel_step(p.contour) / loop_length(p.contour)));
+        0.05, std::hypot(kRelativeBlur, kPixelSteps * pixel_step(p.contour) / loop_perimeter(p.contour)));
     const double bend = bend_of(p.contour, blur);
     if (bend > 0) bends.push_back(bend), blurs.push_back(blur);
   }
   if (bends.size() < 3) return 0;
-  const auto median = [](std::vector<double>& v) {
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  };
-  const double bend = median(bends), blur = median(blurs);
+  const double bend = median(std::move(bends)), blur = median(std::move(blurs));
   if (bend >= bend_of(pentagon(kSharp), blur)) return 0;
   double low = kSharp, high = 1;  // the rounder, the less it bends
   for (int k = 0; k < 30; ++k) {

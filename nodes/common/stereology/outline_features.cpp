@@ -207,12 +207,6 @@ std::vector<Vec2> resampled_loop(const Loop& loop, int points) {
   return out;
 }
 
-double loop_length(const Loop& loop) {
-  double sum = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) sum += (loop[(i + 1) % loop.size()] - loop[i]).norm();
-  return sum;
-}
-
 double pixel_step(const Loop& loop) {
   if (loop.empty()) return 0;
   std::vector<double> steps;

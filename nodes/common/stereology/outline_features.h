@@ -44,8 +44,6 @@ struct OutlineMeasuring {
 // Evenly spaced points along a closed polygon, starting at its first point.
 std::vector<Vec2> resampled_loop(const Loop&, int points);
 
-double loop_length(const Loop&);
-
 // The median distance of a loop's points if they follow pixels, at even steps; 0 for others, such as sections
 // of meshes.
 double pixel_step(const Loop&);
