@@ -15,7 +15,7 @@ uniform int samples;
 uniform vec3 camera, forward, right, up;  // mm
 uniform vec2 half_size;
 uniform vec3 low, high, per_mm, middle, light, size;
-uniform float step_length, soft_gradient, int_scale, int_offset, reference_step, opacity, modulation;
+uniform float step_length, soft_gradient, int_scale, int_offset, reference_step, opacity;
 uniform float skin_noise, skin_scale;
 uniform uint skin_seed;
 uniform vec3 background;
@@ -28,6 +28,7 @@ uniform int tissue_texture[kTissues];
 uniform int tissue_noise[kTissues];
 uniform float tissue_fixed[kTissues];  // negative: depends on density
 uniform float tissue_threshold[kTissues];
+uniform float tissue_modulation[kTissues];
 uniform mat3 place_linear[kTissues * kScales];  // to coordinates 0 … 1
 uniform vec3 place_offset[kTissues * kScales];
 uniform float place_level[kTissues * kScales];
@@ -119,7 +120,7 @@ void piece(int tissue, vec3 p, float d, float length, float lit, inout vec3 colo
   float through = exp(-min(sigma * length, 80.0));
   float share = left * (1.0 - through);
   left *= through;
-  float bright = lit * share * max(0.0, 1.0 + modulation * (inside - tissue_threshold[tissue]));
+  float bright = lit * share * max(0.0, 1.0 + tissue_modulation[tissue] * (inside - tissue_threshold[tissue]));
   int index = tissue_texture[tissue];
   if (index >= 0 && share > kFaint) {
     counts.w += float(kScales);

@@ -150,7 +150,7 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.Uniform2i(gl.at("picture"), look.width, look.height);
   gl.set("samples", look.samples);
   gl.set("size", Vec3f(scene.scan.size.cast<float>()));
-  gl.set("opacity", float(look.opacity)), gl.set("modulation", float(look.modulation));
+  gl.set("opacity", float(look.opacity));
   gl.set("skin_noise", float(look.skin_noise)), gl.set("skin_scale", float(look.skin_scale));
   gl.Uniform1ui(gl.at("skin_seed"), static_cast<GLuint>(look.seed));
   gl.set("background", look.background);
@@ -184,6 +184,7 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
     gl.set(fmt::format("tissue_noise[{}]", i), int(t.noise));
     gl.set(fmt::format("tissue_fixed[{}]", i), t.by_density ? -1.0f : t.fixed);
     gl.set(fmt::format("tissue_threshold[{}]", i), t.threshold);
+    gl.set(fmt::format("tissue_modulation[{}]", i), t.modulation);
     if (t.texture < 0) continue;
     for (int s = 0; s < kScales; ++s) {
       const Placement& p = t.at[s];

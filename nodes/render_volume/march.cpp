@@ -321,8 +321,7 @@ class Marcher {
     left *= through;
     const float in = d * frame_.int_scale + frame_.int_offset;
     // Equation 7: D + D · (int − threshold).
-    const float bright =
-        lit * share * std::max(0.0f, 1 + float(scene_.look.modulation) * (in - look.threshold));
+    const float bright = lit * share * std::max(0.0f, 1 + look.modulation * (in - look.threshold));
     if (look.texture >= 0 && share > kFaint) {
       counts.lookups += kScales;
       const auto& at = placed_[tissue];

@@ -110,7 +110,7 @@ void compute(Context& c) {
 
 NodeType render_volume_node() {
   NodeType type =
-      NodeType("RenderVolume", 2)
+      NodeType("RenderVolume", 3)
           .doc_(
               "Renders a picture of a scan, or a turntable. Density ranges define tissues, each with a solid "
               "texture at three scales.")
@@ -190,9 +190,11 @@ NodeType render_volume_node() {
                          .count(2, 2)
                          .doc_("Densities at which the method's `int`, which controls opacity and "
                                "brightness, is 0 and 1"))
-          .parameter(Parameter::number("modulation", 1)
-                         .range(0, 100)
-                         .doc_("Strength of brightening by density: 1 as in equation 7, 0 for none"))
+          .parameter(
+              Parameter::number("modulation", 1)
+                  .range(0, 100)
+                  .doc_("Strength of brightening by density: 1 as in equation 7, 0 for none. Classes with "
+                        "`noise` are exempt, as skin is in the paper."))
           .parameter(
               Parameter::number("opacity", 1)
                   .range(0, 1000)

@@ -138,6 +138,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
                             : -std::log(1 - std::min(float(t.opacity), 0.999f)) / f.reference_step *
                                   float(look.opacity);
     l.threshold = (float(t.low) - float(look.window.x())) / range;
+    l.modulation = l.noise ? 0 : float(look.modulation);
     if (texture >= 0 && look.textured) {
       l.texture = texture;
       for (int s = 0; s < kScales; ++s) {

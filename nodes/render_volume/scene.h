@@ -24,7 +24,7 @@ struct Look {
   std::array<double, kScales> scales = {10, 1, 0.1}, weights = {3, 1, 1};
   Turning turning = Turning::Random;
   Vec2 window = Vec2(-1000, 1000);           // densities at which the paper's `int` is 0 and 1
-  double modulation = 1;                     // of color by density, eq. 7
+  double modulation = 1;                     // of color by density, eq. 7; not of noise
   double opacity = 1;                        // factor on every tissue's opacity
   double skin_noise = 0.15, skin_scale = 3;  // fraction of the color; mm
   std::array<Vec3f, 2> clip = {Vec3f::Zero(), Vec3f::Ones()};  // region kept, as fractions of the edges
@@ -59,7 +59,8 @@ struct TissueLook {
   std::array<float, kScales> weight{};
   float fixed = 0;  // extinction per mm, if it does not depend on density
   bool by_density = false;
-  float threshold = 0;  // `int` at the lower end of its range
+  float threshold = 0;   // `int` at the lower end of its range
+  float modulation = 0;  // of color by density, eq. 7; 0 with noise, which the paper exempts as skin
 };
 
 // One frame. Positions are those of Bricks; directions are per mm.

@@ -225,6 +225,27 @@ TEST(VolumeMarch, PlacementsHaveTheirScale) {
             placement(t, 1, 1, Turning::Random, 3, 2).linear);
 }
 
+// Equation 7 brightens colors by 1 + int − threshold; the paper exempts skin.
+TEST(VolumeMarch, DensityBrightensAllButNoise) {
+  const int n = 24;
+  const ScanField scan =  // air behind a slab
+      field(Vec3i(n, n, n), Vec3::Ones(), [](const Vec3& p) { return p.z() < 1 ? -1000 : 100; });
+  Look l = small();
+  l.window = Vec2(-1000, 1000);
+  const auto mean = [&](const char* tissue, double modulation) {
+    l.modulation = modulation;
+    double sum = 0;
+    for (const auto& c : picture(Scene(scan, parse_tissues({tissue}), {}, l))) sum += c.sum();
+    return sum;
+  };
+  // int − threshold = (100 − (−300)) / 2000, a little less at the faces.
+  const char *plain = "meat -300 150 #808080 opacity=0.5", *noise = "skin -300 150 #808080 noise opacity=0.5";
+  EXPECT_NEAR(mean(plain, 1) / mean(plain, 0), 1.2, 4e-3);
+  EXPECT_NEAR(mean(plain, 0.5) / mean(plain, 0), 1.1, 4e-3);
+  ASSERT_GT(mean(noise, 0), 0);
+  EXPECT_EQ(mean(noise, 1), mean(noise, 0));
+}
+
 TEST(VolumeMarch, TheSameBitsOnAnyNumberOfThreads) {
   Look l = small();
   const Scene scene(ball(32, 11),
