@@ -21,6 +21,8 @@ using namespace residual_synth;
 
 enum class Method { Slices, Radial };
 
+constexpr double kSpecks = 6;  // `specks` of pictures with labels
+
 Vec3i volume_size(const NodeParameters& c) {
   const Vec3i size = one_or_three(c, "size");
   if (size.cast<double>().prod() > 5.4e8)
@@ -75,9 +77,10 @@ Measured measure_pictures(Context& c) {
     none.pixel_size = image.pixel_size;
     const bool labeled = c.has(labels_port);
     if (!labeled) none.ids.assign(image.pixels.size(), 0);
+    const double specks = c.optional_number("specks").value_or(labeled ? kSpecks : 0);
     const ResidualImage residual = residual_image(as_displayed(image, c.work().part(0, 0)),
-                                                  labeled ? c.input<Labels>(labels_port) : none, edge,
-                                                  c.number("specks"), c.work().part(0.01, 0.05));
+                                                  labeled ? c.input<Labels>(labels_port) : none, edge, specks,
+                                                  c.work().part(0.01, 0.05));
     if (residual.edge < edge)
       c.warn(
           fmt::format("{}: the band left out around outlines is {} pixels instead of {}, because too little "
@@ -144,7 +147,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType residual_synth_node() {
-  return NodeType("ResidualSynth", 5)
+  return NodeType("ResidualSynth", 6)
       .doc_(
           "Synthesizes a tileable solid of the fine detail that a photograph shows within particles and "
           "binder, at the photograph's scale")
@@ -186,10 +189,11 @@ NodeType residual_synth_node() {
       .parameter(Parameter::integer("edge", 2).range(0, 32).unit_("pixels").doc_(
           "Width of the band on each side of outlines that is filled from beyond instead of used"))
       .parameter(
-          Parameter::number("specks", 6)
+          Parameter::optional_number("specks", "auto")
               .range(0, 1e6)
               .doc_("Limit in robust standard deviations from the binder's median. Binder pixels beyond it "
-                    "are particles missed by the labels and are filled like outlines. 0 keeps them."))
+                    "are particles missed by the labels and are filled like outlines. 0 keeps them. auto: 6 "
+                    "for a picture with labels, 0 for one without."))
       .parameter(Parameter::boolean("preview", false)
                      .doc_("Also writes the grid Cd for viewing: the residual plus the binder's mean color"))
       .check_(check)

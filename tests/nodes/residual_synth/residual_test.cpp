@@ -219,6 +219,25 @@ TEST(ResidualSynth, MeansAndResidualMakeThePhotographAgain) {
   EXPECT_TRUE(r.output<Volume>("volume").find<openvdb::Vec3SGrid>("Cd"));
 }
 
+// Without labels nothing tells stones from binder, so none are removed unless `specks` says so.
+TEST(ResidualSynth, SpecksAreRemovedByDefaultOnlyWithLabels) {
+  const Picture p = discs(64, 48, 0.02);
+  Labels missed = p.labels;  // one disc is unlabeled
+  for (auto& id : missed.ids)
+    if (id == missed.count()) id = 0;
+  missed.classes.pop_back();
+  const auto specks = [&](std::multimap<std::string, Value> inputs,
+                          std::map<std::string, std::string> parameters) {
+    parameters["size"] = "16";
+    return test::run_node("ResidualSynth", std::move(inputs), parameters).metrics.at("specks");
+  };
+  const auto image = Value::of(p.image);
+  EXPECT_EQ(specks({{"image", image}}, {}), 0);
+  EXPECT_GT(specks({{"image", image}}, {{"specks", "6"}}), 0);
+  EXPECT_GT(specks({{"image", image}, {"labels", Value::of(missed)}}, {}), 0.005);
+  EXPECT_EQ(specks({{"image", image}, {"labels", Value::of(missed)}}, {{"specks", "0"}}), 0);
+}
+
 TEST(ResidualSynth, HasNoSeams) {
   const Picture p = discs(128, 128, 0.05);
   const auto r = run(p, {{"size", "[48, 40, 36]"}});
