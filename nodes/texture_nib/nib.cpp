@@ -36,6 +36,7 @@ Nib::Nib(Image picture, NibTexture texture, DabSettings dab_settings)
     const int k = texture_.levels.nearest(position_[i], &d);
     if (d > most) continue;
     base_[i] = static_cast<std::uint8_t>(k);
+    if (dab_settings_.pairs == Pairs::Painted) continue;
     level_[(i / picture_.width + pad_) * stride_ + i % picture_.width + pad_] = static_cast<std::uint8_t>(k);
   }
   for (const auto& o : texture_.offsets)
@@ -76,7 +77,7 @@ void Nib::add(std::uint32_t pixel, int level, int sign, bool painted_only) {
 
 void Nib::clear(std::uint32_t pixel) {
   if (base_[pixel] == kNoLevel) return;
-  add(pixel, base_[pixel], -1, true);
+  if (dab_settings_.pairs == Pairs::Touching) add(pixel, base_[pixel], -1, true);
   base_[pixel] = kNoLevel;
   level_[(pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_] =
       static_cast<std::uint8_t>(texture_.levels.count());
@@ -234,7 +235,9 @@ std::vector<std::int32_t> Nib::fresh_counts() const {
         const int u = x + texture_.offsets[d].x(), v = y + texture_.offsets[d].y();
         if (u < 0 || v < 0 || u >= picture_.width || v >= picture_.height) continue;
         const std::size_t p = picture_.index(x, y), q = picture_.index(u, v);
-        if (base_[p] != kNoLevel && base_[q] != kNoLevel && (occupied_[p] || occupied_[q]))
+        const bool counts = dab_settings_.pairs == Pairs::Touching ? occupied_[p] || occupied_[q]
+                                                                   : occupied_[p] && occupied_[q];
+        if (base_[p] != kNoLevel && base_[q] != kNoLevel && counts)
           ++out[(d * levels + base_[p]) * levels + base_[q]];
       }
   return out;

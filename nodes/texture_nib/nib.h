@@ -21,10 +21,15 @@ namespace terrazzo::texture_nib {
 // smaller than a patch.
 enum class Finish { Levels, Colors, Patches };
 
+// Pairs of pixels that the working matrix counts. Touching: those with at least one painted pixel, so that a
+// stroke continues its surroundings. Painted: those with two, as in the paper (section 4.1).
+enum class Pairs { Touching, Painted };
+
 // Settings for painting a dab.
 struct DabSettings {
   int passes = 4;  // visits per pixel; every pixel is visited once before any is visited again
   Finish finish = Finish::Patches;
+  Pairs pairs = Pairs::Touching;
   std::uint64_t seed = 1;
 };
 
@@ -56,7 +61,7 @@ class Nib {
   // O: 1 where the nib has painted.
   const std::vector<std::uint8_t>& occupancy() const { return occupied_; }
 
-  // Counts of pixel pairs at each offset where both have a level and at least one is painted,
+  // Counts of pixel pairs at each offset where both have a level and one or both are painted (`pairs`),
   // [offset][home][remote]; their sums are the paper's K_d. counts() is updated incrementally; fresh_counts()
   // measures again.
   std::vector<std::int32_t> counts() const;
@@ -81,7 +86,8 @@ class Nib {
   Image picture_;
   NibTexture texture_;
   DabSettings dab_settings_;
-  // B_r and O with a border of `pad_` pixels on all sides that have no level and are not painted.
+  // B_r and O with a border of `pad_` pixels on all sides that have no level and are not painted. With
+  // Pairs::Painted, unpainted pixels have no level here, so that no pair counts them.
   int pad_ = 0, stride_ = 0;
   std::vector<std::uint8_t> level_, painted_;
   std::vector<std::uint8_t> base_, occupied_;

@@ -52,7 +52,7 @@ void compute(Context& c) {
   if (const auto v = c.optional_number("threshold")) s.threshold = *v;
   DabSettings dab_settings;
   dab_settings.passes = static_cast<int>(c.integer("passes")), dab_settings.seed = s.seed;
-  dab_settings.finish = c.choice<Finish>("finish");
+  dab_settings.finish = c.choice<Finish>("finish"), dab_settings.pairs = c.choice<Pairs>("pairs");
 
   const auto region = region_of(c, picture, strokes, fill, s.extent);
   Nib nib(picture, learn(picture, region, s, c.work().quiet()), dab_settings);
@@ -124,6 +124,11 @@ NodeType texture_nib_node() {
           Parameter::integer("passes", 4)
               .range(1, 1000)
               .doc_("Visits per pixel of a dab. Every pixel is visited once before any is visited again."))
+      .parameter(
+          Parameter::choice("pairs", "touching", {"touching", "painted"})
+              .doc_("Pairs of pixels that are compared with the region's: touching: those with at least one "
+                    "painted pixel, so that the texture continues its surroundings. painted: those with "
+                    "two, as in the paper; the surroundings have no influence."))
       .parameter(Parameter::choice("finish", "patches", {"levels", "colors", "patches"})
                      .doc_("levels: the clustered colors, as in the paper. colors: colors of region pixels "
                            "with the same level and similar neighborhoods. patches: the region's pixels, "

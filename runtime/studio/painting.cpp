@@ -63,9 +63,10 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
   s.levels = c.levels, s.extent = c.extent, s.scales = c.scales, s.seed = c.seed;
   if (c.threshold) s.threshold = *c.threshold;
   const auto region = texture_nib::region_mask(c.region, layer.base.width, layer.base.height);
-  return {layer.base,
-          texture_nib::learn(layer.base, region, s, work),
-          {c.passes, static_cast<Finish>(finish - std::begin(kFinishes)), c.seed}};
+  return {
+      layer.base,
+      texture_nib::learn(layer.base, region, s, work),
+      {.passes = c.passes, .finish = static_cast<Finish>(finish - std::begin(kFinishes)), .seed = c.seed}};
 }
 
 void Painting::choose(const NibChoice& choice, const Work& work) {
@@ -79,13 +80,14 @@ void Painting::choose(const NibChoice& choice, const Work& work) {
 
 void Painting::begin_stroke(double radius) {
   if (!nib_) throw Error("no-nib", "there is no nib yet", "pick a region of the image first");
-  end_stroke();
-  nib_->begin_stroke(radius);
   if (2 * radius > std::max(original_.width, original_.height))
     throw Error("nib-too-large",
                 fmt::format("the nib is {} pixels wide, larger than the image ({} × {} pixels)", 2 * radius,
                             original_.width, original_.height),
                 "reduce its size");
+  check_stroke({{{Vec2::Zero()}}, radius, false});
+  end_stroke();
+  nib_->begin_stroke(radius);
   stroke_ = Stroke{{{}}, radius, false};
   met_ = false;
 }

@@ -120,7 +120,7 @@ void ccm_nib(benchmark::State& state) {
   NibSettings s;
   s.extent = static_cast<int>(state.range(0));
   Nib nib(picture, learn(picture, std::vector<std::uint8_t>(picture.pixels.size(), 1), s),
-          {4, static_cast<Finish>(state.range(1)), 1});
+          {.finish = static_cast<Finish>(state.range(1))});
   double pixels = 0;
   int k = 0;
   for (auto _ : state) {

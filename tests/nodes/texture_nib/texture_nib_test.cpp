@@ -37,9 +37,9 @@ Strokes strokes_of(const std::vector<std::string>& texts) {
 }
 
 Nib nib_on(const Image& picture, const std::vector<double>& region, Finish finish, NibSettings s = {},
-           std::uint64_t seed = 1) {
+           std::uint64_t seed = 1, Pairs pairs = Pairs::Touching) {
   return Nib(picture, learn(picture, region_mask(region, picture.width, picture.height), s),
-             {4, finish, seed});
+             {.finish = finish, .pairs = pairs, .seed = seed});
 }
 
 std::set<std::uint32_t> pixels(const std::vector<std::uint32_t>& v) {
@@ -83,12 +83,13 @@ TEST(Footprint, IsWhatItsCentersSay) {
 TEST(TextureNib, MatrixAndOccupancyKeepUp) {
   const Image picture = pattern("fat", 64, "0.7");
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches})
-    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    for (std::uint64_t seed = 0; seed < 5; ++seed) {
       NibSettings s;
       s.levels = seed == 3 ? 20 : 5;
       s.extent = 1 + static_cast<int>(seed % 3), s.scales = 1 + static_cast<int>(seed % 2);
       if (seed == 2) s.threshold = 0.03;
-      Nib nib = nib_on(picture, {2, 2, 40, 40}, finish, s, seed);
+      const Pairs pairs = seed == 4 ? Pairs::Painted : Pairs::Touching;
+      Nib nib = nib_on(picture, {2, 2, 40, 40}, finish, s, seed, pairs);
       std::vector<std::uint8_t> covered(64 * 64, 0);
       Random r(seed, 8);
       for (int k = 0; k < 5; ++k) {
@@ -112,6 +113,29 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
           }
         }
     }
+}
+
+// Section 4.1 of the paper: the working matrix comes from drawn pixels alone, so the surroundings have no
+// influence.
+TEST(TextureNib, WithPaintedPairsTheSurroundingsDoNotMatter) {
+  const Image picture = pattern("fat", 64, "0.7");
+  Image other = picture;  // the region stays, its surroundings change
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      if (x >= 30) other.pixels[picture.index(x, y)] = picture.pixels[picture.index(63 - x, 63 - y)];
+  const Stroke stroke = strokes::read_stroke("5: 40 20, 52 44");
+  for (const Pairs pairs : {Pairs::Touching, Pairs::Painted}) {
+    Nib a = nib_on(picture, {0, 0, 30, 64}, Finish::Levels, {}, 1, pairs),
+        b = nib_on(other, {0, 0, 30, 64}, Finish::Levels, {}, 1, pairs);
+    a.paint(stroke), b.paint(stroke);
+    std::size_t different = 0;
+    for (const auto p : footprint_of(stroke, 64, 64))
+      different += a.base_relative()[p] != b.base_relative()[p];
+    if (pairs == Pairs::Painted)
+      EXPECT_EQ(different, 0u);
+    else
+      EXPECT_GT(different, 0u);
+  }
 }
 
 // Painted pixels encode to the levels counted in the matrix; their colors are the region's.
@@ -144,7 +168,8 @@ TEST(TextureNib, ErrorFallsWithPasses) {
   const Image picture = pattern("fat", 96, "0.6");
   std::vector<double> error;
   for (const int passes : {1, 2, 6}) {
-    Nib nib(picture, learn(picture, std::vector<std::uint8_t>(96 * 96, 1), {}), {passes, Finish::Levels, 1});
+    Nib nib(picture, learn(picture, std::vector<std::uint8_t>(96 * 96, 1), {}),
+            {.passes = passes, .finish = Finish::Levels});
     nib.paint(strokes::read_stroke("30: 48 48"));
     error.push_back(nib.error());
   }

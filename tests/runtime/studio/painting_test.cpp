@@ -86,6 +86,27 @@ TEST(Painting, UndoGoesBackStepByStep) {
   EXPECT_FALSE(p.undo());
 }
 
+// A size that is rejected while a stroke is being painted leaves the stroke as it is.
+TEST(Painting, ARejectedSizeChangesNothing) {
+  const auto painted = [](double rejected) {
+    Painting p(test::paint_picture());
+    p.choose(nib({2, 2, 40, 60}));
+    p.begin_stroke(5);
+    p.extend_stroke({60, 30});
+    if (rejected != 0) {
+      EXPECT_ANY_THROW(p.begin_stroke(rejected));
+    }
+    p.extend_stroke({70, 36});
+    p.end_stroke();
+    EXPECT_EQ(p.strokes(), 1u);
+    return p.content();
+  };
+  const std::string expected = painted(0);
+  EXPECT_EQ(painted(200), expected);
+  EXPECT_EQ(painted(-1), expected);
+  EXPECT_EQ(painted(std::nan("")), expected);
+}
+
 TEST(Painting, RefusesBadInputAndStaysAsItWas) {
   Painting p(test::paint_picture());
   const auto code = [&](auto&& f) { return test::code_of(f); };
