@@ -116,7 +116,7 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
       e.pixels.push_back(exemplar.value[static_cast<std::size_t>(y) * e.width + x].array() + kZero);
   solids::SolidSettings settings;
   settings.size = Vec3i::Constant(size);
-  settings.lab = false;
+  settings.color = solids::SolidColor::Linear;
   settings.levels = 2;  // the broad part is left out
   settings.iterations = {12, 5};
   settings.seed = seed;

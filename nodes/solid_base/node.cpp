@@ -19,7 +19,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType solid_base_node() {
-  NodeType type = NodeType("SolidBase", 1)
+  NodeType type = NodeType("SolidBase", 2)
                       .doc_(
                           "Prepares a solid texture that is too large for memory: makes its coarse levels "
                           "and measures the statistics that all blocks made by SolidBlock share")

@@ -167,7 +167,7 @@ Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidSetting
   out.size = s.size;
   std::vector<const std::vector<Vec3f>*> pictures;
   for (const auto& e : exemplars) pictures.push_back(&e.pixels);
-  out.axes = color_axes(pictures, s.lab);
+  out.axes = color_axes(pictures, s.color);
   const int channels = out.axes.channels;
   if (channels == 0)
     throw Error("one-color", "the exemplar has a single color", "use an exemplar with visible texture");

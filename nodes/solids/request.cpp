@@ -148,7 +148,7 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   else
     for (const auto i : c.ints("iterations")) s.iterations.push_back(static_cast<int>(i));
   s.levels = static_cast<int>(c.optional_integer("levels").value_or(0));
-  s.lab = c.choice<SolidColor>("color") == SolidColor::Lab;
+  s.color = c.choice<SolidColor>("color");
   s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.copying = c.number("copying"),
   s.window = c.number("window");
   s.guide = c.number("guide");
@@ -222,8 +222,9 @@ NodeType& declare_settings(NodeType& type) {
                      .range(1, 8)
                      .doc_("Number of scales, each half the size of the next. auto: until the exemplar's "
                            "shorter side has 24 to 47 pixels."))
-      .parameter(Parameter::choice("color", "lab", {"lab", "linear"})
-                     .doc_("Color space for distances and means: Oklab, or scene-linear Rec. 709"))
+      .parameter(Parameter::choice("color", "lab", {"lab", "linear", "rgb"})
+                     .doc_("Color space for distances and means: Oklab, scene-linear Rec. 709, or "
+                           "display-encoded RGB with a histogram per channel (as in the 2011 paper)"))
       .parameter(Parameter::number("exponent", 0.8)
                      .range(0, 2)
                      .doc_("Exponent r of the energy ‖patch − match‖^r. Values below 2 reduce the influence "

@@ -10,7 +10,7 @@ using namespace solids;
 template <class Stream>
 void fields(Stream&& each, SolidSettings& s) {
   for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[static_cast<std::size_t>(a)]);
-  each(s.levels), each(s.lab), each(s.exponent), each(s.overuse), each(s.copying), each(s.guide);
+  each(s.levels), each(s.color), each(s.exponent), each(s.overuse), each(s.copying), each(s.guide);
   each(s.window), each(s.finish), each(s.blockwise_iterations), each(s.seed);
 }
 
@@ -99,6 +99,8 @@ SolidBase decode(Reader& r) {
   SolidBase v;
   SolidSettings& s = v.request.settings;
   fields([&](auto& field) { field = r.pod<std::decay_t<decltype(field)>>(); }, s);
+  if (s.color < SolidColor::Lab || s.color > SolidColor::Rgb)
+    throw Error("damaged", "the stored color space is unknown");
   s.method = SolidMethod::Blockwise, s.iterations = r.array<int>(), v.request.voxel = r.pod<double>();
   v.request.exemplars = decode_list<SolidExemplar>(r, [&] {
     SolidExemplar e;

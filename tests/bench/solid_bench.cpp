@@ -53,7 +53,7 @@ Made make(int side, bool reference, bool blockwise = false) {
   so::SolidSettings s;
   s.size = Vec3i::Constant(side);
   if (reference) s.method = so::SolidMethod::Reference;
-  if (reference) s.iterations = {100, 20, 10};
+  if (reference) s.iterations = {100, 20, 10}, s.color = so::SolidColor::Rgb;
   if (blockwise) s.method = so::SolidMethod::Blockwise, s.finish = 1;
   const double start = cpu_seconds();
   const auto r = so::optimize_solid({blobs(side)}, s, Work());

@@ -4,14 +4,16 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
+#include "nodes/solids/settings/settings.h"
 
 namespace terrazzo::solids {
 
-// Principal axes of the exemplars' colors, all divided by one number that makes their total variance 1.
-// Distances keep their ratios. The channels are uncorrelated, so that matching their histograms separately
-// makes no new colors.
+// Axes of the exemplars' colors, all divided by one number that makes their total variance 1. Distances keep
+// their ratios. In Lab and Linear these are the principal axes: the channels are uncorrelated, so that
+// matching their histograms separately makes no new colors. In Rgb they are the channels as stored, by
+// falling variance (Laursen et al. 2011, section 4.4).
 struct ColorAxes {
-  bool lab = true;   // Oklab, else scene-linear Rec. 709
+  SolidColor color = SolidColor::Lab;
   int channels = 0;  // channels with significant variance, 0 … 3
   Vec3f mean = Vec3f::Zero();
   Mat3 axes = Mat3::Identity();  // columns, by falling variance
@@ -22,6 +24,6 @@ struct ColorAxes {
 };
 
 // The axes of all pictures together, each with equal weight.
-ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, bool lab);
+ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, SolidColor);
 
 }  // namespace terrazzo::solids

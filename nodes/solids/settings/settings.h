@@ -27,7 +27,8 @@ enum class SolidMethod {
   Reference,  // Laursen, Ersbøll and Bærentzen 2011
 };
 
-enum class SolidColor { Lab, Linear };  // of distances and means: Oklab, scene-linear Rec. 709
+// Color space of distances and means: Oklab, scene-linear Rec. 709, or display-encoded RGB (sRGB).
+enum class SolidColor { Lab, Linear, Rgb };
 
 struct SolidSettings {
   SolidMethod method = SolidMethod::Coherence;
@@ -35,7 +36,7 @@ struct SolidSettings {
   std::array<int, 3> plane = {0, 0, 0};       // exemplar index for slices across x, y, z; −1: none
   std::vector<int> iterations = {20, 10, 5};  // per level, coarsest first; the last one repeats
   int levels = 0;                             // 0: until the smallest exemplar has 24 to 47 pixels per side
-  bool lab = true;
+  SolidColor color = SolidColor::Lab;
   double exponent = 0.8;  // r of ‖·‖^r
   double overuse = 1;
   double copying = 1;            // penalty on copying the neighbors' exemplar layout (search.h)

@@ -4,6 +4,7 @@
 #include <functional>
 #include <numbers>
 
+#include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/table.h"
@@ -258,9 +259,34 @@ TEST(SolidOptimize, GrayAndLinearAreTakenToo) {
   for (auto it = colors(r).cbeginValueOn(); it; ++it) ASSERT_NEAR((*it)[0], (*it)[2], 1e-3);
 }
 
+// The 2011 paper works in the red, green and blue of its pictures: no rotation, no other colors.
+TEST(SolidOptimize, RgbAxesAreTheStoredChannels) {
+  namespace so = solids;
+  const Image image = blobs(48, 48, 7, 12);
+  const so::ColorAxes axes = so::color_axes({&image.pixels}, so::SolidColor::Rgb);
+  EXPECT_EQ(axes.channels, 3);
+  EXPECT_EQ((axes.axes.cwiseAbs().rowwise().maxCoeff() - Vec3::Ones()).norm(), 0);
+  EXPECT_EQ(axes.axes.cwiseAbs().sum(), 3);
+  Vec3 mean = Vec3::Zero(), square = Vec3::Zero();
+  for (const Vec3f& p : image.pixels) {
+    const Vec3f w = axes.to(p);
+    EXPECT_LT((axes.from(w) - p).norm(), 1e-5f);
+    // Each working channel is one encoded channel, moved and scaled.
+    const Vec3f stored = axes.axes.cast<float>().transpose() * linear_to_srgb(p);
+    EXPECT_LT((w / axes.scale + axes.axes.cast<float>().transpose() * axes.mean - stored).norm(), 1e-5f);
+    mean += w.cast<double>(), square += w.cast<double>().cwiseAbs2();
+  }
+  const double n = static_cast<double>(image.pixels.size());
+  const Vec3 variance = square / n - (mean / n).cwiseAbs2();
+  EXPECT_NEAR(variance.sum(), 1, 1e-4);
+  EXPECT_GE(variance[0], variance[1]);
+  EXPECT_GE(variance[1], variance[2]);
+}
+
 TEST(SolidOptimize, ThePapersRecipeGivesASolidOfTheExemplarsColors) {
-  const auto r = solid(blobs(32, 32, 7, 13),
-                       {{"method", "reference"}, {"size", "16"}, {"iterations", "[3, 2]"}, {"levels", "2"}});
+  const auto r = solid(
+      blobs(32, 32, 7, 13),
+      {{"method", "reference"}, {"color", "rgb"}, {"size", "16"}, {"iterations", "[3, 2]"}, {"levels", "2"}});
   Vec3 mean = Vec3::Zero();
   for (auto it = colors(r).cbeginValueOn(); it; ++it) {
     for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite((*it)[c]));
