@@ -4,6 +4,7 @@
 #include "nodes/common/plot/plot.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
+#include "nodes/unfold/limit.h"
 #include "nodes/unfold/summary.h"
 #include "nodes/unfolding/unfold.h"
 #include "runtime/context.h"
@@ -12,6 +13,9 @@ namespace terrazzo {
 namespace {
 using namespace unfolding;
 using namespace unfold;
+
+// Relative effect of the smallest profiles on the density of larger particles that is reported.
+constexpr double kLimitEffect = 0.25;
 
 Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
   Table t;
@@ -74,7 +78,9 @@ void compute(Context& c) {
   o.types = c.choice<Types>("types");
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = c.seed();
-  UnfoldResult r = unfolding::unfold(c.input<Profiles>("profiles"), c.input<KMatrix>("kmatrix"), o, c.work());
+  const auto& profiles = c.input<Profiles>("profiles");
+  const auto& kmatrix = c.input<KMatrix>("kmatrix");
+  UnfoldResult r = unfolding::unfold(profiles, kmatrix, o, c.work().part(0, 0.9));
   double fraction = 0, negative = 0, freedom = 0, jumps = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;
   for (const auto& f : r.fits) {
@@ -88,7 +94,7 @@ void compute(Context& c) {
     c.warn(fmt::format(
         "the estimated particles fill {:.3g} of the volume, but the profiles cover {:.3g} of the section",
         r.distribution.volume_fraction, fraction));
-  const int asked = c.input<KMatrix>("kmatrix").classes;
+  const int asked = kmatrix.classes;
   if (o.classes == 0 && r.model.classes() < asked)
     c.warn(fmt::format(
         "{} profiles support only {} size classes, not the {} of the K matrix; set classes to override this",
@@ -100,6 +106,17 @@ void compute(Context& c) {
   if (static_cast<int>(r.observations.used) < r.model.visible())
     c.warn(fmt::format("only {} profiles for {} classes: use fewer classes or a larger photograph",
                        r.observations.used, r.model.visible()));
+  if (!r.observations.relative)
+    if (const auto limit = limit_sensitivity(profiles, kmatrix, o, r, c.work().part(0.9, 1))) {
+      c.metric("smallest_class_share", limit->share), c.metric("smallest_class_effect", limit->change);
+      if (std::abs(limit->change) > kLimitEffect)
+        c.warn(
+            fmt::format("without the profiles of the smallest class, below {:.3g} mm, N_V of all larger "
+                        "particles would be {:.0f} % {}: the photograph may miss small profiles or show "
+                        "false ones; compare with smallest_visible: {:.3g}",
+                        r.model.profile_edges[1], 100 * std::abs(limit->change),
+                        limit->change > 0 ? "higher" : "lower", r.model.profile_edges[1]));
+    }
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
   if (o.method == unfolding::Method::Em) c.metric("jumps", jumps);
@@ -126,7 +143,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_node() {
-  return NodeType("Unfold", 6)
+  return NodeType("Unfold", 7)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")

@@ -8,8 +8,10 @@
 
 namespace terrazzo::unfolding {
 
-double estimate_d_max(const Observations& o, const KMatrix& k, int classes, double smallest_visible,
-                      const Work& work) {
+double estimate_d_max(const Observations& o, const KMatrix& k, Types types, int classes,
+                      double smallest_visible, const Work& work) {
+  std::vector<KMatrix> own;
+  for (std::size_t c = 0; c < o.classes.size(); ++c) own.push_back(kmatrix_of(k, types, c));
   constexpr int kCandidates = 25, kFine = 120, kIterations = 300;
   constexpr double kRatio = 1.02;
   double best = o.largest * (1 + 1e-9), most = -std::numeric_limits<double>::infinity();
@@ -24,11 +26,14 @@ double estimate_d_max(const Observations& o, const KMatrix& k, int classes, doub
     const double lo = std::max(smallest_visible, 0.0), hi = o.largest * (1 + 1e-9);
     for (int i = 0; i <= kFine; ++i) fine.push_back(lo + (hi - lo) * i / kFine);
     if (d > hi * (1 + 1e-9)) fine.push_back(d);
-    const Eigen::MatrixXd m = model_matrix(k, fine, sizes, model.upper_edge) * o.area;
     double sum = 0;
-    for (const Observation& q : o.classes) {
+    Eigen::MatrixXd m;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const Observation& q = o.classes[i];
       if (q.size.empty()) continue;
       work.check();
+      if (m.size() == 0 || types == Types::ByClass)
+        m = model_matrix(own[i], fine, sizes, model.upper_edge) * o.area;
       const Counts n = count(q.size, q.weight, fine);
       // Weighted profiles carry less information, by the factor Σw²/Σw.
       const double information = n.sum.sum() / n.squares.sum();

@@ -32,6 +32,8 @@ void check(const KMatrix& k) {
   }
 }
 
+constexpr double kSliver = 0.05;  // of a class's width
+
 double size_of(const KMatrix::Entry& e) { return std::sqrt(4 * e.max_section_area / std::numbers::pi); }
 
 }  // namespace
@@ -63,9 +65,11 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
             d_max, smallest_visible),
         "lower smallest_visible")
         .parameter("smallest_visible");
-  while (m.edges[m.first + 1] <= smallest_visible) ++m.first;
   // Smaller particles show no visible profile, so the first class starts at the smallest visible size.
-  m.edges[m.first] = std::max(m.edges[m.first], smallest_visible);
+  // Instead of a sliver of a class, which would hold hardly any profiles, the next one starts there.
+  const double sliver = kSliver * d_max / classes;
+  while (m.first + 1 < classes && m.edges[m.first + 1] <= smallest_visible + sliver) ++m.first;
+  m.edges[m.first] = smallest_visible;
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);

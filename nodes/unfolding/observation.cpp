@@ -49,7 +49,8 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
 
   std::vector<double> all_area(classes, 0.0), counted_area(classes, 0.0);
   double all = 0, counted = 0;
-  for (const Profile& p : profiles.profiles) {
+  for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
+    const Profile& p = profiles.profiles[i];
     all_area[p.cls] += p.area, all += p.area;
     const double weight = border == Border::Weights                      ? p.weight
                           : border == Border::Inside && p.touches_border ? 0
@@ -66,6 +67,7 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
     }
     Observation& c = o.classes[p.cls];
     c.size.push_back(size), c.weight.push_back(weight), c.section.push_back(p.section);
+    c.profile.push_back(i);
     o.largest = std::max(o.largest, size);
     ++o.used;
   }

@@ -14,11 +14,12 @@ enum class Border {
   All       // every profile has weight 1, cut ones with their visible area
 };
 
-struct Observation {           // one color class
-  std::vector<double> size;    // √(4·A/π), mm, of each profile used
-  std::vector<double> weight;  // number of profiles that it represents, > 0
-  std::vector<int> section;    // index of its section
-  double area_fraction = 0;    // share of the section's area, cut profiles included
+struct Observation {                 // one color class
+  std::vector<double> size;          // √(4·A/π), mm, of each profile used
+  std::vector<double> weight;        // number of profiles that it represents, > 0
+  std::vector<int> section;          // index of its section
+  std::vector<std::size_t> profile;  // its index in Profiles
+  double area_fraction = 0;          // share of the section's area, cut profiles included
 };
 
 struct Observations {

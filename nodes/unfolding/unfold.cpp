@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 // Relative error of the area fraction: small compared with that of any class, so that the solid's volume
 // fraction matches the photograph.
 constexpr double kFractionError = 0.005;
+constexpr double kOverfull = 0.02;  // largest volume fraction above 1 that such errors explain
 
 // Smallest distance between the density and the ends of its interval, in profiles. Above: a Poisson mean of 3
 // shows none one time in twenty. Below: fewer cannot be seen.
@@ -109,23 +110,30 @@ void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, 
   }
 }
 
+void divide_densities(UnfoldResult& r, double by) {
+  for (auto& f : r.fits) f.density /= by, f.refitted /= by;
+  for (auto& e : r.distribution.shapes)
+    for (auto* values : {&e.N_V, &e.low, &e.high})
+      for (double& v : *values) v /= by;
+}
+
 // Without an area, densities are known only up to a factor: scale them to Σ N_V = 1 and leave
 // the volume fraction unknown.
 void make_relative(UnfoldResult& r) {
   double sum = 0;
   for (const auto& f : r.fits) sum += f.density.sum();
   if (!(sum > 0)) return;
-  for (auto& f : r.fits) f.density /= sum, f.observed /= sum, f.refitted /= sum;
-  for (auto& e : r.distribution.shapes)
-    for (auto* values : {&e.N_V, &e.low, &e.high})
-      for (double& v : *values) v /= sum;
+  for (auto& f : r.fits) f.observed /= sum;
+  divide_densities(r, sum);
   r.distribution.volume_fraction = 0;
 }
 
-// The K matrix restricted to one shape.
-KMatrix only(KMatrix k, std::size_t shape) {
-  for (std::size_t s = 0; s < k.shapes.size(); ++s) k.shapes[s].probability = s == shape;
-  return k;
+// Particles that fill space, as in a polycrystal, come out up to some errors of the area fraction too many.
+void make_room(UnfoldResult& r) {
+  double& fraction = r.distribution.volume_fraction;
+  if (fraction <= 1 || fraction > 1 + kOverfull) return;
+  divide_densities(r, fraction);
+  fraction = 1;
 }
 
 bool is_finite(const UnfoldResult& r) {
@@ -146,17 +154,17 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
                     o.largest, d_max),
         "raise d_max, or set it to auto")
         .parameter("d_max");
-  if (d_max <= 0) d_max = estimate_d_max(o, k, classes, visible, work.part(0, 0.3));
-  r.model = make_model(k, classes, d_max, visible);
-  const UnfoldModel& m = r.model;
-  r.condition = condition_of(m.matrix);
-  const bool em = options.method == Method::Em;
   if (options.types == Types::ByClass && o.classes.size() > k.shapes.size())
     throw Error("wrong-count",
                 fmt::format("the profiles have {} color classes, but the K matrix has {} shapes",
                             o.classes.size(), k.shapes.size()),
                 "connect one shape per class, or set types: mixed")
         .parameter("types");
+  if (d_max <= 0) d_max = estimate_d_max(o, k, options.types, classes, visible, work.part(0, 0.3));
+  r.model = make_model(k, classes, d_max, visible);
+  const UnfoldModel& m = r.model;
+  r.condition = condition_of(m.matrix);
+  const bool em = options.method == Method::Em;
 
   SizeDistribution& out = r.distribution;
   out.class_edges = m.edges;
@@ -165,7 +173,7 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   const double count_of_classes = static_cast<double>(o.classes.size());
   for (std::size_t c = 0; c < o.classes.size(); ++c) {
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
-    const KMatrix own = options.types == Types::ByClass ? only(k, c) : k;
+    const KMatrix own = kmatrix_of(k, options.types, c);
     const UnfoldModel model = options.types == Types::ByClass ? make_model(own, classes, d_max, visible) : m;
     const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
     const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
@@ -179,12 +187,22 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     r.fits.push_back(f.fit);
   }
   out.goodness_of_fit = chi2 / std::max(freedom, 1.0);
-  if (o.relative) make_relative(r);
+  if (o.relative)
+    make_relative(r);
+  else
+    make_room(r);
   r.observations = std::move(o);
   return r;
 }
 
 }  // namespace
+
+KMatrix kmatrix_of(const KMatrix& k, Types types, std::size_t cls) {
+  KMatrix own = k;
+  if (types == Types::ByClass)
+    for (std::size_t s = 0; s < own.shapes.size(); ++s) own.shapes[s].probability = s == cls;
+  return own;
+}
 
 int classes_for(std::size_t profiles) {
   return std::max(2, static_cast<int>(2 * std::cbrt(static_cast<double>(profiles))));
@@ -204,7 +222,7 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
        --classes) {
     UnfoldResult r = unfold_classes(o, classes, visible, k, options, work);
     const bool finite = is_finite(r);
-    if (finite && (o.relative || r.distribution.volume_fraction < 1)) return r;
+    if (finite && (o.relative || r.distribution.volume_fraction <= 1)) return r;
     if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes
     const std::string found =
         finite ? fmt::format(

@@ -54,17 +54,23 @@ struct UnfoldResult {
 // Number of classes that n profiles support: 2·n^⅓ (Terrell and Scott 1985).
 int classes_for(std::size_t profiles);
 
-// Maximum-likelihood size of the largest particle, over multiples of the largest profile from 1 to 1.6 in
-// steps of 2 %. The largest profile itself underestimates it (errata 3 in docs/errata.md, 2004 eq. 7).
-double estimate_d_max(const Observations&, const KMatrix&, int classes, double smallest_visible, const Work&);
+// The K matrix of a color class: all shapes by probability, or only the class's own shape (eq. 9).
+KMatrix kmatrix_of(const KMatrix&, Types, std::size_t cls);
+
+// Maximum-likelihood size of the largest particle of all color classes, over multiples of the largest profile
+// from 1 to 1.6 in steps of 2 %. The largest profile itself underestimates it (errata 3 in docs/errata.md,
+// 2004 eq. 7).
+double estimate_d_max(const Observations&, const KMatrix&, Types, int classes, double smallest_visible,
+                      const Work&);
 
 // `em`: penalized maximum likelihood of Poisson counts on a finer grid of sizes; the counts choose the
 // smoothness and the jumps of the log density. `nnls`: densities ≥ 0 with the least squared error, each class
 // weighted by the counting error of its profiles. Both hold the volume fraction Σ N_V·V to the area fraction
 // of the profiles (V_V = A_A), which is known far better than any class. `inverse` solves N_A = M·N_V (Jagnow
 // et al. 2004, eq. 8, 12) and sets negative densities to zero. If the observed area is unknown, Σ N_V is 1
-// and the volume fraction 0. Throws Error "no-profiles", "bad-profiles", "bad-kmatrix", "too-few-profiles",
-// "singular", "unstable" (particles would fill the volume or more), "nothing-visible", "too-small" (d_max).
+// and the volume fraction 0. A volume fraction of 1 to 1.02 is scaled to 1. Throws Error "no-profiles",
+// "bad-profiles", "bad-kmatrix", "too-few-profiles", "singular", "unstable" (particles would fill more than
+// the volume), "nothing-visible", "too-small" (d_max).
 UnfoldResult unfold(const Profiles&, const KMatrix&, const UnfoldOptions&, const Work&);
 
 }  // namespace terrazzo::unfolding

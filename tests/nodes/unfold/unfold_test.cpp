@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "nodes/kmatrix/make_kmatrix.h"
+#include "nodes/unfold/limit.h"
 #include "nodes/unfold/summary.h"
 #include "runtime/random.h"
 #include "tests/nodes/unfold/spheres.h"
@@ -285,6 +286,22 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
   EXPECT_THROW(unfolding::unfold(p, test::spheres<10>(), o, {}), Error);  // two classes, one shape
 }
 
+// Equation 9: the other classes' shapes say nothing about the largest particle of this one.
+TEST(Unfold, ByClassTheLargestSizeFollowsEachClassesOwnMatrix) {
+  KMatrix k = test::spheres<10>();
+  const auto solid =
+      test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
+  k.shapes.push_back(make_kmatrix(solid.as<Shapes>(), {.orientations = 500}).shapes[0]);
+  bool mixed_differs = false;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Observations o = observe(section(5, 10, 0.001, 1e5, seed), Border::Weights, 0, 0);
+    const double alone = estimate_d_max(o, test::spheres<10>(), Types::Mixed, 10, 0, {});
+    EXPECT_EQ(estimate_d_max(o, k, Types::ByClass, 10, 0, {}), alone);
+    mixed_differs = mixed_differs || estimate_d_max(o, k, Types::Mixed, 10, 0, {}) != alone;
+  }
+  EXPECT_TRUE(mixed_differs);
+}
+
 TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   // Discs of equal spheres in a window so small that its border cuts a third of them.
   Random random(21);
@@ -318,6 +335,47 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   EXPECT_NEAR(n_a(Border::Weights), 1, 0.02);
   EXPECT_GT(n_a(Border::All), 1.15);
   EXPECT_LT(n_a(Border::Inside), 0.85);
+}
+
+// Grains that fill space: sampling noise must not make them overfull.
+TEST(Unfold, ParticlesMayFillTheVolume) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Profiles p = section(5, 10, 0.001, 1e5, seed);
+    double covered = 0;
+    for (const Profile& q : p.profiles) covered += q.area;
+    p.observed_area = covered, p.area_fraction = 1;
+    const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.bootstrap = 10}, {});
+    EXPECT_LE(r.distribution.volume_fraction, 1);
+    EXPECT_GT(r.distribution.volume_fraction, 0.97);
+    double sum = 0;
+    for (int j = 0; j < r.model.visible(); ++j) sum += r.model.volume[j] * r.fits[0].density[j];
+    EXPECT_NEAR(sum, r.distribution.volume_fraction, 1e-9);
+  }
+}
+
+// Where small profiles are missing, the fit without the smallest class finds more of the larger particles'
+// neighbors in size; where none are missing, it finds the same.
+TEST(Unfold, LimitSensitivityShowsMissingSmallProfiles) {
+  const auto effect = [](const Profiles& p) {
+    UnfoldOptions o;
+    o.d_max = 10, o.smallest_visible = 1;
+    const auto s =
+        limit_sensitivity(p, test::spheres<10>(), o, unfolding::unfold(p, test::spheres<10>(), o, {}), {});
+    EXPECT_TRUE(s.has_value());
+    return s.value_or(LimitSensitivity{});
+  };
+  const Profiles all = section(1, 10, 0.001, 4e5, 3);
+  const LimitSensitivity good = effect(all);
+  EXPECT_NEAR(good.change, 0, 0.03);
+  EXPECT_NEAR(good.share, 1.0 / 9, 0.05);
+  Profiles few = all;  // of the profiles below 2 mm, one in ten is seen
+  std::size_t k = 0;
+  std::erase_if(few.profiles, [&](const Profile& q) { return q.area < std::numbers::pi && k++ % 10 != 0; });
+  EXPECT_GT(effect(few).change, good.change + 0.02);
+  EXPECT_FALSE(limit_sensitivity(
+                   all, test::spheres<10>(), {.classes = 2, .smallest_visible = 1},
+                   unfolding::unfold(all, test::spheres<10>(), {.classes = 2, .smallest_visible = 1}, {}), {})
+                   .has_value());
 }
 
 TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
