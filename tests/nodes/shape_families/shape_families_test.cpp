@@ -1,0 +1,171 @@
+// Families of shapes compared on sections of packings whose particles have one of them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "nodes/common/geometry/loop.h"
+#include "nodes/common/stereology/random_sections.h"
+#include "nodes/data/kmatrix.h"
+#include "nodes/data/profiles.h"
+#include "nodes/data/shapes.h"
+#include "nodes/data/table.h"
+#include "nodes/shape_families/score.h"
+#include "nodes/shape_families/sections.h"
+#include "runtime/random.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+using namespace shape_families;
+using test::code_of;
+
+using Parameters = std::map<std::string, std::string>;
+
+struct Known {
+  Value shapes, kmatrix;
+  Family family(const std::string& name) const {
+    return {name, &shapes.as<Shapes>(), &kmatrix.as<KMatrix>()};
+  }
+};
+
+Known known(const std::string& kind, Parameters more = {}) {
+  more["kind"] = kind, more["size"] = "1";
+  Known k;
+  k.shapes = test::run_node("Shape", {}, more).outputs.at("shapes");
+  k.kmatrix =
+      test::run_node("KMatrix", {{"shapes", k.shapes}}, {{"orientations", "400"}}).outputs.at("kmatrix");
+  return k;
+}
+
+// Profiles of particles of sizes 1 to 3 mm in planes through boxes of random, overlapping particles, which is
+// all that unfolding assumes. N_V is the number of particles per mm³.
+Profiles cut(const Shapes& shapes, double n_v, double area, std::uint64_t seed) {
+  const double lo = 1, hi = 3, unit = shapes.shapes[0].mean_caliper / shapes.shapes[0].size();
+  Profiles p;
+  p.observed_area = area;
+  Random random(seed, 77);
+  // Planes hit particles of size D in proportion to their caliper diameter: N_A = N_V · unit · mean size.
+  const auto n = static_cast<std::size_t>(n_v * unit * (lo + hi) / 2 * area);
+  std::vector<double> sizes;
+  while (sizes.size() < n)
+    if (const double d = random.uniform(lo, hi); random.uniform(0, hi) < d) sizes.push_back(d);
+  Shapes one = shapes;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto section = random_sections(one, 1, {.seed = seed, .first = i});
+    for (const auto& loops : section[0]) {
+      Profile q;
+      const double scale = sizes[i] / shapes.shapes[0].size();
+      for (const Vec2& v : loops.front()) q.contour.push_back(v * scale);
+      q.area = loop_area(q.contour);
+      p.area_fraction += q.area / area;
+      p.profiles.push_back(std::move(q));
+    }
+  }
+  return p;
+}
+
+ScoreSettings quick() {
+  ScoreSettings s;
+  s.sections = 800, s.bootstrap = 0;
+  return s;
+}
+
+// Whatever the true family is, it predicts best, and its N_V is right while others are off.
+TEST(ShapeFamilies, TheTrueFamilyPredictsBest) {
+  const Known sphere = known("sphere", {{"detail", "2"}}), box = known("box", {{"axes", "[1, 1, 1]"}}),
+              octahedron = known("octahedron"), slab = known("box", {{"axes", "[2, 1, 0.5]"}});
+  const std::vector<Family> families = {sphere.family("sphere"), box.family("box"),
+                                        octahedron.family("octahedron"), slab.family("slab")};
+  for (std::size_t truth = 0; truth < families.size(); ++truth)
+    for (const std::uint64_t seed : {1, 2}) {
+      const Profiles p = cut(*families[truth].shapes, 0.02, 10000, seed);
+      const Scores s = score_families(p, families, quick(), {});
+      EXPECT_EQ(s.best, truth) << families[s.best].name << " for " << families[truth].name;
+      EXPECT_NEAR(s.families[truth].N_V / 0.02, 1, 0.25) << families[truth].name;
+      EXPECT_EQ(s.families[truth].behind, 0);
+      for (std::size_t f = 0; f < families.size(); ++f)
+        if (f != truth) {
+          EXPECT_LT(s.families[f].behind, 0) << families[f].name;
+          EXPECT_FALSE(s.families[f].plausible) << families[f].name << " for " << families[truth].name;
+        }
+    }
+}
+
+// Lists of areas have no outlines: sizes alone hardly tell convex shapes apart, and the node says so.
+TEST(ShapeFamilies, SizesAloneDecideLittle) {
+  const Known sphere = known("sphere", {{"detail", "2"}}), octahedron = known("octahedron");
+  Profiles p = cut(octahedron.shapes.as<Shapes>(), 0.02, 8000, 3);
+  for (Profile& q : p.profiles) q.contour.clear();
+  const auto r = test::run_node("ShapeFamilies",
+                                {{"profiles", Value::of(p)},
+                                 {"shapes", sphere.shapes},
+                                 {"shapes", octahedron.shapes},
+                                 {"kmatrices", sphere.kmatrix},
+                                 {"kmatrices", octahedron.kmatrix}},
+                                {{"bootstrap", "0"}, {"sections", "200"}, {"names", "[sphere, octahedron]"}});
+  EXPECT_EQ(r.metrics.at("outlines"), 0);
+  const auto& table = r.output<Table>("table");
+  EXPECT_LT(std::abs(table.number(0, "sizes") - table.number(1, "sizes")), 0.05);
+  EXPECT_EQ(table.number(0, "outlines"), 0);
+  EXPECT_FALSE(r.warnings.empty());
+}
+
+// A family twice in the list: equal predictions, both plausible, no disagreement.
+TEST(ShapeFamilies, EqualFamiliesAreEqual) {
+  const Known box = known("box", {{"axes", "[1, 1, 1]"}});
+  const Profiles p = cut(box.shapes.as<Shapes>(), 0.02, 5000, 5);
+  const Scores s = score_families(p, {box.family("a"), box.family("b")}, quick(), {});
+  EXPECT_EQ(s.families[1].behind, 0);
+  EXPECT_EQ(s.families[1].error, 0);
+  EXPECT_TRUE(s.families[1].plausible);
+  EXPECT_EQ(s.families[0].N_V, s.families[1].N_V);
+}
+
+// Outlines that follow pixels are blurred according to their resolution, and coarse ones are left out.
+TEST(ShapeFamilies, OutlinesAreMeasuredAtTheirResolution) {
+  const auto disc = [](double radius) {  // points at steps of a pixel, scattered by a tenth
+    Profile p;
+    Random random(3);
+    const int n = static_cast<int>(2 * std::numbers::pi * radius);
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n, r = radius + random.uniform(-0.1, 0.1);
+      p.contour.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    }
+    return p;
+  };
+  EXPECT_FALSE(measured(disc(3)).has_value());
+  const auto coarse = measured(disc(8)), fine = measured(disc(60));
+  ASSERT_TRUE(coarse && fine);
+  EXPECT_GT(coarse->level, fine->level);
+  EXPECT_NEAR(coarse->features[0], 1, 0.05);
+  EXPECT_NEAR(fine->features[0], 1, 0.02);
+  EXPECT_NEAR(fine->features[1], 1, 0.02);
+  Profile at_border = disc(60);
+  at_border.touches_border = true;
+  EXPECT_FALSE(measured(at_border).has_value());
+}
+
+TEST(ShapeFamilies, SaysWhatIsWrong) {
+  const Known box = known("box", {{"axes", "[1, 1, 1]"}}), ball = known("sphere", {{"detail", "1"}});
+  const Profiles p = cut(box.shapes.as<Shapes>(), 0.02, 800, 5);
+  const auto run = [&](const Profiles& profiles, std::vector<Value> shapes, std::vector<Value> matrices,
+                       Parameters parameters = {}) {
+    std::multimap<std::string, Value> inputs = {{"profiles", Value::of(profiles)}};
+    for (const Value& v : shapes) inputs.emplace("shapes", v);
+    for (const Value& v : matrices) inputs.emplace("kmatrices", v);
+    return code_of([&] { test::run_node("ShapeFamilies", inputs, parameters); });
+  };
+  EXPECT_EQ(run(p, {box.shapes, ball.shapes}, {box.kmatrix}), "wrong-count");
+  EXPECT_EQ(run(p, {box.shapes}, {box.kmatrix}, {{"names", "[a, b]"}}), "wrong-count");
+  EXPECT_EQ(run(p, {box.shapes}, {box.kmatrix}, {{"folds", "20"}}), "too-few-profiles");
+  Shapes two = box.shapes.as<Shapes>();
+  two.shapes.push_back(two.shapes[0]);
+  EXPECT_EQ(run(p, {Value::of(two)}, {box.kmatrix}), "wrong-count");
+  EXPECT_EQ(run({}, {box.shapes}, {box.kmatrix}), "no-profiles");
+}
+
+}  // namespace
+}  // namespace terrazzo
