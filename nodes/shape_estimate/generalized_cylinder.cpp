@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "graph/diagnostic.h"
 #include "nodes/shape_estimate/method.h"
@@ -80,11 +81,17 @@ MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis
   // The sweep curve keeps its size as far as possible: it stands where it belongs if both profiles are
   // central sections of one body. Ties go to lying and to the first half-plane.
   Placement best;
+  std::optional<Error> flat;
   for (const bool upright : {false, true}) {
     if (upright ? axis == "short" : axis == "long") continue;
-    const Placement p = placed(upright ? profiles[1].turned() : profiles[1], frame.radius);
-    if (std::abs(std::log(p.scale)) < std::abs(std::log(best.scale)) - kTie) best = p;
+    try {
+      const Placement p = placed(upright ? profiles[1].turned() : profiles[1], frame.radius);
+      if (std::abs(std::log(p.scale)) < std::abs(std::log(best.scale)) - kTie) best = p;
+    } catch (const Error& e) {
+      flat = e;  // the other orientation may have area on that side of the axis
+    }
   }
+  if (!std::isfinite(best.scale) && flat) throw *flat;
   // Scaled uniformly until it is tangent to the base there, then only in distance as it is swept along the
   // base.
   for (const double radius : frame.radius) {
