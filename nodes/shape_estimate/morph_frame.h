@@ -28,9 +28,10 @@ struct MorphFrame {
 // the next in that order for `base` 1, …. The others stand on it, ordered by aspect ratio. With `axis`
 // "short" the longest is on the longest chord, and the poles are ends of the short axes;
 // with "long" the profiles stand upright and the roundest is on the longest chord. "auto" takes the one with
-// less `scaling`: of the three principal sections of one body, each keeps its size and its place. Profiles
-// are mirrored to minimize scaling, and cut and scaled by regions: outwards to meet the base, and along the
-// axis to meet at the poles, whose heights are the geometric means of those that the profiles require.
+// less `scaling`: of the three principal sections of one body, each keeps its size and its place (errata 10).
+// Profiles are mirrored to minimize scaling, and cut and scaled by regions: outwards to meet the base, and
+// along the axis to meet at the poles, whose heights are the geometric means of those that the profiles
+// require.
 MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, int base = 0);
 
 // Jagnow et al. 2008, section 3.3, as a frame whose standing curves are equal: the right half of the second
