@@ -14,6 +14,7 @@ SizeLaw law_of(const NodeParameters& c) {
   law.min = c.number("min");
   if (const auto v = c.optional_number("max")) law.max = *v;
   law.density_by = c.choice<DensityBy>("density_by");
+  law.volume = c.number("volume");
   law.classes = static_cast<int>(c.integer("classes"));
   if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
@@ -47,10 +48,12 @@ NodeType distribution_node() {
       .optional_input("shapes", {"Shapes"},
                       "Shapes that determine the volume of a particle; without them, particles are spheres")
       .output("distribution", "SizeDistribution", "Particles per mm³ by size class, for any shape")
-      .parameter(Parameter::choice("kind", "lognormal",
-                                   {"classes", "lognormal", "normal", "uniform", "rosin_rammler"})
-                     .doc_("classes: uses class_edges and N_V. lognormal, normal: use mean and sd. uniform: "
-                           "uses min and max. rosin_rammler: uses mean (63.2 % are smaller) and exponent."))
+      .parameter(
+          Parameter::choice("kind", "lognormal",
+                            {"classes", "lognormal", "normal", "uniform", "rosin_rammler", "equal_volume"})
+              .doc_("classes: uses class_edges and N_V. lognormal, normal: use mean and sd. uniform: "
+                    "uses min and max. rosin_rammler: uses mean (63.2 % are smaller) and exponent. "
+                    "equal_volume: all particles have `volume`, whatever their shapes."))
       .parameter(Parameter::number("mean", 5).unit_("mm").above(0).doc_("Mean size"))
       .parameter(Parameter::number("sd", 1.5).unit_("mm").above(0).doc_("Standard deviation of the sizes"))
       .parameter(Parameter::number("exponent", 3)
@@ -62,6 +65,10 @@ NodeType distribution_node() {
                      .unit_("mm")
                      .above(0)
                      .doc_("Largest size; the law is cut off above it. auto: the size that 0.1 % exceed."))
+      .parameter(Parameter::number("volume", 1)
+                     .unit_("mm³")
+                     .above(0)
+                     .doc_("Volume of every particle, for kind: equal_volume"))
       .parameter(Parameter::choice("density_by", "number", {"number", "volume"})
                      .doc_("Quantity that the law distributes. number: the share of particles of each size. "
                            "volume: the share of particle volume of each size."))

@@ -14,16 +14,82 @@ namespace {
 
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
-// Volume of a particle of size 1, averaged over the shapes.
+// Volume of a particle of size 1 and this shape.
+double unit_volume(const Shape& s) {
+  if (!(s.volume > 0 && s.max_section_area > 0))
+    throw Error("unmeasured-shape", "the shape '" + s.name + "' has no volume or no largest section");
+  return s.volume / std::pow(s.size(), 3);
+}
+
+// The same, averaged over the shapes.
 double unit_volume(const Shapes* shapes) {
   if (!shapes || shapes->shapes.empty()) return std::numbers::pi / 6;
   double sum = 0, total = 0;
-  for (const auto& s : shapes->shapes) {
-    if (!(s.volume > 0 && s.max_section_area > 0))
-      throw Error("unmeasured-shape", "the shape '" + s.name + "' has no volume or no largest section");
-    sum += s.probability * s.volume / std::pow(s.size(), 3), total += s.probability;
-  }
+  for (const auto& s : shapes->shapes) sum += s.probability * unit_volume(s), total += s.probability;
   return sum / total;
+}
+
+// Particles of one volume: their shapes differ in size.
+SizeDistribution equal_volume(const SizeLaw& law, const Shapes* shapes) {
+  struct Kind {
+    int shape;
+    double size, share;
+  };
+  std::vector<Kind> kinds;
+  double total = 0;
+  if (!shapes || shapes->shapes.empty()) {
+    if (law.types == Types::ByClass)
+      throw Error("no-shapes", "types: by_class needs shapes, but none are connected", "connect shapes")
+          .parameter("types");
+    kinds.push_back({-1, std::cbrt(law.volume * 6 / std::numbers::pi), 1});
+    total = 1;
+  } else {
+    for (std::size_t s = 0; s < shapes->shapes.size(); ++s) {
+      const Shape& shape = shapes->shapes[s];
+      kinds.push_back({static_cast<int>(s), std::cbrt(law.volume / unit_volume(shape)), shape.probability});
+      total += shape.probability;
+    }
+  }
+  std::stable_sort(kinds.begin(), kinds.end(), [](const Kind& a, const Kind& b) { return a.size < b.size; });
+  SizeDistribution out;
+  std::vector<std::size_t> class_of;
+  for (const Kind& k : kinds) {
+    const double lo = k.size * (1 - kEqualVolumeWidth), hi = k.size * (1 + kEqualVolumeWidth);
+    if (out.class_edges.empty() || lo > out.class_edges.back()) {
+      out.class_edges.push_back(lo);  // between two classes lies one without particles
+      out.class_edges.push_back(hi);
+    } else {
+      out.class_edges.back() = hi;
+    }
+    class_of.push_back(out.class_edges.size() - 2);
+  }
+  const double fraction = law.number_density >= 0    ? law.number_density * law.volume
+                          : law.volume_fraction >= 0 ? law.volume_fraction
+                                                     : 0.3;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    SizeDistribution::Entry e;
+    e.shape = kinds[i].shape;
+    e.cls = law.types == Types::ByClass ? kinds[i].shape : 0;
+    e.N_V.assign(out.classes(), 0);
+    e.N_V[class_of[i]] = fraction / law.volume * kinds[i].share / total;
+    e.low = e.high = e.N_V;
+    out.shapes.push_back(std::move(e));
+  }
+  std::stable_sort(out.shapes.begin(), out.shapes.end(),
+                   [](const auto& a, const auto& b) { return a.shape < b.shape; });
+  out.volume_fraction = fraction;
+  out.d_max = out.class_edges.back();
+  return out;
+}
+
+// Fractions that no packing can have.
+void check_fraction(double fraction) {
+  if (!(fraction > 0))
+    throw Error("bad-classes", "the distribution has no particles",
+                "raise volume_fraction or number_density");
+  if (fraction > 1 + 1e-9)
+    throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", fraction),
+                "lower the densities or the sizes");
 }
 
 std::vector<double> law_edges(const SizeLaw& law) {
@@ -84,11 +150,17 @@ void check_law(const SizeLaw& law) {
   if (law.volume_fraction > 1)
     throw Error("too-full", fmt::format("volume_fraction must be at most 1; it is {}", law.volume_fraction))
         .parameter("volume_fraction");
+  if (law.kind == LawKind::EqualVolume) return;
   law.kind == LawKind::Classes ? check_classes(law) : static_cast<void>(law_edges(law));
 }
 
 SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   check_law(law);
+  if (law.kind == LawKind::EqualVolume) {
+    SizeDistribution out = equal_volume(law, shapes);
+    check_fraction(out.volume_fraction);
+    return out;
+  }
   SizeDistribution out;
   SizeDistribution::Entry e;
   e.shape = -1;
@@ -117,12 +189,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   for (double& v : e.N_V) v *= factor;
   e.low = e.high = e.N_V;
   out.volume_fraction = volume * factor;
-  if (!(out.volume_fraction > 0))
-    throw Error("bad-classes", "the distribution has no particles",
-                "raise volume_fraction or number_density");
-  if (out.volume_fraction > 1 + 1e-9)
-    throw Error("too-full", fmt::format("the particles would fill {:.3g} of the volume", out.volume_fraction),
-                "lower the densities or the sizes");
+  check_fraction(out.volume_fraction);
   out.d_max = out.class_edges.back();
   if (law.types == Types::Mixed) {
     out.shapes.push_back(std::move(e));

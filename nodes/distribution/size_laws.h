@@ -9,7 +9,7 @@
 
 namespace terrazzo::distribution {
 
-enum class LawKind { Classes, Lognormal, Normal, Uniform, RosinRammler };
+enum class LawKind { Classes, Lognormal, Normal, Uniform, RosinRammler, EqualVolume };
 enum class DensityBy { Number, Volume };  // what the law distributes
 enum class Types {
   Mixed,   // particles of any shape
@@ -26,21 +26,26 @@ struct SizeLaw {
   int classes = 10;                 // number of equal classes of a law
   std::vector<double> class_edges;  // for `classes`: n + 1 increasing sizes, mm
   std::vector<double> N_V;          // for `classes`: n densities, per mm³
+  double volume = 1;                // for `equal_volume`: of each particle, mm³
   double volume_fraction = -1;      // < 0: not set
   double number_density = -1;       // per mm³; < 0: not set
   Types types = Types::Mixed;
 };
 
-// Share of the law below a size, in closed form.
+// Share of the law below a size, in closed form. Not for `classes` and `equal_volume`.
 double law_cdf(const SizeLaw&, double size);
 
 // Throws Error "bad-classes", "bad-range", "both-given", "too-full" for a law that no shapes can satisfy.
 void check_law(const SizeLaw&);
 
-// Divides the law into classes of equal width between min and max. `shapes` determine the volume of a
-// particle of a given size (null: spheres). If neither volume_fraction nor number_density is set, a law has
-// volume fraction 0.3, and kind "classes" keeps its N_V. Throws Error "bad-classes", "bad-range",
-// "both-given", "too-full", "no-shapes", "unmeasured-shape".
+// Half the width of a class of `equal_volume`, relative to its size: the widths of classes must be positive.
+inline constexpr double kEqualVolumeWidth = 1e-6;
+
+// Divides the law into classes of equal width between min and max; `equal_volume` gives every shape the one
+// size at which it has the volume, and a narrow class around it. `shapes` determine the volume of a particle
+// of a given size (null: spheres). If neither volume_fraction nor number_density is set, a law has volume
+// fraction 0.3, and kind "classes" keeps its N_V. Throws Error "bad-classes", "bad-range", "both-given",
+// "too-full", "no-shapes", "unmeasured-shape".
 SizeDistribution make_distribution(const SizeLaw&, const Shapes* shapes);
 
 }  // namespace terrazzo::distribution

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/statistics/anova.h"
 
 namespace terrazzo::shape_deviation {
 
@@ -60,6 +61,43 @@ Table average_deviations(const std::vector<const Table*>& tables, const std::vec
       out.rows.push_back(std::move(cells));
     }
   }
+  return out;
+}
+
+Table effects(const std::vector<const Table*>& tables, const std::vector<std::string>& measures) {
+  Table out;
+  out.columns = {"measure",
+                 "sections",
+                 "effect",
+                 "sum of squares",
+                 "degrees of freedom",
+                 "error sum of squares",
+                 "error degrees of freedom",
+                 "F",
+                 "p"};
+  const auto cell_of = [](double v) { return std::isnan(v) ? Table::Cell(std::string()) : Table::Cell(v); };
+  const std::size_t names = tables.at(0)->rows.size() / 2;
+  for (const auto& measure : measures)
+    for (const bool central : {true, false}) {
+      std::vector<AnovaCell> cells;
+      for (std::size_t k = 0; k < tables.size(); ++k)
+        for (std::size_t row = 1; row < names; ++row) {
+          const std::size_t at = row + (central ? 0 : names);
+          for (const std::string& column : {std::string("profiles"), measure + " mean", measure + " sd"})
+            if (tables[k]->column(column) < 0)
+              throw Error("not-metrics", fmt::format("a table has no column '{}'", column),
+                          "connect tables from ShapeMetrics");
+          AnovaCell cell;
+          cell.a = word(*tables[k], at, "name"), cell.b = fmt::format("{:09}", k);
+          cell.n = tables[k]->number(at, "profiles"), cell.mean = tables[k]->number(at, measure + " mean");
+          const double sd = tables[k]->number(at, measure + " sd");  // of the sections: Σ (…)²/n
+          cell.squares = cell.n * sd * sd;
+          cells.push_back(std::move(cell));
+        }
+      for (const auto& e : two_way_anova(cells, {"method", "shape"}))
+        out.rows.push_back({measure, std::string(central ? "central" : "random"), e.name, e.squares,
+                            e.freedom, e.error_squares, e.error_freedom, cell_of(e.f), cell_of(e.p)});
+    }
   return out;
 }
 

@@ -13,20 +13,26 @@ void compute(Context& c) {
   Table t = shape_deviation::average_deviations(tables, measures);
   c.metric("originals", static_cast<double>(tables.size()));
   c.output("table", std::move(t));
+  c.output("anova", shape_deviation::effects(tables, measures));
 }
 
 }  // namespace
 
 NodeType shape_deviation_node() {
-  return NodeType("ShapeDeviation", 1)
+  return NodeType("ShapeDeviation", 2)
       .doc_(
           "Averages the deviations of shape methods' section measures over several originals: one row per "
-          "measure and kind of section, one column per method.")
-      .source_("Jagnow, Dorsey, Rushmeier 2008, table II")
+          "measure and kind of section, one column per method. Also tells by analysis of variance whether "
+          "the measures depend on the method and on the original.")
+      .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.1 and table II")
       .input_list("tables", {"Table"},
                   "Tables from ShapeMetrics, one per original, with the original in the first row and the "
                   "same methods in each")
       .output("table", "Table", "Means of absolute deviations, in %")
+      .output(
+          "anova", "Table",
+          "Two-way analyses of variance of each measure: effects of the method (without the originals), of "
+          "the shape (one per table) and of their interaction, with F and p")
       .parameter(Parameter::texts("measures", {"area/perimeter²", "total curvature rad"})
                      .doc_("Measures to average: column names of ShapeMetrics without `mean`"))
       .compute_(compute);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "graph/diagnostic.h"
 #include "nodes/shape_estimate/method.h"
@@ -45,6 +46,27 @@ Halves right_half(const Outline& o) {
   return h;
 }
 
+// Differences of |log scale| that are rounding errors.
+constexpr double kTie = 1e-9;
+
+// A sweep curve, the half-plane on whose radius it stands, and the scale that makes it meet the base there.
+struct Placement {
+  Halves sweep;
+  std::size_t at = 0;
+  double scale = std::numeric_limits<double>::infinity();
+};
+
+// Stands on the half-plane that needs the least scaling.
+Placement placed(const Outline& o, const std::vector<double>& radius) {
+  Placement out;
+  out.sweep = right_half(o);
+  const double own = out.sweep.upper.points.back().x();
+  for (std::size_t j = 0; j < radius.size(); ++j)
+    if (std::abs(std::log(radius[j] / own)) < std::abs(std::log(out.scale)) - kTie)
+      out.at = j, out.scale = radius[j] / own;
+  return out;
+}
+
 }  // namespace
 
 MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis, int base) {
@@ -56,15 +78,28 @@ MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis
   MorphFrame frame;
   frame.base = cut(profiles[0], cut_center(profiles[0], angles), angles);
   for (const auto& arc : frame.base) frame.radius.push_back(arc.points.front().norm());
-  const Halves sweep = right_half(axis == "long" ? profiles[1].turned() : profiles[1]);
-  // Scaled uniformly until it is tangent to b(0), then only in distance as it is swept along the base.
-  const double scale = frame.radius[0] / sweep.upper.points.back().x();
+  // The sweep curve keeps its size as far as possible: it stands where it belongs if both profiles are
+  // central sections of one body. Ties go to lying and to the first half-plane.
+  Placement best;
+  std::optional<Error> flat;
+  for (const bool upright : {false, true}) {
+    if (upright ? axis == "short" : axis == "long") continue;
+    try {
+      const Placement p = placed(upright ? profiles[1].turned() : profiles[1], frame.radius);
+      if (std::abs(std::log(p.scale)) < std::abs(std::log(best.scale)) - kTie) best = p;
+    } catch (const Error& e) {
+      flat = e;  // the other orientation may have area on that side of the axis
+    }
+  }
+  if (!std::isfinite(best.scale) && flat) throw *flat;
+  // Scaled uniformly until it is tangent to the base there, then only in distance as it is swept along the
+  // base.
   for (const double radius : frame.radius) {
-    Arc upper = sweep.upper, lower = sweep.lower;
+    Arc upper = best.sweep.upper, lower = best.sweep.lower;
     for (Arc* arc : {&upper, &lower}) {
-      arc->scale(scale, scale);
+      arc->scale(best.scale, best.scale);
       arc->parametrize();  // by the sweep curve's own length: the same knots all around
-      arc->scale(radius / frame.radius[0], 1);
+      arc->scale(radius / frame.radius[best.at], 1);
     }
     frame.upper.push_back(std::move(upper));
     frame.lower.push_back(std::move(lower));

@@ -16,10 +16,10 @@ struct EstimateRequest {
   const std::vector<Outline>* all = nullptr;  // every usable profile, for methods that use all of them
   int index = 0;                              // index of the shape, 0…
   std::uint64_t seed = 1;
-  int subdivision = 1;         // levels
-  int control = 0;             // control points per quarter of a curve; 0: as many as the curves need
-  std::string axis = "short";  // "short" or "long"
-  int base = 0;                // index of the base profile: 0 has the aspect ratio closest to one
+  int subdivision = 1;        // levels
+  int control = 0;            // control points per quarter of a curve; 0: as many as the curves need
+  std::string axis = "auto";  // "auto", "short" or "long"
+  int base = 0;               // index of the base profile: 0 has the aspect ratio closest to one
 };
 
 struct Estimate {

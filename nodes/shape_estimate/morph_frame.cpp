@@ -33,6 +33,10 @@ std::vector<Arc> quarters_of(const Outline& o) {
 }  // namespace
 
 MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, int base) {
+  if (axis == "auto") {
+    MorphFrame lying = morph_frame(profiles, "short", base), upright = morph_frame(profiles, "long", base);
+    return upright.scaling < lying.scaling - 1e-9 ? upright : lying;
+  }
   const std::size_t morphs = profiles.size() - 1, sectors = 2 * morphs;
   std::stable_sort(profiles.begin(), profiles.end(), [](const Outline& a, const Outline& b) {
     return std::abs(std::log(a.aspect)) < std::abs(std::log(b.aspect));
@@ -82,6 +86,7 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     const double up = top / r.top, down = bottom / r.bottom;
     const auto [least, most] = std::minmax({right, left, up, down});
     frame.distortion = std::max(frame.distortion, most / least);
+    for (const double scale : {right, left, up, down}) frame.scaling += std::log(scale) * std::log(scale);
     // Counter-clockwise from the right: right to top, top to left, left to bottom, bottom to right.
     auto& q = quarters[k];
     q[0].scale(right, up), q[0].reverse();

@@ -20,21 +20,26 @@ struct MorphFrame {
   // Distortion by region-wise scaling: the largest ratio between the scales of the regions
   // of one morph profile.
   double distortion = 1;
+  // Σ log² of the scales of all regions: 0 if every morph profile keeps its size.
+  double scaling = 0;
 };
 
 // Jagnow et al. 2008, sections 3.2 and 3.4. The base is the profile whose aspect ratio is closest to one, or
 // the next in that order for `base` 1, …. The others stand on it, ordered by aspect ratio. With `axis`
-// "short" the longest is on the longest chord, and the poles are ends of the short axes, as in the paper;
-// with "long" the profiles stand upright and the roundest is on the longest chord. Profiles are mirrored to
-// minimize scaling, and cut and scaled by regions: outwards to meet the base, and along the axis to meet at
-// the poles, whose heights are the geometric means of those that the profiles require.
+// "short" the longest is on the longest chord, and the poles are ends of the short axes;
+// with "long" the profiles stand upright and the roundest is on the longest chord. "auto" takes the one with
+// less `scaling`: of the three principal sections of one body, each keeps its size and its place (errata 12).
+// Profiles are mirrored to minimize scaling, and cut and scaled by regions: outwards to meet the base, and
+// along the axis to meet at the poles, whose heights are the geometric means of those that the profiles
+// require.
 MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, int base = 0);
 
 // Jagnow et al. 2008, section 3.3, as a frame whose standing curves are equal: the right half of the second
-// profile by aspect ratio (upright if `axis` is "long"), cut along the vertical line through its centroid,
-// scaled until it is tangent to the base at angle 0, and stretched with the base's radius. The base plane is
-// where that half is widest. Of three profiles only two are used; `base` selects which. The curves need not
-// be star-shaped; points behind the axis are clamped to it. Throws Error "flat-profile".
+// profile by aspect ratio (lying if `axis` is "short", upright if "long", either if "auto"), cut along the
+// vertical line through its centroid. It stands on the half-chord of the base that is closest to its own
+// length, is scaled until it is tangent to the base there, and stretched with the base's radius. The base
+// plane is where that half is widest. Of three profiles only two are used; `base` selects which. The curves
+// need not be star-shaped; points behind the axis are clamped to it. Throws Error "flat-profile".
 MorphFrame cylinder_frame(std::vector<Outline> profiles, const std::string& axis, int base = 0);
 
 // The frame's closed curves in their own planes: the base in (x, y), each morph curve in (distance along its

@@ -192,8 +192,7 @@ void compute(Context& c) {
     request.seed = c.seed();
     request.subdivision = static_cast<int>(c.integer("subdivision"));
     request.control = static_cast<int>(c.optional_integer("control").value_or(0));
-    const bool upright = axis == "long" || (axis == "alternate" && s % 2 == 1);
-    request.axis = upright ? "long" : "short";
+    request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
     // If the profiles are the same again, use another one of them as the base.
     const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
     request.base = chosen.same ? static_cast<int>(s % permutations) : 0;
@@ -247,7 +246,7 @@ Parameter method_parameter() {
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 7)
+  return NodeType("ShapeEstimate", 8)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
           "of different particles are arranged in space is unknown; each method makes a different "
@@ -285,9 +284,12 @@ NodeType shape_estimate_node() {
                      .doc_("Number of control points per quarter of a curve. auto: the fewest that reproduce "
                            "the profiles within 0.8 % of their diameter, at most 4 + 2·subdivision, or 24 if "
                            "subdivision is 2 or more."))
-      .parameter(Parameter::choice("axis", "short", {"short", "long", "alternate"})
-                     .doc_("Orientation of profiles on the base. short: lying, as in the paper, for flat and "
-                           "equant shapes. long: upright, for elongated shapes. alternate: both in turn."))
+      .parameter(
+          Parameter::choice("axis", "auto", {"auto", "short", "long", "alternate"})
+              .doc_("Orientation of profiles on the base. short: lying, for flat and equant shapes. "
+                    "long: upright, for elongated shapes. auto: the one that scales the profiles less, "
+                    "which is right for the principal sections of one body. alternate: short and long "
+                    "in turn."))
       .parameter(
           Parameter::number("crease", 30)
               .unit_("degrees")

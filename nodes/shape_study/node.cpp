@@ -71,6 +71,8 @@ void compute(Context& c) {
   const auto stimuli = stimuli_of(c);
   const auto seed = c.seed();
   const auto screens = shape_study::make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
+  const auto training =
+      shape_study::make_training(stimuli, screens, static_cast<int>(c.integer("training")), seed);
   // Image names are shuffled numbers, so that they reveal nothing.
   std::vector<std::pair<int, int>> all;
   for (std::size_t i = 0; i < stimuli.size(); ++i)
@@ -93,8 +95,7 @@ void compute(Context& c) {
   }
   const Table key = shape_study::key_of(screens, names);
   write_text(c, folder + "/key.csv", csv_of(key));
-  write_text(c, folder + "/index.html",
-             shape_study::page_of(screens, names, static_cast<int>(c.integer("training"))));
+  write_text(c, folder + "/index.html", shape_study::page_of(screens, training, names));
   c.metric("screens", static_cast<double>(screens.size()));
   c.metric("pictures", static_cast<double>(all.size()));
   c.output("key", key);
@@ -103,7 +104,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType shape_study_node() {
-  return NodeType("ShapeStudy", 2)
+  return NodeType("ShapeStudy", 3)
       .doc_(
           "Creates a study with people that runs from a folder: a page with screens of three images, where "
           "the center and one side show the original and the other side a decoy, and the key to the answers.")
@@ -122,9 +123,11 @@ NodeType shape_study_node() {
       .parameter(Parameter::integer("repeats", 4)
                      .range(1, 100)
                      .doc_("Number of screens per shape and method, and per shape without a decoy"))
-      .parameter(Parameter::integer("training", 10)
-                     .range(0, 1000)
-                     .doc_("Number of training screens before the test"))
+      .parameter(
+          Parameter::integer("training", 10)
+              .range(0, 1000)
+              .doc_("Number of training screens before the test. None shows the images of a test screen; "
+                    "answers to them are not saved."))
       .parameter(Parameter::seed().doc_("Random seed of the screens"))
       .check_(check)
       .compute_(compute);

@@ -33,10 +33,16 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>&, int repeats, std:
 // Columns: screen (1…), shape, method, decoy, left, center, right (image names).
 Table key_of(const std::vector<Screen>&, const std::vector<std::vector<std::string>>& names);
 
-// A self-contained page: instructions, `training` screens, then all screens, shuffled for each participant
-// and separated by a second of gray. It ends with answers to download (participant, screen, choice, seconds).
-// The page does not reveal which image shows the decoy.
-std::string page_of(const std::vector<Screen>&, const std::vector<std::vector<std::string>>& names,
-                    int training);
+// `count` screens for practice, from stacks in random order. Their three images are those of no test screen
+// and of no other training screen, in whatever arrangement. Throws Error "too-few-sections" if none are left.
+// The stimuli must satisfy make_screens.
+std::vector<Screen> make_training(const std::vector<Stimulus>&, const std::vector<Screen>& test, int count,
+                                  std::uint64_t seed);
+
+// A self-contained page: instructions, the training screens, then all screens, both shuffled for each
+// participant and separated by a second of gray. It ends with answers to download (participant, screen,
+// choice, seconds), without those to training screens. The page does not reveal which image shows the decoy.
+std::string page_of(const std::vector<Screen>&, const std::vector<Screen>& training,
+                    const std::vector<std::vector<std::string>>& names);
 
 }  // namespace terrazzo::shape_study

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/packing/limits.h"
 #include "nodes/packing/population.h"
 #include "tests/nodes/anneal/packing_support.h"
@@ -32,6 +33,34 @@ TEST(Anneal, SizesAreTheRequestedOnes) {
   }
   EXPECT_EQ(run.metrics.at("shrink"), 1);
   EXPECT_EQ(run.metrics.at("dropped"), 0);
+}
+
+// As in the study of 2008: 4,000 particles of 0.125 mm³ in 1,000 mm³, whatever the shapes and their shares.
+TEST(Anneal, ParticlesOfOneVolumeAreAsManyAsRequested) {
+  auto shapes = test::shapes_of({test::icosphere(2), test::icosphere(1), test::icosphere(0)});
+  const double shares[] = {0.6171, 0.2713, 0.1116};
+  for (std::size_t i = 0; i < 3; ++i) {
+    auto& s = shapes.shapes[i];
+    for (auto& v : s.mesh.vertices) v.x() *= 1 + 0.7 * static_cast<double>(i);
+    s = measure_shape(s.name, s.mesh, shares[i], Work());
+  }
+  for (const double fraction : {0.5, 0.4375}) {
+    const auto d = test::run_node(
+        "Distribution", {{"shapes", Value::of<Shapes>(shapes)}},
+        {{"kind", "equal_volume"}, {"volume", "0.125"}, {"volume_fraction", std::to_string(fraction)}});
+    packing::PopulationOptions options;
+    options.edges = {10};
+    const auto all = packing::populate(d.output<SizeDistribution>("distribution"), shapes, nullptr, options);
+    ASSERT_EQ(all.particles.count(), static_cast<std::size_t>(8000 * fraction));
+    double least = 1e9, most = 0;
+    for (std::size_t i = 0; i < all.particles.count(); ++i) {
+      const Shape& s = shapes.shapes[static_cast<std::size_t>(all.particles.shape[i])];
+      const double v = s.volume * std::pow(all.particles.size[i] / s.size(), 3);
+      least = std::min(least, v), most = std::max(most, v);
+    }
+    EXPECT_NEAR(least, 0.125, 1e-6);
+    EXPECT_NEAR(most, 0.125, 1e-6);
+  }
 }
 
 TEST(Anneal, JamNamesTheFractionReached) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "nodes/distribution/size_laws.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -46,6 +47,57 @@ TEST(Distribution, FillsTheVolumeAsked) {
       EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << static_cast<int>(kind);
       EXPECT_NEAR(d.volume_fraction, 0.37, 1e-9);
     }
+}
+
+// A needle, a plate and a ball of one volume have different sizes; a quarter of the particles are needles.
+TEST(Distribution, ParticlesOfAllShapesHaveOneVolume) {
+  Shapes shapes;
+  for (const char* axes : {"[8, 1, 1]", "[4, 4, 1]", "[1, 1, 1]"}) {
+    const auto one = test::run_node("Shape", {}, {{"kind", "ellipsoid"}, {"axes", axes}, {"size", "3"}});
+    shapes.shapes.push_back(one.output<Shapes>("shapes").shapes[0]);
+    shapes.shapes.back().probability = shapes.shapes.size() == 1 ? 0.25 : 0.375;
+  }
+  for (const Types types : {Types::Mixed, Types::ByClass}) {
+    SizeLaw law;
+    law.kind = LawKind::EqualVolume, law.volume = 0.125, law.volume_fraction = 0.5, law.types = types;
+    const SizeDistribution d = make_distribution(law, &shapes);
+    ASSERT_EQ(d.shapes.size(), 3u);
+    double number = 0;
+    for (std::size_t e = 0; e < 3; ++e) {
+      EXPECT_EQ(d.shapes[e].shape, static_cast<int>(e));
+      EXPECT_EQ(d.shapes[e].cls, types == Types::Mixed ? 0 : static_cast<int>(e));
+      const Shape& s = shapes.shapes[e];
+      for (std::size_t k = 0; k < d.classes(); ++k) {
+        ASSERT_LT(d.class_edges[k], d.class_edges[k + 1]);
+        if (!(d.shapes[e].N_V[k] > 0)) continue;
+        number += d.shapes[e].N_V[k];
+        EXPECT_NEAR(d.shapes[e].N_V[k], 4 * s.probability, 1e-12);
+        for (const double size : {d.class_edges[k], d.class_edges[k + 1]})
+          EXPECT_NEAR(s.volume * std::pow(size / s.size(), 3), 0.125, 1e-6);
+      }
+    }
+    EXPECT_NEAR(number, 4, 1e-12);
+    EXPECT_EQ(d.volume_fraction, 0.5);
+  }
+  SizeLaw law;
+  law.kind = LawKind::EqualVolume, law.volume = 0.125, law.number_density = 4;
+  const SizeDistribution balls = make_distribution(law, nullptr);
+  ASSERT_EQ(balls.classes(), 1u);
+  EXPECT_NEAR(balls.d_max, std::cbrt(0.75 / std::numbers::pi), 1e-5);
+  EXPECT_EQ(balls.volume_fraction, 0.5);
+  law.number_density = 9;
+  EXPECT_EQ(test::code_of([&] { make_distribution(law, nullptr); }), "too-full");
+}
+
+// Equal shapes share a class instead of overlapping it.
+TEST(Distribution, EqualShapesOfOneVolumeShareAClass) {
+  const auto ball = test::run_node("Shape", {}, {{"kind", "sphere"}}).output<Shapes>("shapes").shapes[0];
+  Shapes shapes;
+  shapes.shapes = {ball, ball};
+  shapes.shapes[0].probability = shapes.shapes[1].probability = 0.5;
+  SizeLaw law;
+  law.kind = LawKind::EqualVolume;
+  EXPECT_EQ(make_distribution(law, &shapes).classes(), 1u);
 }
 
 TEST(Distribution, ShapesSayWhatVolumeASizeHas) {

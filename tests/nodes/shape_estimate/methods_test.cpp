@@ -1,7 +1,12 @@
 // The methods of 2008 other than the morphed cylinder.
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "graph/diagnostic.h"
@@ -167,11 +172,58 @@ TEST(ShapeEstimateCylinder, SectionsGiveTheProfilesBack) {
     const auto e = generalized_cylinder(request, {});
     EXPECT_TRUE(mesh_faults(e.mesh).empty());
     EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
-    EXPECT_LT(frame_deviation(cylinder_frame(request.chosen, "short"), e.mesh), 0.01);
+    EXPECT_LT(frame_deviation(cylinder_frame(request.chosen, "auto"), e.mesh), 0.01);
   }
   const auto e = generalized_cylinder(outlines_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
   EXPECT_TRUE(mesh_faults(e.mesh).empty());
   EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
+}
+
+// Extents of the body along its own axes, decreasing. Both methods align them with the base's axes.
+std::array<double, 3> extents(const Mesh& m) {
+  Vec3 low = m.vertices[0], high = m.vertices[0];
+  for (const auto& v : m.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  std::array<double, 3> e{high.x() - low.x(), high.y() - low.y(), high.z() - low.z()};
+  std::sort(e.begin(), e.end(), std::greater<>());
+  return e;
+}
+
+// Flat, elongated and in between, decreasing.
+constexpr std::array<std::array<double, 3>, 4> kBodies{{{5, 4, 2}, {5, 2.5, 2}, {9, 6, 4}, {3, 1.2, 1}}};
+
+// From the three principal sections of an ellipsoid or a box, the generalized cylinder has the body's
+// extents, whichever two of them it uses.
+TEST(ShapeEstimateCylinder, PrincipalSectionsKeepTheBodysExtents) {
+  for (const auto& [a, b, c] : kBodies)
+    for (const bool box : {false, true})
+      for (int base = 0; base < 3; ++base) {
+        SCOPED_TRACE(fmt::format("{} × {} × {}, {}, base {}", a, b, c, box ? "box" : "ellipsoid", base));
+        const auto section = [&](double x, double y) {
+          return box ? made::rectangle(x, y) : made::ellipse(x / 2, y / 2);
+        };
+        auto request = outlines_of({section(a, b), section(b, c), section(a, c)});
+        request.base = base;
+        const auto e = extents(generalized_cylinder(request, {}).mesh);
+        EXPECT_NEAR(e[0] / a, 1, 0.02);
+        EXPECT_NEAR(e[1] / b, 1, 0.02);
+        EXPECT_NEAR(e[2] / c, 1, 0.02);
+      }
+}
+
+// The morphed cylinder likewise, on the rounder two of the profiles. The longest cannot be its base without
+// scaling, because one of the others would have to lie and the other to stand upright.
+TEST(ShapeEstimateCylinder, MorphedCylindersKeepTheBodysExtents) {
+  for (const auto& [a, b, c] : kBodies)
+    for (int base = 0; base < 2; ++base) {
+      SCOPED_TRACE(fmt::format("{} × {} × {}, base {}", a, b, c, base));
+      auto request = outlines_of(
+          {made::ellipse(a / 2, b / 2), made::ellipse(b / 2, c / 2), made::ellipse(a / 2, c / 2)});
+      request.base = base;
+      const auto e = extents(morphed_generalized_cylinder(request, {}).mesh);
+      EXPECT_NEAR(e[0] / a, 1, 0.02);
+      EXPECT_NEAR(e[1] / b, 1, 0.02);
+      EXPECT_NEAR(e[2] / c, 1, 0.02);
+    }
 }
 
 TEST(ShapeEstimateHarmonics, CirclesMakeASphere) {

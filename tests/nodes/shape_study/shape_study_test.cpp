@@ -2,7 +2,9 @@
 
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
+#include <utility>
 
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
@@ -45,6 +47,41 @@ TEST(ShapeStudy, ScreensAreAsThePaperHasThem) {
   EXPECT_GT(count["smooth/csg/right"], 8);
 }
 
+using Images = std::set<std::pair<int, int>>;
+Images images_of(const Screen& s) {
+  return {{s.left.stimulus, s.left.section},
+          {s.center.stimulus, s.center.section},
+          {s.right.stimulus, s.right.section}};
+}
+
+TEST(ShapeStudy, TrainingRepeatsNoTestScreen) {
+  const std::vector<Stimulus> stimuli{
+      {"smooth", "original", 5}, {"smooth", "csg", 5}, {"complex", "original", 5}, {"complex", "csg", 5}};
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto screens = make_screens(stimuli, 4, seed);
+    const auto training = make_training(stimuli, screens, 10, seed);
+    ASSERT_EQ(training.size(), 10u);
+    std::set<Images> test, practice;
+    for (const auto& s : screens) test.insert(images_of(s));
+    std::set<std::string> kinds;
+    for (const auto& s : training) {
+      EXPECT_EQ(test.count(images_of(s)), 0u);
+      EXPECT_TRUE(practice.insert(images_of(s)).second);
+      EXPECT_EQ(images_of(s).size(), 3u);
+      kinds.insert(s.shape + "/" + s.method);
+    }
+    EXPECT_EQ(kinds.size(), 4u);
+  }
+}
+
+// Three sections make one set of three, which the test screen shows.
+TEST(ShapeStudy, TrainingFailsIfNoScreensAreLeft) {
+  const std::vector<Stimulus> stimuli{{"a", "original", 3}};
+  const auto screens = make_screens(stimuli, 1, 1);
+  EXPECT_TRUE(make_training(stimuli, screens, 0, 1).empty());
+  EXPECT_EQ(test::code_of([&] { make_training(stimuli, screens, 1, 1); }), "too-few-sections");
+}
+
 TEST(ShapeStudy, ThePageTellsNothing) {
   const auto screens = make_screens(kStimuli, 2, 1);
   std::vector<std::vector<std::string>> names;
@@ -53,17 +90,23 @@ TEST(ShapeStudy, ThePageTellsNothing) {
     names.emplace_back();
     for (int i = 0; i < s.sections; ++i) names.back().push_back(std::to_string(++n) + ".png");
   }
-  const auto page = page_of(screens, names, 10);
+  const auto training = make_training(kStimuli, screens, 5, 1);
+  const auto page = page_of(screens, training, names);
   for (const char* word : {"csg", "smooth", "complex", "decoy", "http"})
     EXPECT_EQ(page.find(word), std::string::npos) << word;
   EXPECT_EQ(key_of(screens, names).rows.size(), screens.size());
+  // Every screen of the test and of the training is listed once.
+  std::size_t listed = 0;
+  for (auto at = page.find(".png\"],"); at != std::string::npos; at = page.find(".png\"],", at + 1)) ++listed;
+  EXPECT_EQ(listed, screens.size() + training.size());
 }
 
 TEST(ShapeStudy, WritesAFolder) {
   const Value stack = Value::of(Image(8, 8, 3, 1, Vec3f::Ones()));
   const auto folder = test::temporary_folder();
-  const auto run = test::run_node("ShapeStudy", {{"images", stack}, {"images", stack}},
-                                  {{"path", "study"}, {"names", "[a/original, a/csg]"}}, folder);
+  const auto run =
+      test::run_node("ShapeStudy", {{"images", stack}, {"images", stack}},
+                     {{"path", "study"}, {"names", "[a/original, a/csg]"}, {"training", "5"}}, folder);
   EXPECT_EQ(run.metrics.at("screens"), 8);
   for (const char* file :
        {"study/index.html", "study/key.csv", "study/images/001.png", "study/images/006.png"})
