@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "nodes/shape_families/likeness.h"
 #include "nodes/shape_families/sections.h"
 #include "nodes/unfolding/em.h"
 #include "nodes/unfolding/unfold.h"
@@ -36,6 +37,15 @@ struct Predicted {
 struct SizeDensity {
   std::vector<double> edges;
   VectorXd density;
+
+  double mean() const {  // size, by number
+    double sum = 0, sizes = 0;
+    for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
+      const double n = density[static_cast<Eigen::Index>(k)] * (edges[k + 1] - edges[k]);
+      sum += n, sizes += n * (edges[k] + edges[k + 1]) / 2;
+    }
+    return sum > 0 ? sizes / sum : 0;
+  }
 
   double at(double size) const {
     const auto k = std::upper_bound(edges.begin(), edges.end(), size) - edges.begin();
@@ -77,7 +87,8 @@ double any_outline(const Features& f, const Spread& all) {
 // The kernel density of a family's outlines.
 class OutlineDensity {
  public:
-  explicit OutlineDensity(const FamilySections& sections) : sections_(sections) {
+  OutlineDensity(const FamilySections& sections, const Shapes& shapes)
+      : sections_(sections), likeness_(shapes) {
     // Silverman's rule for the sections of about a third of all relative sizes, which matter for one profile.
     const double n = std::max<double>(1, static_cast<double>(sections.ratio.size()) / 3);
     const double d = kFeatures, rule = std::pow(4 / ((d + 2) * n), 1 / (d + 4));
@@ -92,10 +103,13 @@ class OutlineDensity {
   double at(double size, const MeasuredProfile& p, const SizeDensity& particles) const {
     const auto& features = sections_.features[p.level];
     const auto& h = bandwidth_[p.level];
+    const double mean = particles.mean();
     double sum = 0, total = 0;
     for (std::size_t m = 0; m < features.size(); ++m) {
-      const double r = sections_.ratio[m], w = particles.at(size / r) * size / (r * r);
+      const double r = sections_.ratio[m];
+      double w = particles.at(size / r) * size / (r * r);
       if (!(w > 0)) continue;
+      w *= likeness_(sections_.natural[m], size / (r * mean));
       total += w;
       double exponent = 0;
       for (std::size_t k = 0; k < kFeatures; ++k) {
@@ -112,6 +126,7 @@ class OutlineDensity {
 
  private:
   const FamilySections& sections_;
+  Likeness likeness_;
   std::array<Features, kBlur.size()> bandwidth_{};
 };
 
@@ -137,7 +152,7 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
   const unfolding::Observation& q = full.observations.classes.front();
   const unfolding::EmModel model = unfolding::make_em_model(*family.kmatrix, full.model);
   const FamilySections sections = family_sections(*family.shapes, s.sections, s.seed, work.part(0, 0.3));
-  const OutlineDensity outlines(sections);
+  const OutlineDensity outlines(sections, *family.shapes);
   Predictions out{std::vector<double>(profiles.size()), std::vector<double>(profiles.size())};
   const double range = model.profiles.back() - model.profiles.front();
   for (int fold = 0; fold < s.folds; ++fold) {

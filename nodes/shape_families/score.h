@@ -47,11 +47,11 @@ struct Scores {
 
 // Sizes and outlines of each fold are predicted from the sizes of the other folds: these are unfolded (`em`)
 // with the family's K matrix. A profile of size s shows a particle of size s/r with the density n(s/r)·s/r²
-// of the sections of relative size r, and these sections' outlines, blurred alike, predict the profile's by a
-// kernel density (Geisser and Eddy 1979: predictive sample reuse). A twentieth of the probability goes to
-// outlines of any kind, a hundredth to sizes of any kind, so that a few wrong profiles do not decide. Color
-// classes are pooled. Throws Error "wrong-count" if a K matrix has other shapes, "too-few-profiles", and the
-// errors of Unfold.
+// of the sections of relative size r, times the likeness of the section's shape to particles of that size.
+// The outlines of these sections, blurred alike, predict the profile's by a kernel density (Geisser and Eddy
+// 1979: predictive sample reuse). A twentieth of the probability goes to outlines of any kind, a hundredth to
+// sizes of any kind, so that a few wrong profiles do not decide. Color classes are pooled. Throws Error
+// "wrong-count" if a K matrix has other shapes, "too-few-profiles", and the errors of Unfold.
 Scores score_families(const Profiles&, const std::vector<Family>&, const ScoreSettings&, const Work&);
 
 }  // namespace terrazzo::shape_families

@@ -39,21 +39,42 @@ std::optional<MeasuredProfile> measured(const Profile& p) {
 
 FamilySections family_sections(const Shapes& shapes, std::size_t count, std::uint64_t seed,
                                const Work& work) {
-  Shapes unit = shapes;
-  for (Shape& s : unit.shapes) {
-    const double scale = 1 / s.size();
-    for (Vec3& v : s.mesh.vertices) v *= scale;
-    s.mean_caliper *= scale;
+  double mean = 0, probability = 0, hits = 0;
+  for (const Shape& s : shapes.shapes) {
+    mean += s.probability * s.size(), probability += s.probability;
+    hits += s.probability * s.mean_caliper / s.size();
   }
-  const auto sections = random_sections(unit, count, {.seed = seed}, work.part(0, 0.3));
+  mean /= probability;
   FamilySections out;
+  std::vector<BodySection> sections;
+  std::vector<double> natural;
+  // At size 1, random planes hit shapes by their numbers and mean caliper diameters. Each shape has its share
+  // of the sections, rounded so that all shares add up.
+  double before = 0;
+  for (const Shape& s : shapes.shapes) {
+    const double after =
+        before + s.probability * s.mean_caliper / s.size() / hits * static_cast<double>(count);
+    const std::size_t first = static_cast<std::size_t>(std::llround(before)),
+                      last = static_cast<std::size_t>(std::llround(after));
+    before = after;
+    if (last == first) continue;
+    Shapes one;
+    one.shapes = {s};
+    one.shapes[0].probability = 1;
+    for (auto& section : random_sections(one, last - first, {.seed = seed, .first = first}, work.quiet())) {
+      for (auto& profile : section)
+        for (Loop& loop : profile)
+          for (Vec2& v : loop) v /= s.size();
+      sections.push_back(std::move(section)), natural.push_back(s.size() / mean);
+    }
+  }
   std::vector<const Loop*> outlines;
-  for (const BodySection& section : sections)
-    for (const auto& profile : section) {
+  for (std::size_t i = 0; i < sections.size(); ++i)
+    for (const auto& profile : sections[i]) {
       double area = 0;
       for (const Loop& loop : profile) area += loop_area(loop);  // holes are negative
       if (!(area > 0)) continue;
-      out.ratio.push_back(std::sqrt(4 * area / pi));
+      out.ratio.push_back(std::sqrt(4 * area / pi)), out.natural.push_back(natural[i]);
       outlines.push_back(&profile.front());
     }
   for (auto& f : out.features) f.resize(outlines.size());

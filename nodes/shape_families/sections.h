@@ -28,9 +28,10 @@ struct MeasuredProfile {
 // Nothing if the profile is cut by the border, has no outline, or is too coarse for the largest blur.
 std::optional<MeasuredProfile> measured(const Profile&);
 
-// Random sections of a family's particles, all of size 1.
+// Random sections of a family's particles, all scaled to size 1.
 struct FamilySections {
-  std::vector<double> ratio;  // √(4A/π) of each profile; the particle's own size is 1
+  std::vector<double> ratio;    // √(4A/π) of each profile; the particle's own size is 1
+  std::vector<double> natural;  // size of the particle as given, relative to the family's mean by number
   std::array<std::vector<Features>, kBlur.size()> features;
 };
 

@@ -106,7 +106,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType unfold_study_node() {
-  return NodeType("UnfoldStudy", 4)
+  return NodeType("UnfoldStudy", 5)
       .doc_(
           "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "
           "show and unfolds them with every method, many times. All methods see the same profiles. Settings "

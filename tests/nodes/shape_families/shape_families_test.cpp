@@ -11,6 +11,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
+#include "nodes/shape_families/likeness.h"
 #include "nodes/shape_families/score.h"
 #include "nodes/shape_families/sections.h"
 #include "runtime/random.h"
@@ -79,19 +80,20 @@ TEST(ShapeFamilies, TheTrueFamilyPredictsBest) {
               octahedron = known("octahedron"), slab = known("box", {{"axes", "[2, 1, 0.5]"}});
   const std::vector<Family> families = {sphere.family("sphere"), box.family("box"),
                                         octahedron.family("octahedron"), slab.family("slab")};
-  for (std::size_t truth = 0; truth < families.size(); ++truth)
-    for (const std::uint64_t seed : {1, 2}) {
-      const Profiles p = cut(*families[truth].shapes, 0.02, 10000, seed);
-      const Scores s = score_families(p, families, quick(), {});
-      EXPECT_EQ(s.best, truth) << families[s.best].name << " for " << families[truth].name;
-      EXPECT_NEAR(s.families[truth].N_V / 0.02, 1, 0.25) << families[truth].name;
-      EXPECT_EQ(s.families[truth].behind, 0);
-      for (std::size_t f = 0; f < families.size(); ++f)
-        if (f != truth) {
-          EXPECT_LT(s.families[f].behind, 0) << families[f].name;
-          EXPECT_FALSE(s.families[f].plausible) << families[f].name << " for " << families[truth].name;
-        }
-    }
+  for (std::size_t truth = 0; truth < families.size(); ++truth) {
+    const Profiles p = cut(*families[truth].shapes, 0.02, 10000, 1 + truth);
+    ScoreSettings settings = quick();
+    settings.folds = 3;
+    const Scores s = score_families(p, families, settings, {});
+    EXPECT_EQ(s.best, truth) << families[s.best].name << " for " << families[truth].name;
+    EXPECT_NEAR(s.families[truth].N_V / 0.02, 1, 0.25) << families[truth].name;
+    EXPECT_EQ(s.families[truth].behind, 0);
+    for (std::size_t f = 0; f < families.size(); ++f)
+      if (f != truth) {
+        EXPECT_LT(s.families[f].behind, 0) << families[f].name;
+        EXPECT_FALSE(s.families[f].plausible) << families[f].name << " for " << families[truth].name;
+      }
+  }
 }
 
 // Lists of areas have no outlines: sizes alone hardly tell convex shapes apart, and the node says so.
@@ -146,6 +148,49 @@ TEST(ShapeFamilies, OutlinesAreMeasuredAtTheirResolution) {
   Profile at_border = disc(60);
   at_border.touches_border = true;
   EXPECT_FALSE(measured(at_border).has_value());
+}
+
+// Probabilities of shapes at any size of particles sum to 1, and favor shapes of that size.
+TEST(ShapeFamilies, ParticlesHaveShapesOfTheirSize) {
+  const Shapes ball = known("sphere", {{"detail", "1"}}).shapes.as<Shapes>();
+  Shapes many;
+  Random random(9);
+  double mean = 0;
+  for (int i = 0; i < 40; ++i) {
+    Shape s = ball.shapes[0];
+    const double scale = random.uniform(0.3, 2);
+    for (Vec3& v : s.mesh.vertices) v *= scale;
+    s.max_section_area *= scale * scale, s.mean_caliper *= scale, s.probability = 1.0 / 40;
+    mean += s.size() / 40;
+    many.shapes.push_back(s);
+  }
+  const Likeness likeness(many), equal(ball);
+  for (const double size : {0.01, 0.3, 0.7, 1.0, 1.4, 3.0}) {
+    double sum = 0;
+    for (const Shape& s : many.shapes) sum += likeness(s.size() / mean, size) / 40;
+    EXPECT_NEAR(sum, 1, 0.02) << size;
+    EXPECT_EQ(equal(1, size), 1);
+  }
+  EXPECT_GT(likeness(1.5, 1.5), 3 * likeness(0.7, 1.5));
+}
+
+// Sections of a mixture have the shapes' shares, and all are scaled to size 1.
+TEST(ShapeFamilies, SectionsOfAFamilyHaveSizeOne) {
+  Shapes two = known("sphere", {{"detail", "3"}}).shapes.as<Shapes>();
+  two.shapes.push_back(two.shapes[0]);
+  two.shapes[0].probability = 0.25, two.shapes[1].probability = 0.75;
+  for (Vec3& v : two.shapes[1].mesh.vertices) v *= 4;
+  two.shapes[1].max_section_area *= 16, two.shapes[1].mean_caliper *= 4;
+  const FamilySections s = family_sections(two, 2000, 1, {});
+  ASSERT_EQ(s.ratio.size(), 2000u);
+  double squares = 0;
+  std::size_t large = 0;
+  for (std::size_t i = 0; i < s.ratio.size(); ++i) {
+    EXPECT_LE(s.ratio[i], 1.001);
+    squares += s.ratio[i] * s.ratio[i], large += s.natural[i] > 1;
+  }
+  EXPECT_NEAR(squares / 2000, 2.0 / 3, 0.02);  // of spheres, E[A] = 2/3 A_max
+  EXPECT_NEAR(static_cast<double>(large), 1500, 1);
 }
 
 TEST(ShapeFamilies, SaysWhatIsWrong) {
