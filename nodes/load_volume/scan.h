@@ -42,6 +42,11 @@ bool is_nifti(const std::filesystem::path&);
 std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&);
 LoadedScan read_nifti(const std::filesystem::path&, const Work& = {}, const Reading& = {});
 
+// Reads a NumPy array [x, y, z] of numbers, in C or Fortran order. It contains no spacing. Throws Error
+// "unreadable-volume", "not-a-volume" (not three dimensions), "too-large".
+bool is_npy(const std::filesystem::path&);
+LoadedScan read_npy(const std::filesystem::path&, const Work& = {}, const Reading& = {});
+
 // Reads one DICOM series through DCMTK, with one slice per file or all in one file. Slices are sorted by
 // position. read_dicom throws Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume",
 // "too-large".
