@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -39,6 +40,9 @@ LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& wor
 std::optional<Vec3> given_spacing(const Context& c) {
   if (!c.keyword("spacing").empty()) return {};
   const auto s = c.numbers("spacing");
+  if (*std::min_element(s.begin(), s.end()) < kSmallestSpacing)
+    throw Error("bad-spacing", "spacing is below 1e-9 mm", "write the edge lengths of a voxel in mm")
+        .parameter("spacing");
   if (s.size() == 2)
     throw Error("bad-spacing", "spacing has two numbers", "write one number, or three for x, y and z")
         .parameter("spacing");
@@ -47,7 +51,7 @@ std::optional<Vec3> given_spacing(const Context& c) {
 
 Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
   if (const auto given = given_spacing(c)) return *given;
-  if (!scan.spacing.allFinite() || scan.spacing.minCoeff() <= 0)
+  if (!scan.spacing.allFinite() || scan.spacing.minCoeff() < kSmallestSpacing)
     throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
   return scan.spacing;

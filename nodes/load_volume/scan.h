@@ -20,6 +20,9 @@ struct LoadedScan {
   std::vector<std::string> notes;          // warnings for the user
 };
 
+// A shorter edge of a voxel, in mm, is no size: OpenVDB takes it for zero.
+constexpr double kSmallestSpacing = 1e-9;
+
 // Allocates the voxels. Throws Error "too-large" above 2^31 voxels or if the voxels, their reoriented copy
 // and `more` bytes exceed the memory budget, and "empty-volume" if an edge is below 1 voxel.
 void allocate(LoadedScan&, const std::string& file, const Reading&, double more = 0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -10,6 +11,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/common/geometry/spaced_transform.h"
+#include "nodes/load_volume/scan.h"
 #include "nodes/load_volume/vti_layout.h"
 
 namespace terrazzo::load_volume {
@@ -96,14 +98,14 @@ openvdb::GridBase::Ptr grid_of(const VtiArrayText& array, const std::string& byt
 }
 
 // To 12 digits: 0.00025 m is 0.25 mm.
-double rounded(double v) { return std::stod(fmt::format("{:.12g}", v)); }
+double rounded(double v) { return std::strtod(fmt::format("{:.12g}", v).c_str(), nullptr); }
 
 VtiPlace place_of(const VtiLayout& layout, std::optional<Vec3> spacing, const Reading& reading) {
   VtiPlace place;
   place.size = layout.size;
   for (int k = 0; k < 3; ++k)
     place.spacing[k] = spacing ? (*spacing)[k] : rounded(layout.spacing[k] * kMmPerMeter);
-  if (!place.spacing.allFinite() || !(place.spacing.minCoeff() > 0))
+  if (!place.spacing.allFinite() || place.spacing.minCoeff() < kSmallestSpacing)
     throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
   const Vec3 first = layout.origin.cwiseQuotient(layout.spacing) + layout.start.cast<double>();  // in voxels
