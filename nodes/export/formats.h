@@ -23,7 +23,7 @@ const Format& format_of(const std::string& path);
 // "missing-input".
 void check_fit(const Format&, const std::map<std::string, Value>&);
 
-// "a/block.vti" and "_regions.csv" → "a/block_regions.csv".
+// "a/block.inp" and "_periodic.inp" → "a/block_periodic.inp".
 std::string beside(const std::string& path, const Format&, const std::string& end);
 
 }  // namespace terrazzo::exporting

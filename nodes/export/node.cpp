@@ -141,16 +141,15 @@ VoxelSource only_grid(const Context& c, const Volume& volume, const VoxelBox& bo
   return {volume, names[0], box};
 }
 
-void write_region_table(Context& c, const std::string& path, const Format& format, const Regions& regions,
-                        const VoxelBox& box, const Particles* particles) {
-  const std::string table = beside(path, format, "_regions.csv");
-  write_named(c, table, [&](const std::filesystem::path& file) {
+// Named after the whole file name: block.vti and block.inp each have their own numbers.
+void write_region_table(Context& c, const std::string& path, const Regions& regions, const VoxelBox& box,
+                        const Particles* particles) {
+  write_named(c, path + ".csv", [&](const std::filesystem::path& file) {
     write_bytes(file, csv_of(region_table(regions, box, particles)));
   });
 }
 
-void export_vti(Context& c, const std::string& path, const Format& format, const Volume& volume,
-                const Particles* particles) {
+void export_vti(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
   VtiContent content;
   content.box = voxel_box(volume);
   content.compression = c.choice<VtiCompression>("compression");
@@ -172,7 +171,7 @@ void export_vti(Context& c, const std::string& path, const Format& format, const
   }
   write_named(c, path,
               [&](const std::filesystem::path& file) { write_vti(file, content, c.work().part(0.2, 1)); });
-  if (id) write_region_table(c, path, format, regions, content.box, particles);
+  if (id) write_region_table(c, path, regions, content.box, particles);
 }
 
 void export_inp(Context& c, const std::string& path, const Format& format, const Volume& volume,
@@ -192,7 +191,7 @@ void export_inp(Context& c, const std::string& path, const Format& format, const
     write_named(c, beside(path, format, "_periodic.inp"), [&](const std::filesystem::path& file) {
       write_periodic_inp(file, box, c.work().part(0.9, 1));
     });
-  write_region_table(c, path, format, regions, box, particles);
+  write_region_table(c, path, regions, box, particles);
 }
 
 void export_usda(Context& c, const std::string& path, const Format& format, const Particles& particles,
@@ -227,7 +226,7 @@ void compute(Context& c) {
   const auto particles = [&] {
     return values.count("Particles") ? &values.at("Particles").as<Particles>() : nullptr;
   };
-  if (extension == ".vti") return export_vti(c, path, format, *volume(), particles());
+  if (extension == ".vti") return export_vti(c, path, *volume(), particles());
   if (extension == ".inp") return export_inp(c, path, format, *volume(), particles());
   if (extension == ".usda")
     return export_usda(c, path, format, *particles(), values.at("Shapes").as<Shapes>(), volume());

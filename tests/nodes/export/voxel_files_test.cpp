@@ -236,7 +236,7 @@ TEST(ExportVti, WritesATableOfItsNumbers) {
       "a.vti",
       {{"volume", Value::of(test::formula_volume())}, {"particles", Value::of(test::formula_particles())}},
       {{"regions", "phases"}});
-  const auto lines = lines_of(file.parent_path() / "a_regions.csv");
+  const auto lines = lines_of(file.parent_path() / "a.vti.csv");
   ASSERT_EQ(lines.size(), 6u);
   EXPECT_EQ(
       lines[0],
