@@ -14,14 +14,28 @@
 
 namespace terrazzo::exporting {
 
-// Writes one mesh and one node per shape in use. The node's instances have TRANSLATION, ROTATION, SCALE,
+// How particles are stored. The values are in the order of the parameter's words.
+enum class Instancing {
+  Extension,  // EXT_mesh_gpu_instancing: one node per shape, compact
+  Nodes,      // one node per particle, for readers without the extension: Blender, Godot, Unreal
+};
+
+// Each particle of the periodic box appears once, with its center inside the box. Voids are omitted.
+//
+// Extension: one mesh and one node per shape in use. The node's instances have TRANSLATION, ROTATION, SCALE,
 // `_COLOR_0` (three floats, scene-linear; three.js uses it as the instance color) and `_ID` (the particle's
-// index as a float, exact below 2^24), in particle order. Each particle of the periodic box appears once,
-// with its center inside the box. Voids are omitted. `provenance` is a JSON object for asset.extras, or
-// empty. Throws Error "no-particles", "no-such-shape", "bad-number" (NaN, infinity, a zero quaternion),
+// index as a float, exact below 2^24), in particle order. All share one white material.
+//
+// Nodes: one node per particle, named SHAPE_INDEX, below a node `particles`. Its extras hold `id` (the
+// particle's index), `class`, `size_mm` and `color`, which is exact. The meshes of a shape share their
+// buffers and differ in the material; there are at most `materials` of them (color_classes.h), so colors are
+// rounded if the particles have more.
+//
+// `provenance` is a JSON object for asset.extras, or empty. Throws the errors of instances_of, Error
 // "too-large" (binary glTF is limited to 4 GiB), "write-failed".
 void write_glb(const std::filesystem::path&, const Particles&, const Shapes&,
-               const std::string& provenance = {}, const Work& = {});
+               const std::string& provenance = {}, const Work& = {}, Instancing = Instancing::Extension,
+               int materials = 64);
 
 // Writes one node per shape, side by side along x. Throws Error "no-shapes", "too-large", "write-failed".
 void write_glb(const std::filesystem::path&, const Shapes&, const std::string& provenance = {},

@@ -1,14 +1,24 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "graph/node_type.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/csv.h"
+#include "nodes/export/formats.h"
 #include "nodes/export/gltf.h"
+#include "nodes/export/inp_file.h"
+#include "nodes/export/instances.h"
 #include "nodes/export/mesh_file.h"
+#include "nodes/export/nifti_file.h"
+#include "nodes/export/npy_file.h"
 #include "nodes/export/picture_file.h"
+#include "nodes/export/usda_file.h"
 #include "nodes/export/vdb_file.h"
+#include "nodes/export/vti_file.h"
 #include "runtime/context.h"
 #include "runtime/json_text.h"
 
@@ -27,40 +37,11 @@ constexpr std::array<Input, 9> inputs = {{
     {"shapes", "Shapes", "Shapes of the particles"},
     {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
     {"distribution", "SizeDistribution", "Number of particles per volume by size"},
-    {"particles", "Particles", "Packing. A .glb file also needs shapes"},
+    {"particles", "Particles",
+     "Packing. A .glb or .usda file also needs shapes. A .vti or .inp file takes classes and voids from it"},
     {"volume", "Volume", "Volume of named grids"},
     {"table", "Table", "Table of named columns"},
 }};
-
-// Extensions and the types that each can hold, used for dispatch and for error messages.
-struct Format {
-  const char* extension;
-  std::vector<std::string> types;
-};
-const std::vector<Format>& formats() {
-  static const std::vector<Format> all = {
-      {".glb", {"Particles", "Shapes"}},
-      {".vdb", {"Volume"}},
-      {".png", {"Image", "Labels"}},
-      {".tif", {"Image", "Labels"}},
-      {".exr", {"Image", "Labels"}},
-      {".jpg", {"Image"}},
-      {".hdr", {"Image"}},
-      {".csv", {"Table", "Profiles", "Particles", "SizeDistribution", "KMatrix", "Shapes"}},
-      {".json", {}},  // anything
-      {".obj", {"Shapes"}},
-      {".ply", {"Shapes"}},
-      {".stl", {"Shapes"}},
-  };
-  return all;
-}
-
-std::string joined(const std::vector<std::string>& words, const char* last) {
-  std::string out;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    out += (i == 0 ? "" : i + 1 == words.size() ? std::string(" ") + last + " " : ", ") + words[i];
-  return out;
-}
 
 // The connected values, by type name.
 std::map<std::string, Value> connected(const Context& c) {
@@ -75,40 +56,6 @@ std::map<std::string, Value> connected(const Context& c) {
   }
   if (values.empty()) throw Error("no-input", "nothing is connected", "connect the value to write");
   return values;
-}
-
-const Format& format_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (const Format& f : formats())
-    if (extension == f.extension) return f;
-  std::vector<std::string> known;
-  for (const Format& f : formats()) known.push_back(f.extension);
-  throw Error("unknown-format",
-              extension.empty() ? "the file name has no extension"
-                                : "the file extension '" + extension + "' is unknown",
-              "use " + joined(known, "or"))
-      .parameter("path");
-}
-
-void check_fit(const Format& format, const std::map<std::string, Value>& values) {
-  if (format.types.empty()) return;
-  std::vector<std::string> strangers;
-  for (const auto& [type, value] : values)
-    if (std::find(format.types.begin(), format.types.end(), type) == format.types.end())
-      strangers.push_back(type);
-  const std::string extension = format.extension;
-  const std::string holds = "a " + extension + " file holds " + joined(format.types, "or");
-  if (!strangers.empty())
-    throw Error("format-does-not-fit", holds + ", not " + joined(strangers, "and"),
-                "change the extension or the input")
-        .parameter("path");
-  if (values.size() > 1 && extension != ".glb")
-    throw Error("format-does-not-fit", holds + ", but only one of them", "use one Export node for each")
-        .parameter("path");
-  if (extension == ".glb" && !values.count("Shapes"))
-    throw Error("no-shapes",
-                "particles are written as instances of their shapes, but 'shapes' is not connected",
-                "connect the shapes used in the packing");
 }
 
 std::string csv_of_value(const Value& v) {
@@ -162,6 +109,112 @@ void write_sections(Context& c, const std::string& path, const Picture& picture,
   }
 }
 
+// The volume with the grids that the parameter `grids` names, or all.
+Volume chosen_grids(const Context& c, const Volume& volume) {
+  if (!c.keyword("grids").empty()) return volume;
+  Volume out;
+  out.resolution = volume.resolution;
+  const auto all = grid_names(volume);
+  for (const std::string& name : c.texts("grids")) {
+    const auto at = std::find(all.begin(), all.end(), name);
+    if (at == all.end())
+      throw Error("no-such-grid",
+                  fmt::format("the volume has no grid '{}' (its grids: {})", name, fmt::join(all, ", ")),
+                  "choose one of them")
+          .parameter("grids");
+    out.grids.push_back(volume.grids[static_cast<std::size_t>(at - all.begin())]);
+  }
+  return out;
+}
+
+// The one grid of a file that holds only one.
+VoxelSource only_grid(const Context& c, const Volume& volume, const VoxelBox& box) {
+  const auto all = grid_names(volume);
+  std::vector<std::string> names = c.keyword("grids").empty() ? c.texts("grids") : std::vector<std::string>();
+  if (names.empty() && std::find(all.begin(), all.end(), "id") != all.end()) names = {"id"};
+  if (names.empty() && all.size() == 1) names = all;
+  if (names.size() != 1)
+    throw Error("several-grids",
+                fmt::format("the file holds one grid; the volume has {}", fmt::join(all, ", ")),
+                "name one of them with grids")
+        .parameter("grids");
+  return {volume, names[0], box};
+}
+
+// Named after the whole file name: block.vti and block.inp each have their own numbers.
+void write_region_table(Context& c, const std::string& path, const Regions& regions, const VoxelBox& box,
+                        const Particles* particles) {
+  write_named(c, path + ".csv", [&](const std::filesystem::path& file) {
+    write_bytes(file, csv_of(region_table(regions, box, particles)));
+  });
+}
+
+void export_vti(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
+  VtiContent content;
+  content.box = voxel_box(volume);
+  content.compression = c.choice<VtiCompression>("compression");
+  content.provenance = c.provenance();
+  for (const std::string& name : grid_names(chosen_grids(c, volume)))
+    content.grids.emplace_back(volume, name, content.box);
+  const auto all = grid_names(volume);
+  std::optional<VoxelSource> id;
+  if (std::find(all.begin(), all.end(), "id") != all.end()) id.emplace(volume, "id", content.box);
+  if (id && !id->whole()) {
+    c.warn("the grid id does not contain whole numbers, so the file has no array material");
+    id.reset();
+  }
+  Regions regions;
+  if (id) {
+    regions =
+        find_regions(*id, content.box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.2));
+    content.id = &*id, content.regions = &regions;
+  }
+  write_named(c, path,
+              [&](const std::filesystem::path& file) { write_vti(file, content, c.work().part(0.2, 1)); });
+  if (id) write_region_table(c, path, regions, content.box, particles);
+}
+
+void export_inp(Context& c, const std::string& path, const Format& format, const Volume& volume,
+                const Particles* particles) {
+  const VoxelBox box = voxel_box(volume);
+  check_inp(box);
+  const auto all = grid_names(volume);
+  if (std::find(all.begin(), all.end(), "id") == all.end())
+    throw Error("no-id", "the volume has no grid id, which tells materials apart", "connect Voxelize.volume");
+  const VoxelSource id(volume, "id", box);
+  const Regions regions =
+      find_regions(id, box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.1));
+  write_named(c, path, [&](const std::filesystem::path& file) {
+    write_inp(file, id, box, regions, c.memory(), c.provenance(), c.work().part(0.1, 0.9));
+  });
+  if (box.periodic)
+    write_named(c, beside(path, format, "_periodic.inp"), [&](const std::filesystem::path& file) {
+      write_periodic_inp(file, box, c.work().part(0.9, 1));
+    });
+  write_region_table(c, path, regions, box, particles);
+}
+
+void export_usda(Context& c, const std::string& path, const Format& format, const Particles& particles,
+                 const Shapes& shapes, const Volume* volume) {
+  instances_of(particles, shapes);  // throws before the first of two files is written
+  UsdaVolume beside_it;
+  Volume chosen;
+  if (volume) {
+    chosen = chosen_grids(c, *volume);
+    const std::string vdb = beside(path, format, ".vdb");
+    beside_it = {std::filesystem::path(vdb).filename().string(), &chosen};
+    if (beside_it.file.find('@') != std::string::npos)
+      throw Error("bad-names", "the file name contains @, which encloses names in a .usda file", "rename it")
+          .parameter("path");
+    write_named(c, vdb, [&](const std::filesystem::path& file) {
+      write_vdb(file, chosen, c.provenance(), c.choice<WholeNumbers>("id_type"));
+    });
+  }
+  write_named(c, path, [&](const std::filesystem::path& file) {
+    write_usda(file, particles, shapes, beside_it, c.provenance(), c.work());
+  });
+}
+
 void compute(Context& c) {
   const std::string path = c.text("path");
   const Format& format = format_of(path);
@@ -169,19 +222,37 @@ void compute(Context& c) {
   check_fit(format, values);
   const std::string extension = format.extension;
   const Value& first = values.begin()->second;
+  const auto volume = [&] { return values.count("Volume") ? &values.at("Volume").as<Volume>() : nullptr; };
+  const auto particles = [&] {
+    return values.count("Particles") ? &values.at("Particles").as<Particles>() : nullptr;
+  };
+  if (extension == ".vti") return export_vti(c, path, *volume(), particles());
+  if (extension == ".inp") return export_inp(c, path, format, *volume(), particles());
+  if (extension == ".usda")
+    return export_usda(c, path, format, *particles(), values.at("Shapes").as<Shapes>(), volume());
   if (first.is<Image>() && extension != ".json")
     return write_sections(c, path, first.as<Image>(), write_picture);
-  if (first.is<Labels>() && extension != ".json")
+  if (first.is<Labels>() && extension != ".json" && extension != ".npy")
     return write_sections(c, path, first.as<Labels>(), write_labels);
   write_named(c, path, [&](const std::filesystem::path& file) {
     if (extension == ".glb") {
       const Shapes& shapes = values.at("Shapes").as<Shapes>();
-      if (values.count("Particles"))
-        write_glb(file, values.at("Particles").as<Particles>(), shapes, c.provenance(), c.work());
+      if (particles())
+        write_glb(file, *particles(), shapes, c.provenance(), c.work(), c.choice<Instancing>("instancing"),
+                  static_cast<int>(c.integer("materials")));
       else
         write_glb(file, shapes, c.provenance(), c.work());
     } else if (extension == ".vdb") {
-      write_vdb(file, first.as<Volume>(), c.provenance());
+      write_vdb(file, chosen_grids(c, first.as<Volume>()), c.provenance(), c.choice<WholeNumbers>("id_type"));
+    } else if (extension == ".npy" && first.is<Labels>()) {
+      write_npy(file, first.as<Labels>());
+    } else if (extension == ".npy" || extension == ".nii" || extension == ".nii.gz") {
+      const VoxelBox box = voxel_box(first.as<Volume>());
+      const VoxelSource grid = only_grid(c, first.as<Volume>(), box);
+      if (extension == ".npy")
+        write_npy(file, grid, box, c.work());
+      else
+        write_nifti(file, grid, box, c.provenance(), c.work());
     } else if (extension == ".csv") {
       write_bytes(file, csv_of_value(first));
     } else if (extension == ".json") {
@@ -195,18 +266,48 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType export_node() {
-  NodeType type("Export", 2);
+  NodeType type("Export", 3);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
-      .source_("glTF 2.0 with EXT_mesh_gpu_instancing; OpenVDB; OpenImageIO; RFC 4180");
+      .source_(
+          "glTF 2.0 with EXT_mesh_gpu_instancing; OpenUSD; OpenVDB; VTK XML 1.0; NIfTI-1; Abaqus keywords; "
+          "OpenImageIO; RFC 4180");
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
-      .parameter(Parameter::output_path("path").doc_("File to write: .glb (particles with shapes, or "
-                                                     "shapes), .vdb (volume), .png, .jpg, .tif, .exr, .hdr "
-                                                     "(images; a stack becomes name_000, name_001, …), .png, "
-                                                     ".tif, .exr (labels, as exact ids), .csv (tables, "
-                                                     "profiles, particles, distributions, K matrices, "
-                                                     "shapes), .json (any type), .obj, .ply, .stl (shapes)."))
+      .parameter(Parameter::output_path("path").doc_(
+          "File to write: .glb (particles with shapes, or shapes), .usda (particles with shapes, and a "
+          "volume as "
+          ".vdb beside it), .vdb (volume), .vti (volume), .inp (volume as a mesh of voxels), .npy (one grid "
+          "of a "
+          "volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr (images; a "
+          "stack becomes name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv (tables, "
+          "profiles, particles, distributions, K matrices, shapes), .json (any type), .obj, .ply, .stl "
+          "(shapes)."))
+      .parameter(
+          Parameter::choice("instancing", "extension", {"extension", "nodes"})
+              .doc_(".glb: extension: one node per shape with EXT_mesh_gpu_instancing, compact. nodes: "
+                    "one node per particle, for programs without the extension, such as Blender, Godot "
+                    "and Unreal."))
+      .parameter(
+          Parameter::integer("materials", 64)
+              .range(1, 65535)
+              .doc_(".glb with instancing: nodes: most materials. More colors than that are rounded to "
+                    "this many; the extras of each node have the exact color."))
+      .parameter(
+          Parameter::choice("id_type", "float", {"float", "int32"})
+              .doc_(".vdb: type of the grids of whole numbers (id, source). float: more programs read it; "
+                    "exact up to 2^24. int32: unchanged. LoadVolume gives the same grids for both."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
+              .count(1, 64)
+              .doc_(".vdb, .vti, .usda: names of the grids to write. .npy, .nii: name of the one grid. "
+                    "auto: all; for .npy and .nii, id or the only grid."))
+      .parameter(
+          Parameter::choice("regions", "particles", {"particles", "phases"})
+              .doc_(".vti, .inp: what has a number or element set of its own, besides the binder: every "
+                    "particle, or every class of particles and all voids together (needs particles)."))
+      .parameter(
+          Parameter::choice("compression", "zlib", {"zlib", "none"}).doc_(".vti: compression of the voxels."))
       .writes_files_()
       .compute_(compute);
 }

@@ -1,7 +1,9 @@
 #include "nodes/export/vdb_file.h"
 
+#include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 
+#include "nodes/common/geometry/convert_grid.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/data/volume.h"
 
@@ -20,9 +22,38 @@ class StreamArchive : public openvdb::io::Archive {
   using openvdb::io::Archive::write;
 };
 
+void check_exact(const openvdb::GridBase& grid, std::int64_t value) {
+  constexpr std::int64_t kExact = std::int64_t{1} << 24;  // floats hold every whole number up to here
+  if (value > kExact || value < -kExact)
+    throw Error("too-many-labels",
+                fmt::format("grid '{}' contains {}; numbers beyond 2^24 = {} are not exact as floats",
+                            grid.getName(), value, kExact),
+                "set id_type: int32")
+        .parameter("id_type");
+}
+
+openvdb::GridBase::ConstPtr as_floats(const openvdb::GridBase::ConstPtr& grid) {
+  openvdb::GridBase::Ptr floats;
+  if (const auto* numbers = dynamic_cast<const openvdb::Int32Grid*>(grid.get()))
+    floats = convert_grid<openvdb::FloatGrid>(*numbers, [&](std::int32_t v) {
+      check_exact(*grid, v);
+      return static_cast<float>(v);
+    });
+  else if (const auto* vectors = dynamic_cast<const openvdb::Vec3IGrid*>(grid.get()))
+    floats = convert_grid<openvdb::Vec3SGrid>(*vectors, [&](const openvdb::Vec3i& v) {
+      for (int k = 0; k < 3; ++k) check_exact(*grid, v[k]);
+      return openvdb::Vec3s(v);
+    });
+  else
+    return grid;
+  floats->insertMeta("stored_from", openvdb::StringMetadata(grid->valueType()));
+  return floats;
+}
+
 }  // namespace
 
-void write_vdb(const std::filesystem::path& path, const Volume& volume, const std::string& provenance) {
+void write_vdb(const std::filesystem::path& path, const Volume& volume, const std::string& provenance,
+               WholeNumbers whole_numbers) {
   if (volume.grids.empty()) throw Error("no-grids", "the volume has no grids to write");
   initialize_openvdb();
   openvdb::MetaMap metadata;
@@ -31,7 +62,9 @@ void write_vdb(const std::filesystem::path& path, const Volume& volume, const st
   if (volume.resolution.minCoeff() > 0)
     metadata.insertMeta("period", openvdb::Vec3IMetadata(openvdb::Vec3i(
                                       volume.resolution.x(), volume.resolution.y(), volume.resolution.z())));
-  const openvdb::GridCPtrVec grids(volume.grids.begin(), volume.grids.end());
+  openvdb::GridCPtrVec grids;
+  for (const auto& grid : volume.grids)
+    grids.push_back(whole_numbers == WholeNumbers::Float ? as_floats(grid) : grid);
   CheckedFile file(path);
   file.guard([&](std::ostream& out) { StreamArchive().write_to(out, grids, metadata); });
 }

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "graph/node_type.h"
 #include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/load_volume/scan.h"
 #include "nodes/load_volume/vdb.h"
+#include "nodes/load_volume/vti.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -13,27 +16,42 @@ namespace {
 
 using namespace load_volume;
 
+void require_one(const std::vector<std::filesystem::path>& files, const char* format) {
+  if (files.size() > 1)
+    throw Error("several-files",
+                fmt::format("path matches {} {} files, each a separate volume", files.size(), format),
+                "name a single file")
+        .parameter("path");
+}
+
 LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work, const Reading& reading) {
   if (is_nifti(files[0])) {
-    if (files.size() > 1)
-      throw Error("several-files",
-                  fmt::format("path matches {} NIfTI files, each a separate volume", files.size()),
-                  "name a single file")
-          .parameter("path");
+    require_one(files, "NIfTI");
     return read_nifti(files[0], work, reading);
+  }
+  if (is_npy(files[0])) {
+    require_one(files, "NumPy");
+    return read_npy(files[0], work, reading);
   }
   return is_dicom(files[0]) ? read_dicom(files, work, reading) : read_slices(files, work, reading);
 }
 
+// The parameter, if it is set.
+std::optional<Vec3> given_spacing(const Context& c) {
+  if (!c.keyword("spacing").empty()) return {};
+  const auto s = c.numbers("spacing");
+  if (*std::min_element(s.begin(), s.end()) < kSmallestSpacing)
+    throw Error("bad-spacing", "spacing is below 1e-9 mm", "write the edge lengths of a voxel in mm")
+        .parameter("spacing");
+  if (s.size() == 2)
+    throw Error("bad-spacing", "spacing has two numbers", "write one number, or three for x, y and z")
+        .parameter("spacing");
+  return s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
+}
+
 Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
-  if (c.keyword("spacing").empty()) {
-    const auto s = c.numbers("spacing");
-    if (s.size() == 2)
-      throw Error("bad-spacing", "spacing has two numbers", "write one number, or three for x, y and z")
-          .parameter("spacing");
-    return s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
-  }
-  if (!scan.spacing.allFinite() || scan.spacing.minCoeff() <= 0)
+  if (const auto given = given_spacing(c)) return *given;
+  if (!scan.spacing.allFinite() || scan.spacing.minCoeff() < kSmallestSpacing)
     throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
   return scan.spacing;
@@ -63,19 +81,34 @@ void rescale(Context& c, LoadedScan& scan) {
       .parameter("path");
 }
 
+// Particle indices are whole numbers that floats hold exactly.
+void check_ids(const LoadedScan& scan) {
+  for (std::size_t i = 0; i < scan.values.size(); ++i)
+    if (const float v = scan.values[i]; v != std::nearbyint(v) || std::abs(v) > 16777216.0f)
+      throw Error("bad-labels",
+                  fmt::format("the grid id contains {} at voxel {}; it holds whole numbers up to 2^24", v, i),
+                  "set grid to another name, or slope and intercept so that values are whole")
+          .parameter("grid");
+}
+
 void compute(Context& c) {
   const auto& files = c.files("path");
   const std::string name = c.text("grid");
   if (is_vdb(files[0])) {
-    if (files.size() > 1)
-      throw Error("several-files",
-                  fmt::format("path matches {} OpenVDB files, each a separate volume", files.size()),
-                  "name a single file")
-          .parameter("path");
+    require_one(files, "OpenVDB");
     if (c.keyword("spacing").empty() || c.keyword("slope").empty() || c.keyword("intercept").empty())
       c.warn(
           "spacing, slope and intercept have no effect on OpenVDB files, which contain their own transform");
     Volume volume = read_vdb(files[0], name, reading_of(c));
+    for (const auto& note : make_names_valid(volume)) c.warn(note);
+    c.output("volume", std::move(volume));
+    return;
+  }
+  if (is_vti(files[0])) {
+    require_one(files, "VTK");
+    if (c.keyword("slope").empty() || c.keyword("intercept").empty())
+      c.warn("slope and intercept have no effect on VTK files");
+    Volume volume = read_vti(files[0], name, given_spacing(c), reading_of(c), c.work());
     for (const auto& note : make_names_valid(volume)) c.warn(note);
     c.output("volume", std::move(volume));
     return;
@@ -89,6 +122,12 @@ void compute(Context& c) {
   c.metric("min", low), c.metric("max", high);
   c.metric("voxels", static_cast<double>(scan.values.size()));
   Volume volume;
+  if (name == "id") {
+    check_ids(scan);
+    add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1),
+                [&](std::size_t i) { return static_cast<std::int32_t>(scan.values[i]); });
+    return c.output("volume", std::move(volume));
+  }
   add_number_grid(volume, name.empty() ? "density" : name, scan.size, spacing, c.work().part(0.7, 1),
                   [&](std::size_t i) { return scan.values[i]; });
   c.output("volume", std::move(volume));
@@ -97,23 +136,29 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType load_volume_node() {
-  return NodeType("LoadVolume", 2)
-      .doc_("Reads a volume: OpenVDB, NIfTI, a DICOM series, or a stack of gray images.")
-      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO")
-      .output("volume", "Volume",
-              "A scan becomes one float grid, in Hounsfield units or the units of its rescale, with x to the "
-              "right, y to the front and z to the head. Grids of an OpenVDB file are returned unchanged.")
+  return NodeType("LoadVolume", 3)
+      .doc_(
+          "Reads a volume: OpenVDB, VTK image data, NIfTI, a NumPy array, a DICOM series, or a stack of gray "
+          "images.")
+      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, NumPy .npy")
+      .output(
+          "volume", "Volume",
+          "A scan becomes one float grid, in Hounsfield units or the units of its rescale, with x to the "
+          "right, y to the front and z to the head. Grids of an OpenVDB file are returned unchanged, cell "
+          "data of a VTK file as grids of the same names.")
       .parameter(Parameter::input_path("path").doc_("Volume file, or a glob that names the slices of one "
                                                     "series or stack. The content determines the format."))
-      .parameter(Parameter::text("grid", "")
-                     .doc_("OpenVDB: name of the single grid to read; empty: all grids. Other formats: name "
-                           "of the output grid; empty: density."))
+      .parameter(
+          Parameter::text("grid", "")
+              .doc_("OpenVDB and VTK: name of the single grid to read; empty: all grids. Other "
+                    "formats: name of the output grid; empty: density; id: whole numbers, the index of "
+                    "the particle at each voxel, negative in the binder."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
                      .above(0)
                      .count(1, 3)
                      .unit_("mm")
                      .doc_("Edge lengths of a voxel, one number or three. auto: from the file; image stacks "
-                           "contain no spacing."))
+                           "and NumPy arrays contain no spacing. Lengths in VTK files are meters."))
       .parameter(Parameter::optional_number("slope", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Factor in value = slope · stored + intercept. auto: from the file, else 1."))
@@ -121,7 +166,9 @@ NodeType load_volume_node() {
                      .range(-1e12, 1e12)
                      .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
       .companion_files_([](const std::filesystem::path& path) {
-        return is_vdb(path) || is_dicom(path) ? std::vector<std::filesystem::path>() : nifti_companions(path);
+        return is_vdb(path) || is_vti(path) || is_npy(path) || is_dicom(path)
+                   ? std::vector<std::filesystem::path>()
+                   : nifti_companions(path);
       })
       .compute_(compute);
 }

@@ -20,6 +20,9 @@ struct LoadedScan {
   std::vector<std::string> notes;          // warnings for the user
 };
 
+// A shorter edge of a voxel, in mm, is no size: OpenVDB takes it for zero.
+constexpr double kSmallestSpacing = 1e-9;
+
 // Allocates the voxels. Throws Error "too-large" above 2^31 voxels or if the voxels, their reoriented copy
 // and `more` bytes exceed the memory budget, and "empty-volume" if an edge is below 1 voxel.
 void allocate(LoadedScan&, const std::string& file, const Reading&, double more = 0);
@@ -41,6 +44,11 @@ bool is_nifti(const std::filesystem::path&);
 // the named file.
 std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&);
 LoadedScan read_nifti(const std::filesystem::path&, const Work& = {}, const Reading& = {});
+
+// Reads a NumPy array [x, y, z] of numbers, in C or Fortran order. It contains no spacing. Throws Error
+// "unreadable-volume", "not-a-volume" (not three dimensions), "too-large".
+bool is_npy(const std::filesystem::path&);
+LoadedScan read_npy(const std::filesystem::path&, const Work& = {}, const Reading& = {});
 
 // Reads one DICOM series through DCMTK, with one slice per file or all in one file. Slices are sorted by
 // position. read_dicom throws Error "unreadable-volume", "mixed-series", "missing-slices", "not-a-volume",

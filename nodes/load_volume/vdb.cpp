@@ -13,6 +13,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/utf8.h"
+#include "nodes/common/geometry/convert_grid.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/vdb_layout.h"
 
@@ -111,6 +112,41 @@ openvdb::GridBase::Ptr read_grid(std::string_view content, const VdbHeader& head
   return grid;
 }
 
+bool is_whole(float v) { return v == std::nearbyint(v) && std::abs(v) <= 16777216.0f; }
+
+template <class Grid>
+bool all_whole(const Grid& grid) {
+  for (auto it = grid.cbeginValueAll(); it; ++it) {
+    const auto& v = *it;
+    if constexpr (openvdb::VecTraits<std::decay_t<decltype(v)>>::IsVec) {
+      if (!is_whole(v[0]) || !is_whole(v[1]) || !is_whole(v[2])) return false;
+    } else if (!is_whole(v)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Export stores whole numbers as floats, for programs that read only those, and names their type in the
+// metadata `stored_from`. Returns the grid as it was, or the same grid if it was not stored so or no longer
+// contains whole numbers, because another program has changed it.
+openvdb::GridBase::ConstPtr as_stored_from(const openvdb::GridBase::ConstPtr& grid) {
+  const auto type = grid->getMetadata<openvdb::StringMetadata>("stored_from");
+  if (!type) return grid;
+  openvdb::GridBase::Ptr whole;
+  const auto* numbers = dynamic_cast<const openvdb::FloatGrid*>(grid.get());
+  const auto* vectors = dynamic_cast<const openvdb::Vec3SGrid*>(grid.get());
+  if (numbers && type->value() == "int32" && all_whole(*numbers))
+    whole = convert_grid<openvdb::Int32Grid>(*numbers, [](float v) { return static_cast<std::int32_t>(v); });
+  else if (vectors && type->value() == "vec3i" && all_whole(*vectors))
+    whole =
+        convert_grid<openvdb::Vec3IGrid>(*vectors, [](const openvdb::Vec3s& v) { return openvdb::Vec3i(v); });
+  else
+    return grid;
+  whole->removeMeta("stored_from");
+  return whole;
+}
+
 // The grid that owns the tree of `g`: `g` itself, unless the file stores one tree for several grids.
 const VdbGrid& owner_of_tree(const VdbGrid& g, const std::vector<VdbGrid>& all) {
   if (g.parent.empty()) return g;
@@ -129,7 +165,7 @@ Volume read_content(std::string_view content, const std::string& wanted, const s
     return g.known && (wanted.empty() || g.name == wanted || g.unique_name == wanted);
   };
   for (const VdbGrid& g : grids)
-    if (is_wanted(g)) needed += owner_of_tree(g, grids).memory;
+    if (is_wanted(g)) needed += owner_of_tree(g, grids).memory * (g.metadata.count("stored_from") ? 2 : 1);
   require_memory(needed, reading.memory, "the volume in '" + path.string() + "'");
   for (const VdbGrid& g : grids) {
     names.push_back(g.name);
@@ -179,6 +215,7 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
       throw Error("bad-values", "grid '" + name + "' of '" + path.string() + "' contains NaN or infinity",
                   "replace those voxels");
   }
+  for (auto& g : volume.grids) g = as_stored_from(g);
   if (volume.grids.empty()) {
     std::string list;
     for (const auto& n : names)

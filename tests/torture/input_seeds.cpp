@@ -11,8 +11,11 @@
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/mesh_file.h"
+#include "nodes/export/nifti_file.h"
+#include "nodes/export/npy_file.h"
 #include "nodes/export/picture_file.h"
 #include "nodes/export/vdb_file.h"
+#include "nodes/export/vti_file.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/nodes/load_volume/nifti_file.h"
@@ -115,6 +118,34 @@ void vdbs(Writer& w) {
   add.template operator()<openvdb::BoolGrid>("mask", [](int i) { return i % 2 == 0; });
 }
 
+void voxel_files(Writer& w) {
+  initialize_openvdb();
+  Volume v;
+  v.resolution = Vec3i(4, 3, 2);
+  auto id = openvdb::Int32Grid::create(-1);
+  auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.5f));
+  id->setName("id"), id->setTransform(voxel_transform(0.25));
+  color->setName("Cd"), color->setTransform(voxel_transform(0.25));
+  for (int i = 0; i < 4; ++i) id->tree().setValue(openvdb::Coord(i, i % 3, i % 2), i);
+  write_vdb(w.place("LoadVolume.vdb", "a.vdb"), {v.resolution, {id}}, "{}");  // whole numbers as floats
+  v.grids = {id, color};
+  const VoxelBox box = voxel_box(v);
+  const VoxelSource ids(v, "id", box), colors(v, "Cd", box);
+  const Regions regions = find_regions(ids, box, nullptr, RegionKind::Particles, {});
+  for (const auto compression : {VtiCompression::Zlib, VtiCompression::None})
+    for (const char* reader : {"LoadVolume.vti", "provenance.vti"})
+      write_vti(w.place(reader, "a.vti"),
+                {box, {ids, colors}, &ids, &regions, compression, "{\"document\":\"\"}"});
+  w.text("LoadVolume.vti", "a.vti",
+         "<VTKFile type=\"ImageData\" compressor=\"\"><ImageData WholeExtent=\"0 2 0 1 0 1\" Spacing=\"1 1 "
+         "1\"><Piece>"
+         "<CellData><DataArray type=\"Int8\" Name=\"a\">1 2</DataArray><DataArray type=\"UInt8\" Name=\"b\" "
+         "format=\"appended\" offset=\"0\"/></CellData></Piece></ImageData><AppendedData encoding=\"raw\">_" +
+             std::string("\2\0\0\0\1\2", 6) + "</AppendedData></VTKFile>");
+  write_npy(w.place("LoadVolume.npy", "a.npy"), ids, box);
+  write_nifti(w.place("provenance.nii", "a.nii"), ids, box, "{\"document\":\"\"}");
+}
+
 void niftis(Writer& w) {
   const auto n = test::NiftiFile::counting();
   n.write(w.place("LoadVolume.nii", "a.nii"));
@@ -207,7 +238,7 @@ void texts(Writer& w, const fs::path& source) {
 
 void write_input_seeds(const fs::path& folder, const fs::path& source) {
   Writer w(folder);
-  pictures(w), meshes(w), vdbs(w), niftis(w), dicoms(w), texts(w, source);
+  pictures(w), meshes(w), vdbs(w), voxel_files(w), niftis(w), dicoms(w), texts(w, source);
 }
 
 std::vector<InputSeed> read_input_seeds(const fs::path& folder) {

@@ -47,4 +47,13 @@ typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel,
   return grid;
 }
 
+// Gives a dense grid of particle indices the form that Voxelize gives to `id`: inactive where negative, with
+// the background −1.
+inline void mark_binder(openvdb::Int32Grid& id) {
+  id.tree().root().setBackground(-1, /*updateChildNodes=*/false);
+  for (auto leaf = id.tree().beginLeaf(); leaf; ++leaf)
+    for (auto it = leaf->beginValueOn(); it; ++it)
+      if (*it < 0) it.setValueOff();
+}
+
 }  // namespace terrazzo

@@ -23,4 +23,13 @@ void add_vector_grid(Volume& volume, const std::string& name, const Vec3i& size,
   }));
 }
 
+void add_id_grid(Volume& volume, const std::string& name, const Vec3i& size, const Vec3& spacing,
+                 const Work& work, const std::function<std::int32_t(std::size_t)>& value) {
+  initialize_openvdb();
+  auto grid = dense_grid<openvdb::Int32Grid>(name.c_str(), size, 1, work, value);
+  mark_binder(*grid);
+  grid->setTransform(voxel_transform(spacing));
+  volume.grids.push_back(grid);
+}
+
 }  // namespace terrazzo

@@ -5,6 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/picture_input.h"
+#include "nodes/common/io/provenance_text.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/common/io/vdb_header.h"
 #include "runtime/json_text.h"
@@ -53,6 +54,10 @@ std::string read_provenance(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".glb") return from_glb(path, reading);
   if (extension == ".vdb") return from_vdb(path, reading);
+  if (extension == ".vti") return provenance_in_vti(path);
+  if (extension == ".usda") return provenance_in_usda(path);
+  if (extension == ".inp") return provenance_in_inp(path);
+  if (extension == ".nii" || extension == ".gz") return provenance_in_nifti(path);
   return picture_text(path, "ImageDescription", reading);
 }
 

@@ -7,7 +7,7 @@ const bytes = new Uint8Array(await readFile(process.argv[2]));
 const report = await validator.validateBytes(bytes, { maxIssues: 50 });
 
 const gltf = await new GLTFLoader().parseAsync(bytes.buffer, '');
-const instanced = [], meshes = [];
+const instanced = [], meshes = [], nodes = [];
 gltf.scene.traverse((object) => {
   if (object.isInstancedMesh) {
     const matrix = Array.from(object.instanceMatrix.array.slice(0, 16));
@@ -22,6 +22,12 @@ gltf.scene.traverse((object) => {
     });
   } else if (object.isMesh) {
     meshes.push(object.name);
+    nodes.push({
+      name: object.name,
+      extras: object.userData,
+      position: object.getWorldPosition(object.position.clone()).toArray(),
+      color: object.material.color.toArray(),
+    });
   }
 });
 console.log(JSON.stringify({
@@ -32,4 +38,5 @@ console.log(JSON.stringify({
   extras: gltf.asset.extras ?? null,
   instanced,
   meshes,
+  nodes,
 }));

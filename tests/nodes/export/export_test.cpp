@@ -144,7 +144,7 @@ TEST(Export, TheUntypedInputTakesAnything) {
 TEST(Export, VolumesComeBackFromVdb) {
   const fs::path out = test::temporary_folder();
   const Volume v = some_volume();
-  run_node("Export", {{"volume", Value::of(v)}}, {{"path", "v.vdb"}}, out);
+  run_node("Export", {{"volume", Value::of(v)}}, {{"path", "v.vdb"}, {"id_type", "int32"}}, out);
   openvdb::io::File file((out / "v.vdb").string());
   file.open();
   EXPECT_EQ(file.getMetadata()->metaValue<std::string>("creator"), "Terrazzo");

@@ -44,7 +44,7 @@ class DamagedVolume : public ::testing::Test {
     add.template operator()<openvdb::Int32Grid>("n", 0, [](int i) { return i; });
     add.template operator()<openvdb::BoolGrid>("b", false, [](int i) { return i % 2 == 0; });
     volume = v;
-    write_vdb(folder / "good.vdb", v, "{}");
+    write_vdb(folder / "good.vdb", v, "{}", exporting::WholeNumbers::Int32);
     return *read_file(folder / "good.vdb");
   }
   struct Outcome {

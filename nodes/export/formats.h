@@ -1,0 +1,29 @@
+// The formats of Export: which file name selects which, and what each can hold.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "runtime/value.h"
+
+namespace terrazzo::exporting {
+
+struct Format {
+  std::string extension;                   // ".vti"
+  std::vector<std::string> types = {};     // types of values that it can hold; empty: any, and several
+  std::vector<std::string> required = {};  // types without which it cannot be written
+  bool several = false;                    // holds several values; otherwise one of `types`
+};
+
+// By the end of the file name. Throws Error "unknown-format".
+const Format& format_of(const std::string& path);
+
+// Checks the connected values, by type name. Throws Error "format-does-not-fit", "no-shapes",
+// "missing-input".
+void check_fit(const Format&, const std::map<std::string, Value>&);
+
+// "a/block.inp" and "_periodic.inp" → "a/block_periodic.inp".
+std::string beside(const std::string& path, const Format&, const std::string& end);
+
+}  // namespace terrazzo::exporting
