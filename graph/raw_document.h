@@ -25,7 +25,7 @@ struct RawNode {
   Place place;
   std::string type, graph;  // exactly one is set
   std::string doc;
-  Place kind_place;         // of the value of `type:` or `graph:`
+  Place kind_place;  // of the value of `type:` or `graph:`
   std::vector<std::pair<std::string, RawValue>> params;
   std::vector<std::pair<std::string, std::vector<RawReference>>> inputs;
 };

@@ -1,6 +1,8 @@
 // The classes Graph, Node and Output.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "graph/describe.h"
 #include "graph/nearest.h"
 #include "runtime/explain.h"
@@ -14,11 +16,14 @@ namespace {
 GraphObject::Edit edit_of(const py::dict& values) {
   // A parameter such as `class` is written class_, since Python reserves the word.
   static const auto& reserved =
-      *new std::set<std::string>(py::module_::import("keyword").attr("kwlist").cast<std::set<std::string>>());
+      *new auto(py::module_::import("keyword").attr("kwlist").cast<std::vector<std::string>>());
+  const auto is_reserved = [](const std::string& word) {
+    return std::find(reserved.begin(), reserved.end(), word) != reserved.end();
+  };
   GraphObject::Edit edit{{}, callers_place()};
   for (const auto& [key, value] : values) {
     auto name = key.cast<std::string>();
-    if (name.size() > 1 && name.back() == '_' && reserved.count(name.substr(0, name.size() - 1)))
+    if (name.size() > 1 && name.back() == '_' && is_reserved(name.substr(0, name.size() - 1)))
       name.pop_back();
     edit.values[name] = py::reinterpret_borrow<py::object>(value);
   }

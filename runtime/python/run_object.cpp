@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
+#include <cstdlib>
 #include <future>
 #include <set>
 
@@ -188,6 +190,16 @@ void end_all_runs() {
     }
   all.clear();
   while (threads_outside > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void leave_without_exit_handlers() {
+  // Registered last, so called first, after Python has ended.
+  ::on_exit(
+      [](int status, void*) {
+        std::fflush(nullptr);
+        ::_exit(status);
+      },
+      nullptr);
 }
 
 bool process_was_forked() { return forked(); }

@@ -66,4 +66,8 @@ class RunObject {
 // Cancels every evaluation and waits for all of them, since workers need the interpreter until they end.
 void end_all_runs();
 
+// Call it in a forked child. Libraries behind the nodes wait at exit for threads that the child does not have
+// (log4cplus, which OpenVDB uses), so the child leaves without their exit handlers.
+void leave_without_exit_handlers();
+
 }  // namespace terrazzo::python

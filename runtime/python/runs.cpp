@@ -71,6 +71,7 @@ void bind_runs(py::module_& m) {
            })
       .def("value", [](RunObject& r, const std::string& output) { return to_python(r.value(output)); });
   m.def("end_all_runs", end_all_runs);
+  m.def("leave_without_exit_handlers", leave_without_exit_handlers);
 }
 
 }  // namespace terrazzo::python

@@ -439,11 +439,11 @@ void bind_tables(py::module_& m) {
               py::array_t<double> out(static_cast<py::ssize_t>(t.rows.size()));
               for (std::size_t i = 0; i < t.rows.size(); ++i)
                 out.mutable_data()[i] = std::get<double>(t.rows[i][k]);
-              return std::move(out);
+              return out;
             }
             py::list out;
             for (const auto& row : t.rows) out.append(k < row.size() ? cell(row[k]) : py::str(""));
-            return std::move(out);
+            return out;
           },
           py::arg("column"), "A column: float64 (n) if all of it are numbers, otherwise a list. Copied.");
 }

@@ -49,14 +49,14 @@ py::array dense(const Volume& v, const openvdb::GridBase& any, int width) {
   require_memory(bytes, available_memory(), fmt::format("a dense array of the grid '{}'", g.getName()));
   if (width > 1) shape.push_back(width);
   py::array_t<Scalar> out(shape);
-  if (box.empty()) return std::move(out);
+  if (box.empty()) return out;
   using T = typename Grid::ValueType;
   static_assert(sizeof(T) % sizeof(Scalar) == 0);
   T* data = reinterpret_cast<T*>(out.mutable_data());
   const py::gil_scoped_release without_gil;
   openvdb::tools::Dense<T, openvdb::tools::LayoutZYX> target(box, data);
   openvdb::tools::copyToDense(g, target);
-  return std::move(out);
+  return out;
 }
 
 py::array dense_by_type(const Volume& v, const std::string& name) {

@@ -12,7 +12,7 @@ from conftest import SOURCE
 TEXT = (SOURCE / "docs" / "python.md").read_text()
 EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 # What each example prints, or a part of it.
-PRINTED = ["90 % interval", "distribution", "bad-value pattern width 4", "[", "", "profiles", "1 0."]
+PRINTED = ["90 % interval", "5 to run", "bad-value pattern width 4", "[", "", "profiles", "1 0."]
 
 
 def test_every_example_is_tested():

@@ -149,8 +149,7 @@ print("end")
 def test_exit_during_a_run_that_nothing_refers_to(script):
     done = script(LONG + """
 g, solid = long_graph()
-g.start()
-t.node  # the run was dropped, which stops it
+g.start()  # nobody keeps the run, which stops it
 daemon = threading.Thread(target=lambda: long_graph()[0].run(), daemon=True)
 daemon.start()
 time.sleep(0.5)

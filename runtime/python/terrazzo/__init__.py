@@ -12,13 +12,14 @@ help(t.nodes.Segment) describes a node type; docs/python.md is the manual.
 """
 
 import atexit as _atexit
+import os as _os
 import warnings as _warnings
 
 from ._errors import Canceled, Diagnostic, Error, NodeWarning
 from . import _core
 from ._core import (Detail, Image, KMatrix, Labels, Node, Output, Particles, Profiles, Shapes, SizeDistribution,
                     Strokes, Table, Value, Volume, metric, progress, warn)
-from ._graph import Graph, Run, load
+from ._graph import Graph, Run, end_all_runs as _end_all_runs, load
 from ._nodes import nodes
 from ._values import image, labels, mesh, sizes, table
 from ._define import Range, node
@@ -28,7 +29,8 @@ from . import cache
 
 __version__ = _core.version
 
-_atexit.register(_core.end_all_runs)
+_atexit.register(_end_all_runs)
+_os.register_at_fork(after_in_child=_core.leave_without_exit_handlers)
 for _problem in _core.plugin_problems():
     _warnings.warn(str(_problem), NodeWarning)
 

@@ -21,6 +21,16 @@ def _cache_folder(cache):
     return os.fspath(cache)
 
 
+_exiting = False
+
+
+def end_all_runs():
+    """Cancels everything when the interpreter exits."""
+    global _exiting
+    _exiting = True
+    _core.end_all_runs()
+
+
 class Run:
     """An evaluation: started by Graph.start, or done by Graph.run.
 
@@ -68,6 +78,8 @@ class Run:
             self._warn()
         self._core.raise_errors()
         if self._core.canceled():
+            if _exiting:
+                raise SystemExit  # ends a daemon thread without a traceback
             raise Canceled()
         return self
 
