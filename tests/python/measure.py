@@ -1,5 +1,6 @@
 """Measures what docs/results/python.md states: ./dev python tests/python/measure.py [EVALUATIONS]"""
 
+import ctypes
 import gc
 import os
 import statistics
@@ -55,23 +56,34 @@ def main():
     picture.set(width=16, height=16)
     print(f"an evaluation after an edit, 16² pixels: {microseconds(evaluate, 200, 5):.0f} µs")
 
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
-    g = t.Graph(cache=False, memory=1 << 24)
-    picture = g.Pattern(width=64, height=64)
+    measure_memory(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000)
 
-    def step(k):
-        picture["seed"] = k + 1
-        return picture.image.value().pixels[0, 0, 0]
 
-    for k in range(1000):  # fills the store's 16 MiB
-        step(k)
+def measure_memory(count):
+    """Growth of the process over many evaluations: of different results, and of the same ones computed again."""
+    for title, size, seeds, memory in (("different results of 64² pixels", 64, count + 10**6, 1 << 24),
+                                       ("results of 32² pixels, of which 100 differ", 32, 100, 1)):
+        g = t.Graph(cache=False, memory=memory)
+        picture = g.Pattern(width=size, height=size)
+
+        def step(k, picture=picture, seeds=seeds):
+            picture["seed"] = k % seeds + 1
+            return picture.image.value().pixels[0, 0, 0]
+
+        for k in range(1000):  # fills the store
+            step(k)
+        before, start = trimmed(), time.perf_counter()
+        for k in range(1000, 1000 + count):
+            step(k)
+        print(f"{count} {title}: {time.perf_counter() - start:.1f} s, the process grew by "
+              f"{(trimmed() - before) / 1e6:.2f} MB ({before / 1e6:.0f} MB before)")
+
+
+def trimmed():
+    """Resident memory after unused memory was returned to the system."""
     gc.collect()
-    before, start = resident(), time.perf_counter()
-    for k in range(1000, 1000 + count):
-        step(k)
-    gc.collect()
-    print(f"{count} evaluations of 64² pixels: {time.perf_counter() - start:.1f} s, resident memory grew by "
-          f"{(resident() - before) / 1e6:.2f} MB ({before / 1e6:.0f} MB before)")
+    ctypes.CDLL("libc.so.6").malloc_trim(0)
+    return resident()
 
 
 if __name__ == "__main__":

@@ -13,8 +13,9 @@ from ._nodes import Default, python_type
 def graphs_folder():
     """The folder of the graphs that are installed with Terrazzo."""
     here = os.path.dirname(os.path.abspath(__file__))
-    for folder in (os.path.join(here, "..", "graphs"), "/usr/share/terrazzo/graphs",
-                   os.path.join(_core.library_folder(), "..", "..", "..", "share", "terrazzo", "graphs")):
+    for folder in (os.path.join(here, "..", "graphs"),
+                   os.path.join(_core.library_folder(), "..", "..", "..", "share", "terrazzo", "graphs"),
+                   "/usr/share/terrazzo/graphs"):
         if os.path.isdir(folder):
             return os.path.realpath(folder)
     raise FileNotFoundError("the graphs of Terrazzo are not installed beside the module")
