@@ -107,7 +107,7 @@ WrittenValue written_value(const py::handle& h) {
     }
     return out;
   }
-  throw Error("bad-value", fmt::format("a {} is no value of a parameter", Py_TYPE(h.ptr())->tp_name),
+  throw Error("bad-value", fmt::format("a {} cannot be the value of a parameter", Py_TYPE(h.ptr())->tp_name),
               "use numbers, text, booleans, lists of them, paths, or a parameter of the graph");
 }
 
@@ -192,9 +192,13 @@ const NodeType& GraphObject::type_of(const std::string& node) {
 }
 
 std::string GraphObject::free_name(const std::string& like) const {
-  std::string name = like;
-  for (int k = 2; index_.count(name); ++k) name = fmt::format("{}_{}", like, k);
-  return name;
+  if (!index_.count(like)) return like;
+  const auto name = [&](int k) { return fmt::format("{}_{}", like, k); };
+  // Numbers are mostly taken from 2 on, so this finds the first free one without trying them all.
+  int taken = 1, free = 2;
+  while (index_.count(name(free))) taken = free, free *= 2;
+  while (free - taken > 1) (index_.count(name((taken + free) / 2)) ? taken : free) = (taken + free) / 2;
+  return name(free);
 }
 
 std::string GraphObject::give(const Value& value, const std::string& like, const Place& place) {
@@ -490,7 +494,7 @@ void GraphObject::apply_inside(const std::string& name, const NodeType& type, co
 
 void GraphObject::remove(const std::string& name) {
   type_of(name);
-  if (!find(name)) throw Error("unknown-node", fmt::format("'{}' is inside of a subgraph", name));
+  if (!find(name)) throw Error("unknown-node", fmt::format("'{}' is inside a subgraph", name));
   for (const auto& node : document_.nodes)
     for (const auto& [port, list] : node.inputs)
       for (const auto& w : list)
@@ -510,7 +514,7 @@ void GraphObject::remove(const std::string& name) {
 
 void GraphObject::rename(const std::string& name, const std::string& fresh) {
   type_of(name);
-  if (!find(name)) throw Error("unknown-node", fmt::format("'{}' is inside of a subgraph", name));
+  if (!find(name)) throw Error("unknown-node", fmt::format("'{}' is inside a subgraph", name));
   check_name(fresh);
   if (index_.count(fresh)) throw Error("duplicate-key", fmt::format("there is already a node '{}'", fresh));
   const auto follow = [&](RawReference& w) {
@@ -656,12 +660,11 @@ std::string GraphObject::text(const fs::path& folder) const {
   for (const auto& node : document_.nodes)
     if (is_given_type(node.type)) given.push_back(node.name);
   if (!given.empty())
-    throw Error(
-        "not-savable",
-        fmt::format("the graph contains arrays, which a graph file cannot: {}", fmt::join(given, ", ")),
-        "write them to files (value.save) and load these with LoadImage, LoadLabels or LoadMesh");
+    throw Error("not-savable",
+                fmt::format("a graph file cannot hold the arrays of the nodes {}", fmt::join(given, ", ")),
+                "write them to files (value.save) and load these with LoadImage, LoadLabels or LoadMesh");
   if (!overrides_.set.empty() || !overrides_.wires.empty())
-    throw Error("not-savable", "nodes inside of subgraphs were changed, which a graph file cannot say",
+    throw Error("not-savable", "a graph file cannot record changes of nodes inside subgraphs",
                 "add a parameter to the subgraph's file");
   // Paths that were read from the file are relative to its folder; those set here are absolute.
   const fs::path to = fs::absolute(folder).lexically_normal(), from = opened_.parent_path();

@@ -101,7 +101,10 @@ RunObject::~RunObject() {
     return;
   }
   if (!evaluation_) return;
-  const Outside outside;  // nodes written in Python need it to end
+  const Outside outside;  // nodes written in Python need the GIL to end
+  evaluation_->cancel();
+  while (!evaluation_->wait_for(kTick)) {  // end_all_runs() may keep the evaluation, which uses progress_
+  }
   evaluation_.reset();
 }
 
