@@ -1,10 +1,14 @@
-# Settings of `cpack`, which writes two Debian packages: terrazzo (component runtime) and terrazzo-dev (component development).
+# Settings of `cpack`, which writes three Debian packages: terrazzo (component runtime), terrazzo-dev (component development) and, where the
+# Python module is built, python3-terrazzo (component python).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME terrazzo)
 set(CPACK_PACKAGE_CONTACT "Terrazzo maintainers <maintainers@terrazzo.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/package)
 set(CPACK_COMPONENTS_ALL runtime development)
+if(TERRAZZO_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
@@ -33,6 +37,15 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
 "This package contains the headers and CMake files for nodes and programs that
 are built outside Terrazzo's source tree.")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-terrazzo)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "terrazzo (= ${PROJECT_VERSION}), python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+"This package contains the Python module terrazzo: graphs, values as numpy
+arrays, and nodes written in Python.")
+
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-terrazzo COMPONENT python EXCLUDE_FROM_ALL)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/terrazzo)
 install(FILES ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/terrazzo-dev
   COMPONENT development)

@@ -7,7 +7,8 @@ namespace terrazzo {
 std::string Place::text() const {
   if (file.empty()) return {};
   if (line <= 0) return file;
-  return file + ":" + std::to_string(line) + ":" + std::to_string(column);
+  const std::string at = file + ":" + std::to_string(line);
+  return column > 0 ? at + ":" + std::to_string(column) : at;
 }
 
 std::string Diagnostic::text() const {

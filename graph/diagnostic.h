@@ -7,12 +7,12 @@
 
 namespace terrazzo {
 
-// A location in a file. Lines and columns count from 1. Line 0 means that the line is unknown.
+// A location in a file. Lines and columns count from 1. 0 means that the line or the column is unknown.
 struct Place {
   std::string file;
   int line = 0;
   int column = 0;
-  std::string text() const;  // "file:line:column", "file" if the line is unknown, or ""
+  std::string text() const;  // "file:line:column", without what is unknown, or ""
   bool operator==(const Place&) const = default;
 };
 

@@ -13,6 +13,8 @@
 
 namespace terrazzo {
 
+struct RawDocument;  // graph/raw_document.h
+
 struct Wire {
   int node = -1;  // index of the source node
   std::string port;
@@ -83,5 +85,9 @@ Graph load_graph(const std::filesystem::path& file, const Registry&, const Overr
 // Like load_graph(), but for text that is treated as the content of `file`, which does not need to exist.
 Graph load_graph_text(const std::string& text, const std::filesystem::path& file, const Registry&,
                       const Overrides&, Diagnostics& found);
+
+// Like load_graph(), but for a document that was made or changed in memory. A relative path in a value is
+// resolved against the folder of the file in the value's place.
+Graph link_document(RawDocument doc, const Registry&, const Overrides&, Diagnostics& found);
 
 }  // namespace terrazzo

@@ -37,6 +37,11 @@ Graph load_graph_text(const std::string& text, const fs::path& file, const Regis
   return Linker(registry, overrides, found).link(std::move(doc));
 }
 
+Graph link_document(RawDocument doc, const Registry& registry, const Overrides& overrides,
+                    Diagnostics& found) {
+  return Linker(registry, overrides, found).link(std::move(doc));
+}
+
 Graph load_graph(const fs::path& file, const Registry& registry, const Overrides& overrides,
                  Diagnostics& found) {
   const auto text = read_graph_text(file, found);

@@ -268,6 +268,8 @@ class DocumentReader {
               else
                 node.inputs.push_back({port, std::move(wires)});
             });
+          } else if (k == "doc" && n.IsScalar()) {
+            node.doc = n.Scalar();
           } else if (k != "doc") {
             fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
           }

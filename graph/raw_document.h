@@ -24,7 +24,8 @@ struct RawNode {
   std::string name;
   Place place;
   std::string type, graph;  // exactly one is set
-  Place kind_place;         // of the value of `type:` or `graph:`
+  std::string doc;
+  Place kind_place;  // of the value of `type:` or `graph:`
   std::vector<std::pair<std::string, RawValue>> params;
   std::vector<std::pair<std::string, std::vector<RawReference>>> inputs;
 };

@@ -63,25 +63,32 @@ void check_declaration(const NodeType& t) {
 void Registry::add(NodeType t) {
   check_declaration(t);
   std::string name = t.name;
-  if (!types_.emplace(name, std::move(t)).second)
+  if (!types_.emplace(name, std::make_unique<NodeType>(std::move(t))).second)
     throw Error("duplicate-node-type", "there are two node types named " + name);
+}
+
+void Registry::replace(NodeType t) {
+  check_declaration(t);
+  auto& place = types_[t.name];
+  if (place) replaced_.push_back(std::move(place));
+  place = std::make_unique<NodeType>(std::move(t));
 }
 
 const NodeType* Registry::find(const std::string& name) const {
   const auto it = types_.find(name);
-  return it == types_.end() ? nullptr : &it->second;
+  return it == types_.end() ? nullptr : it->second.get();
 }
 
 const NodeType* Registry::find_former(const std::string& name) const {
   for (const auto& [today, type] : types_)
-    for (const auto& former : type.former_names)
-      if (former == name) return &type;
+    for (const auto& former : type->former_names)
+      if (former == name) return type.get();
   return nullptr;
 }
 
 std::vector<const NodeType*> Registry::all() const {
   std::vector<const NodeType*> out;
-  for (const auto& [name, type] : types_) out.push_back(&type);
+  for (const auto& [name, type] : types_) out.push_back(type.get());
   return out;
 }
 

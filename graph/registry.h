@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ class Registry {
   // Throws Error "duplicate-node-type" if the name is taken, "bad-node-type" if the declaration is incomplete
   // or invalid.
   void add(NodeType);
+  // Like add(), but replaces a type of the same name. Graphs keep the type that they were linked with.
+  void replace(NodeType);
   const NodeType* find(const std::string& name) const;
   // The type that had this name in an earlier version, or null.
   const NodeType* find_former(const std::string& name) const;
@@ -21,7 +24,8 @@ class Registry {
   std::vector<std::string> names() const;
 
  private:
-  std::map<std::string, NodeType> types_;
+  std::map<std::string, std::unique_ptr<NodeType>> types_;
+  std::vector<std::unique_ptr<NodeType>> replaced_;  // graphs may still refer to them
 };
 
 }  // namespace terrazzo

@@ -50,6 +50,8 @@ class Context : public NodeParameters {
   void output(const std::string& name, T v) {
     set_output(name, Value::of<T>(std::move(v)));
   }
+  // A value whose type is known only at run time.
+  void output(const std::string& name, Value v) { set_output(name, std::move(v)); }
   // Adds a number to the report and to the metrics printed at the end of a run.
   virtual void metric(const std::string& name, double v) = 0;
   // Reports a problem that the user should know about but that does not invalidate the result.

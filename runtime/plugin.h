@@ -16,7 +16,7 @@
 namespace terrazzo {
 
 // Raise it whenever the layout of types in the headers that plugins include changes.
-inline constexpr int plugin_interface = 2;
+inline constexpr int plugin_interface = 3;
 
 // Loads all plugins in the list. Plugins that fail to load are reported and skipped.
 Diagnostics load_plugins(const std::string& path_list, Registry&, ValueTypes&);

@@ -26,6 +26,11 @@ const RunResult& Evaluation::wait() {
   return result_;
 }
 
+bool Evaluation::wait_for(std::chrono::milliseconds time) {
+  std::unique_lock lock(mutex_);
+  return finished_.wait_for(lock, time, [&] { return done_; });
+}
+
 void Evaluation::cancel() {
   cancel_ = true;
   for (auto& flag : cancel_node_) flag = true;
@@ -55,10 +60,17 @@ Diagnostics Session::open(const fs::path& file, Overrides overrides) {
 }
 
 Diagnostics Session::open_text(std::string text, const fs::path& file, Overrides overrides) {
-  std::swap(text_, text);
-  fs::path old = std::exchange(file_, file);
+  Diagnostics found;
+  RawDocument doc = read_document(text, file.lexically_normal(), found);
+  if (!has_errors(found)) return open_document(std::move(doc), std::move(overrides));
+  link_document(std::move(doc), registry_, overrides, found);  // reports the other errors too
+  return found;
+}
+
+Diagnostics Session::open_document(RawDocument doc, Overrides overrides) {
+  std::swap(document_, doc);
   Diagnostics found = load(std::move(overrides));
-  if (has_errors(found)) text_ = std::move(text), file_ = std::move(old);
+  if (has_errors(found)) document_ = std::move(doc);
   return found;
 }
 
@@ -111,7 +123,7 @@ void put(List& list, const std::string& name, Value value) {
 
 Diagnostics Session::load(Overrides overrides) {
   Diagnostics found;
-  auto graph = std::make_shared<Graph>(load_graph_text(text_, file_, registry_, overrides, found));
+  auto graph = std::make_shared<Graph>(link_document(document_, registry_, overrides, found));
   if (has_errors(found)) return found;
   std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
   for (const auto& weak : evaluations_)
@@ -155,6 +167,7 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
   o.cancel_all = &e->cancel_;
   o.observer = observer;
   o.provenance = provenance(*graph_, overrides_);
+  std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
   evaluations_.push_back(e);
   e->thread_ = std::thread([this, at = e.get()] {
     RunResult result;

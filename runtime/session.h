@@ -8,10 +8,12 @@
 //   Value v = session.value("pack.particles");      // waits
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <thread>
 
+#include "graph/raw_document.h"
 #include "graph/registry.h"
 #include "runtime/evaluate.h"
 #include "runtime/history.h"
@@ -33,6 +35,8 @@ class Evaluation {
   ~Evaluation();  // cancels and waits
   const Graph& graph() const { return *graph_; }
   bool done() const;
+  // Waits at most this long. True if it is done.
+  bool wait_for(std::chrono::milliseconds);
   // Waits for the result. Throws only if the evaluation itself failed; errors of nodes are in the result.
   const RunResult& wait();
   // Nodes that support it save what they have reached: NodeResult::saved.
@@ -61,6 +65,9 @@ class Session {
   // Loads a graph and returns all messages. If there are errors, the previous graph stays open.
   Diagnostics open(const std::filesystem::path& file, Overrides = {});
   Diagnostics open_text(std::string text, const std::filesystem::path& file, Overrides = {});
+  // The same for a document that was made or changed in memory. Like an edit, it cancels the nodes of running
+  // evaluations that it makes stale.
+  Diagnostics open_document(RawDocument, Overrides = {});
 
   // Edits: a node's parameter ("pack.seed" = "2"), a graph parameter, an input. If there are errors, nothing
   // changes. Otherwise running evaluations cancel the nodes that the edit makes stale and continue with all
@@ -85,6 +92,8 @@ class Session {
   Evaluator& evaluator() { return evaluator_; }
   const History& history() const { return history_; }
   const SessionOptions& options() const { return options_; }
+  // Of later evaluations.
+  void set_output_folder(std::filesystem::path folder) { options_.output_folder = std::move(folder); }
 
  private:
   Diagnostics load(Overrides);
@@ -95,8 +104,7 @@ class Session {
   FileHashes hashes_;
   History history_;
   Evaluator evaluator_;
-  std::string text_;
-  std::filesystem::path file_;
+  RawDocument document_;
   Overrides overrides_;
   std::shared_ptr<const Graph> graph_ = std::make_shared<Graph>();
   std::vector<std::weak_ptr<Evaluation>> evaluations_;

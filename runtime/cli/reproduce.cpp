@@ -11,6 +11,7 @@
 #include "graph/raw_document.h"
 #include "graph/write_graph.h"
 #include "runtime/cli/commands.h"
+#include "runtime/cli/made.h"
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
@@ -28,93 +29,6 @@ struct ReproduceCommand : GraphOptions {
   bool yes = false;
 };
 
-// The provenance of a file.
-struct Made {
-  std::string document;
-  std::map<std::string, std::string> keys;  // by node
-  std::set<std::string> contents;           // content hashes of the input files
-};
-
-Made made_from_report(const json& report) {
-  Made made{report.at("document"), {}, {}};
-  for (const auto& node : report.at("nodes")) {
-    made.keys[node.at("name")] = node.at("key");
-    if (node.contains("reads"))
-      for (const auto& f : node.at("reads")) made.contents.insert(f.at("content"));
-  }
-  return made;
-}
-
-// A file's content as JSON, or null if it is not JSON. Throws Error "too-large" if parsing needs too much
-// memory.
-json json_in(const fs::path& path) {
-  constexpr double per_byte = 40;  // of parsed JSON
-  std::error_code error;
-  const auto size = fs::file_size(path, error);
-  if (error) return nullptr;
-  require_memory(per_byte * static_cast<double>(size), available_memory(), "'" + path.string() + "'");
-  const auto text = read_file(path);
-  return text ? json::parse(*text, nullptr, false) : json(nullptr);
-}
-
-// Formats without metadata fall back to a report.json in the file's folder or up to three folders above it.
-std::optional<Made> made_by_report_beside(const fs::path& file) {
-  const fs::path path = fs::absolute(file).lexically_normal();
-  fs::path folder = path.parent_path();
-  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    const json report = json_in(folder / "report.json");
-    if (!report.is_object() || !report.contains("document")) continue;
-    const std::string name = path.lexically_relative(folder).string();
-    for (const auto& node : report.at("nodes"))
-      for (const auto& f : node.at("files"))
-        if (f.at("path") == name) return made_from_report(report);
-  }
-  return {};
-}
-
-Made how_made(const Program& program, const fs::path& file) {
-  if (::access(file.c_str(), R_OK) != 0) throw Error("usage", "cannot read '" + file.string() + "'");
-  try {
-    if (file.extension() == ".json")
-      if (const json j = json_in(file); j.is_object() && j.contains("document")) return made_from_report(j);
-    const std::string inside = program.nodes().read_provenance ? program.nodes().read_provenance(file) : "";
-    if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
-      Made made{j.at("document"), {}, {}};
-      for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
-      if (j.contains("files"))
-        for (const auto& f : j.at("files")) made.contents.insert(f.at("content"));
-      return made;
-    }
-    if (const auto made = made_by_report_beside(file)) return *made;
-  } catch (const json::exception& e) {
-    throw Error("usage", "the provenance of '" + file.string() + "' is damaged: " + e.what());
-  }
-  throw Error("usage", "'" + file.string() + "' contains no provenance",
-              "name a file that terrazzo wrote, or the report.json of its run");
-}
-
-// Input paths in the document are relative to the original output folder, which is the file's folder or one
-// above it.
-Graph open_made(const Program& program, const Made& made, const fs::path& file, const Overrides& overrides,
-                Diagnostics& found) {
-  fs::path folder = fs::absolute(file).lexically_normal().parent_path();
-  Graph first;
-  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    Diagnostics here;
-    Graph graph =
-        load_graph_text(made.document, folder / "document.yaml", program.registry(), overrides, here);
-    bool complete = true;
-    for (const auto& node : graph.nodes)
-      for (const auto& p : node.type->parameters)
-        if (const auto it = node.parameters.find(p.name);
-            p.kind == ParameterKind::InputPath && it != node.parameters.end())
-          complete = complete && !expand_glob(std::get<std::string>(it->second.value)).empty();
-    if (up == 0) first = graph, found = here;
-    if (complete) return found = here, graph;
-  }
-  return first;
-}
-
 void compare_keys(const Graph& graph, const RunResult& result, const Made& made) {
   std::size_t same = 0, all = 0;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -130,44 +44,17 @@ void compare_keys(const Graph& graph, const RunResult& result, const Made& made)
   std::cout << fmt::format("{} of {} nodes have the same action key as in the original run\n", same, all);
 }
 
-// The file may come from an untrusted source. Its graph may read only files whose content hash is in the
-// provenance, unless the user grants access to others.
-bool granted(const fs::path& file, const ReproduceCommand& o) {
-  std::error_code error;
-  const fs::path real = fs::canonical(file, error);
-  if (error) return false;
-  for (const auto& folder : o.allow_read) {
-    const fs::path root = fs::canonical(folder, error);
-    if (!error && !leaves_folder(real.lexically_relative(root))) return true;
-  }
-  return false;
-}
-
-bool is_from_command_line(const SetParameter& p) { return p.place.file.starts_with("command line"); }
-
 // Prints the files that the graph would read. False if it may not read some of them.
 bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o) {
-  FileHashes hashes;
   bool all = true;
-  for (const auto& node : graph.nodes)
-    for (const auto& p : node.type->parameters) {
-      const auto it = node.parameters.find(p.name);
-      if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
-      for (const auto& path : expand_glob(std::get<std::string>(it->second.value))) {
-        for (const auto& f : files_opened(*node.type, path)) {
-          const bool allowed = is_from_command_line(it->second) || granted(f, o);
-          const auto content = allowed ? std::nullopt : hashes.hash(f);
-          const bool named = content && made.contents.count(content->text());
-          if (!allowed && !named && !fs::exists(f)) continue;  // the run reports the missing file
-          std::cout << "  reads  " << f.string()
-                    << (allowed ? ""
-                        : named ? ", the file it was made from"
-                                : ", which is NOT the file it was made from")
-                    << '\n';
-          all = all && (allowed || named);
-        }
-      }
-    }
+  for (const auto& read : reads_of(graph, made, o.allow_read)) {
+    std::cout << "  reads  " << read.file.string()
+              << (read.granted ? ""
+                  : read.named ? ", the file it was made from"
+                               : ", which is NOT the file it was made from")
+              << '\n';
+    all = all && read.allowed();
+  }
   return all;
 }
 
@@ -194,21 +81,11 @@ bool confirmed(const ReproduceCommand& o) {
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
-// Subgraph files named in the document would be read without any check of their content.
-void refuse_subgraphs(const Made& made) {
-  Diagnostics ignored;
-  for (const auto& node : read_document(made.document, "document.yaml", ignored).nodes)
-    if (!node.graph.empty())
-      throw Error("usage", "the graph that made this file refers to another graph file, '" + node.graph + "'",
-                  "terrazzo writes self-contained graphs, so this one was modified");
-}
-
 int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   const Program program{with_plugins.nodes_without_plugins, with_plugins.nodes_without_plugins, nullptr};
-  const Made made = how_made(program, o.file);
-  refuse_subgraphs(made);
+  const Made made = how_made(o.file, program.nodes().read_provenance);
   Diagnostics found;
-  const Graph graph = open_made(program, made, o.file, overrides(o), found);
+  const Graph graph = open_made(program.registry(), made, o.file, overrides(o), found);
   print(found);
   if (has_errors(found)) return wrong_usage;
   const fs::path path = fs::path(o.out) / (fs::path(o.file).stem().string() + ".yaml");

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <thread>
 
+#include "graph/raw_document.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
@@ -107,6 +109,28 @@ TEST_F(SessionTest, AnErrorArrivesWithItsPlace) {
     EXPECT_EQ(e.diagnostic().text(),
               "session.yaml:3:35: error: f.level: it does not work with 3 (try another)");
   }
+}
+
+TEST_F(SessionTest, ADocumentIsOpenedLikeItsText) {
+  Diagnostics found;
+  RawDocument doc = read_document(graph, "session.yaml", found);
+  ASSERT_TRUE(found.empty());
+  EXPECT_TRUE(session.open_document(doc).empty());
+  EXPECT_EQ(number_of(session.value("sum")), 5);
+  EXPECT_TRUE(session.set("b.value", "7").empty());
+  EXPECT_EQ(number_of(session.value("sum")), 10);
+  doc.nodes[0].params[0].second.written.items[0] = "wrong";
+  EXPECT_TRUE(has_errors(session.open_document(doc)));
+  EXPECT_EQ(number_of(session.value("sum")), 10);  // the earlier document stays open
+}
+
+TEST_F(SessionTest, WaitingForAWhile) {
+  open("terrazzo: 1\nnodes:\n  endless: {type: Endless}\n");
+  const auto evaluation = session.evaluate();
+  EXPECT_FALSE(evaluation->wait_for(std::chrono::milliseconds(20)));
+  evaluation->cancel();
+  evaluation->wait();
+  EXPECT_TRUE(evaluation->wait_for(std::chrono::milliseconds(0)));
 }
 
 }  // namespace

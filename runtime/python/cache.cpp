@@ -1,0 +1,61 @@
+// Maintenance of the disk cache.
+#include "runtime/cache_folder.h"
+#include "runtime/disk_cache.h"
+#include "runtime/python/bind.h"
+
+namespace terrazzo::python {
+namespace {
+
+void require_cache(const std::string& folder) {
+  if (!is_cache_folder(folder))
+    throw Error("usage", "'" + folder + "' is not a cache folder of this version",
+                "an evaluation with Graph(cache=FOLDER) creates one");
+}
+
+py::dict stats(const std::string& folder) {
+  require_cache(folder);
+  CacheStats s;
+  {
+    const py::gil_scoped_release without_gil;
+    s = cache_stats(folder);
+  }
+  py::dict types, out;
+  for (const auto& [type, kind] : s.by_type) types[type.c_str()] = py::make_tuple(kind.count, kind.bytes);
+  out["folder"] = folder, out["bytes"] = s.bytes(), out["limit"] = default_cache_limit;
+  out["values"] = s.values.count, out["value_bytes"] = s.values.bytes, out["records"] = s.records.count;
+  out["record_bytes"] = s.records.bytes, out["seconds"] = s.seconds, out["types"] = types;
+  return out;
+}
+
+py::dict collect(const std::string& folder, std::uint64_t limit) {
+  require_cache(folder);
+  Collected c;
+  {
+    const py::gil_scoped_release without_gil;
+    c = collect_cache(folder, limit);
+  }
+  py::dict out;
+  out["values"] = c.values, out["records"] = c.records, out["leftovers"] = c.leftovers,
+  out["bytes"] = c.bytes;
+  out["left"] = c.left, out["busy"] = c.busy;
+  return out;
+}
+
+}  // namespace
+
+void bind_cache(py::module_& m) {
+  m.def("cache_stats", stats);
+  m.def("cache_collect", collect);
+  m.def("cache_clear", [](const std::string& folder) {
+    require_cache(folder);
+    const py::gil_scoped_release without_gil;
+    clear_cache(folder);
+  });
+  m.def("cache_tend", [](const std::string& folder) {
+    const py::gil_scoped_release without_gil;
+    tend_cache(folder, default_cache_limit);
+  });
+  m.attr("cache_limit") = default_cache_limit;
+}
+
+}  // namespace terrazzo::python

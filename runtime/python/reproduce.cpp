@@ -1,0 +1,50 @@
+// Graphs from the provenance of files.
+#include <fmt/format.h>
+
+#include "graph/describe.h"
+#include "graph/write_graph.h"
+#include "nodes/common/io/provenance.h"
+#include "nodes/register_nodes.h"
+#include "runtime/cli/made.h"
+#include "runtime/json_text.h"
+#include "runtime/python/bind.h"
+
+namespace terrazzo::python {
+namespace {
+
+// The text of the graph with absolute paths, the action keys of its nodes, and the files that it reads.
+py::tuple made(const std::string& file, const std::vector<std::string>& allow_read) {
+  // The file may come from a stranger, so its graph may use built-in nodes only, as `terrazzo reproduce`
+  // does.
+  Registry built_in;
+  register_nodes(built_in);
+  const cli::Made made = cli::how_made(file, read_provenance);
+  Diagnostics found;
+  const Graph graph = cli::open_made(built_in, made, file, {}, found);
+  if (has_errors(found)) raise(found);
+  py::list reads;
+  for (const auto& read : cli::reads_of(graph, made, allow_read)) {
+    if (!read.allowed())
+      throw Error("usage",
+                  fmt::format("the graph would read '{}', which is not the file it was made from",
+                              read.file.string()),
+                  "if you trust it, allow its folder: allow_read=[…]");
+    reads.append(read.file.string());
+  }
+  return py::make_tuple(write_graph(graph), made.keys, reads);
+}
+
+}  // namespace
+
+void bind_reproduce(py::module_& m) {
+  m.def("made", made);
+  m.def("describe_graph_file", [](const std::string& file) {
+    Diagnostics found;
+    const Graph graph = load_graph(file, registry(), {}, found);
+    std::erase_if(found, [](const Diagnostic& d) { return d.code == "missing-parameter"; });
+    if (has_errors(found)) raise(found);
+    return from_json(json_text(describe_json(describe_graph(graph))));
+  });
+}
+
+}  // namespace terrazzo::python

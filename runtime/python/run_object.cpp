@@ -1,0 +1,210 @@
+#include "runtime/python/run_object.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <future>
+#include <set>
+
+#include "runtime/python/python_node.h"
+
+namespace terrazzo::python {
+namespace {
+
+constexpr std::chrono::milliseconds kTick(50);
+
+// Live evaluations of this process. Used with the GIL held.
+std::set<std::weak_ptr<Evaluation>, std::owner_less<>>& live() {
+  static auto& all = *new std::set<std::weak_ptr<Evaluation>, std::owner_less<>>;
+  return all;
+}
+bool ended = false;       // the interpreter is exiting
+pid_t first_process = 0;  // that evaluated; the worker threads are in it
+
+bool forked() { return first_process != 0 && first_process != ::getpid(); }
+
+void require_workers() {
+  if (ended) throw Error("shut-down", "the interpreter is exiting, so nothing is evaluated any more");
+  if (forked())
+    throw Error("forked", "this process was forked after an evaluation, and has no worker threads",
+                "use multiprocessing.set_start_method('spawn'), or fork before the first evaluation");
+  first_process = ::getpid();
+}
+
+// Releases the GIL. When the interpreter ends, Python kills daemon threads that ask for the GIL, and a thread
+// that is killed inside of C++ code takes the process with it. So end_all_runs() waits until none is.
+std::atomic<int> threads_outside{0};
+struct Outside {
+  struct Count {
+    Count() { ++threads_outside; }
+    ~Count() { --threads_outside; }
+  } count;
+  py::gil_scoped_release without_gil;  // ends first
+};
+
+// Handles signals. If a handler raised, returns the exception.
+std::unique_ptr<py::error_already_set> raised_by_signal() {
+  if (PyErr_CheckSignals() == 0) return nullptr;
+  return std::make_unique<py::error_already_set>();
+}
+
+}  // namespace
+
+ProgressQueue::ProgressQueue(const Graph& graph, const std::vector<int>& targets) {
+  for (const bool needed : needed_nodes(graph, targets.empty() ? graph.sinks() : targets))
+    state_.needed += needed;
+}
+
+void ProgressQueue::started(int node) {
+  const std::lock_guard lock(mutex_);
+  state_.running[node] = {};
+}
+
+void ProgressQueue::progress(int node, double fraction, const std::string& note) {
+  const std::lock_guard lock(mutex_);
+  Running& r = state_.running[node];
+  r.fraction = fraction;
+  if (!note.empty()) r.note = note;
+}
+
+void ProgressQueue::finished(int node, const NodeResult&) {
+  const std::lock_guard lock(mutex_);
+  state_.running.erase(node);
+  ++state_.done;
+}
+
+ProgressQueue::State ProgressQueue::state() const {
+  const std::lock_guard lock(mutex_);
+  return state_;
+}
+
+RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
+                     const std::filesystem::path& out)
+    : graph_object_(std::move(graph)), owner_(graph_object_.cast<GraphObject&>()) {
+  require_workers();
+  const std::vector<std::string> known = owner_.targets(targets);
+  Session& session = owner_.session();
+  session.set_output_folder(out);
+  revision_ = owner_.revision(), given_ = owner_.given();
+  progress_ = std::make_unique<ProgressQueue>(*session.graph(), target_nodes(*session.graph(), known));
+  evaluation_ = session.evaluate(known, progress_.get());
+  std::erase_if(live(), [](const auto& weak) { return weak.expired(); });
+  live().insert(evaluation_);
+}
+
+RunObject::~RunObject() {
+  if (forked()) {  // its thread does not exist here, so it cannot be joined
+    new std::shared_ptr<Evaluation>(std::move(evaluation_));
+    progress_.release();
+    return;
+  }
+  if (!evaluation_) return;
+  const Outside outside;  // nodes written in Python need the GIL to end
+  evaluation_->cancel();
+  while (!evaluation_->wait_for(kTick)) {  // end_all_runs() may keep the evaluation, which uses progress_
+  }
+  evaluation_.reset();
+}
+
+void RunObject::wait(const py::object& draw) {
+  if (forked()) require_workers();
+  std::unique_ptr<py::error_already_set> stop;
+  bool end = false;
+  while (!end) {
+    {
+      const Outside outside;
+      end = evaluation_->wait_for(kTick);
+    }
+    if (!stop && (stop = raised_by_signal())) evaluation_->cancel();
+    stop_canceled_calls();
+    if (stop || draw.is_none()) continue;
+    try {
+      draw(end);
+    } catch (py::error_already_set&) {
+      evaluation_->cancel();
+      const Outside outside;
+      while (!evaluation_->wait_for(kTick)) {
+      }
+      throw;
+    }
+  }
+  if (stop) throw py::error_already_set(*stop);
+}
+
+int RunObject::threads() const {
+  const int asked = owner_.session().options().threads;
+  return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+const RunResult& RunObject::result() {
+  wait(py::none());
+  return evaluation_->wait();
+}
+
+Value RunObject::value(const std::string& output) {
+  const RunResult& r = result();
+  const Wire wire = graph().wire_to(output);
+  const NodeResult& node = r.nodes[static_cast<std::size_t>(wire.node)];
+  const auto record = node.outputs.find(wire.port);
+  if (record == node.outputs.end())
+    throw Error("not-evaluated", fmt::format("'{}' was not evaluated by this run", output),
+                "name it as a target of the run");
+  Session& session = owner_.session();
+  Value value;
+  {
+    const Outside outside;
+    value = session.evaluator().store().get_value(record->second, node.cached_seconds);
+  }
+  if (!value) {  // the store has dropped it: compute it again
+    require_workers();
+    std::atomic<bool> cancel{false};
+    RunOptions options;
+    options.cancel = &cancel, options.threads = session.options().threads;
+    options.output_folder = session.options().output_folder, options.memory = session.options().file_memory;
+    auto future =
+        std::async(std::launch::async, [&] { return session.evaluator().value(graph(), r, wire, options); });
+    std::unique_ptr<py::error_already_set> stop;
+    for (bool end = false; !end;) {
+      {
+        const Outside outside;
+        end = future.wait_for(kTick) == std::future_status::ready;
+      }
+      if (!stop && (stop = raised_by_signal())) cancel = true;
+    }
+    if (stop) throw py::error_already_set(*stop);
+    value = future.get();
+  }
+  owner_.remember(output, revision_, graph(), r, wire);
+  return value;
+}
+
+void end_all_runs() {
+  ended = true;
+  if (forked()) return;
+  std::vector<std::shared_ptr<Evaluation>> all;
+  for (const auto& weak : live())
+    if (auto e = weak.lock()) all.push_back(std::move(e));
+  for (const auto& e : all) e->cancel();
+  const py::gil_scoped_release without_gil;
+  for (const auto& e : all)
+    while (!e->wait_for(kTick)) {
+    }
+  all.clear();
+  while (threads_outside > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+void leave_without_exit_handlers() {
+  // Registered last, so called first, after Python has ended.
+  ::on_exit(
+      [](int status, void*) {
+        std::fflush(nullptr);
+        ::_exit(status);
+      },
+      nullptr);
+}
+
+bool process_was_forked() { return forked(); }
+
+}  // namespace terrazzo::python

@@ -1,0 +1,73 @@
+// An evaluation that Python code waits for.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "runtime/python/graph_object.h"
+
+namespace terrazzo::python {
+
+// Collects events. Worker threads call it without the GIL; the waiting thread draws what it has collected.
+class ProgressQueue : public Observer {
+ public:
+  ProgressQueue(const Graph&, const std::vector<int>& targets);
+  void started(int node) override;
+  void progress(int node, double fraction, const std::string& note) override;
+  void finished(int node, const NodeResult&) override;
+
+  struct Running {
+    double fraction = 0;
+    std::string note;
+  };
+  struct State {
+    std::size_t done = 0, needed = 0;
+    std::map<int, Running> running;
+  };
+  State state() const;
+
+ private:
+  mutable std::mutex mutex_;
+  State state_;
+};
+
+class RunObject {
+ public:
+  // Starts the evaluation. Throws Error.
+  RunObject(py::object graph, const std::vector<std::string>& targets, const std::filesystem::path& out);
+  ~RunObject();  // cancels and waits
+
+  bool done() const { return evaluation_->done(); }
+  void cancel() { evaluation_->cancel(); }
+  // Waits with the GIL released. Every 50 ms it handles signals, and calls `draw` unless it is None. If a
+  // signal handler raises, as for Ctrl-C, it cancels the evaluation, waits for its end and raises.
+  void wait(const py::object& draw);
+
+  const Graph& graph() const { return evaluation_->graph(); }
+  int threads() const;
+  const RunResult& result();  // waits
+  Value value(const std::string& output);
+  ProgressQueue::State progress() const { return progress_->state(); }
+
+ private:
+  py::object graph_object_;
+  GraphObject& owner_;
+  std::uint64_t revision_;
+  std::map<std::string, std::shared_ptr<const GivenValue>> given_;
+  std::unique_ptr<ProgressQueue> progress_;
+  std::shared_ptr<Evaluation> evaluation_;
+};
+
+// Cancels every evaluation and waits for all of them, since workers need the interpreter until they end.
+void end_all_runs();
+
+// Call it in a forked child. Libraries behind the nodes wait at exit for threads that the child does not have
+// (log4cplus, which OpenVDB uses), so the child leaves without their exit handlers.
+void leave_without_exit_handlers();
+
+}  // namespace terrazzo::python

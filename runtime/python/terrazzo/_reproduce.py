@@ -1,0 +1,24 @@
+"""Graphs from the provenance of files."""
+
+from __future__ import annotations
+
+import os
+
+from . import _core
+from ._graph import Graph
+
+
+def reproduce(file, *, allow_read=(), cache=True):
+    """The graph that made a file which terrazzo wrote, or the report.json of a run. Nothing is run.
+
+    Look at it, then graph.run(out="reproduced"). The file may come from a stranger: the graph may use built-in
+    nodes only, and read only files whose content the provenance names, and those in the folders `allow_read`.
+    graph.made_keys has the action keys of the nodes in the run that made the file; equal keys in run.nodes mean
+    an equal computation.
+    """
+    text, keys, reads = _core.made(os.fspath(file), [os.fspath(f) for f in allow_read])
+    graph = Graph(cache=cache)
+    graph._open_text(text, "")
+    graph.check()
+    graph.made_keys, graph.made_from = keys, reads
+    return graph

@@ -1,0 +1,34 @@
+"""The disk cache, as `terrazzo cache` shows it."""
+
+from __future__ import annotations
+
+import os
+
+from . import _core
+
+__all__ = ["clear", "collect", "folder", "stats"]
+
+
+def folder():
+    """The folder that graphs use unless they name another one."""
+    return _core.default_cache()
+
+
+def _named(cache):
+    return folder() if cache is None else os.fspath(cache)
+
+
+def stats(cache=None):
+    """Number and size of the entries: a dictionary with folder, bytes, limit, values, value_bytes, records,
+    record_bytes, seconds (computing time of all records) and types (count and bytes by type of value)."""
+    return _core.cache_stats(_named(cache))
+
+
+def collect(cache=None, limit=None):
+    """Removes leftover files and, above `limit` bytes, the least valuable entries. Returns what was removed."""
+    return _core.cache_collect(_named(cache), _core.cache_limit if limit is None else int(limit))
+
+
+def clear(cache=None):
+    """Removes all entries."""
+    _core.cache_clear(_named(cache))

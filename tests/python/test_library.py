@@ -1,0 +1,115 @@
+"""Library graphs, sweeps and reproduction."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+import terrazzo as t
+from conftest import SOURCE
+
+
+def test_a_library_graph_is_a_function(section):
+    g = t.library.aggregate(photo=section, pixel_size=0.2)
+    assert isinstance(g, t.Graph) and g.parameters["pixel_size"] == "0.2"
+    assert g.image.value().pixel_size == 0.2
+    with pytest.raises(t.Error) as e:
+        t.library.aggregate(pixl_size=1)
+    assert e.value.code == "unknown-parameter" and "did you mean 'pixel_size'" in e.value.message
+    with pytest.raises(AttributeError, match="there are aggregate"):
+        t.library.agregate
+    assert "aggregate" in dir(t.library) and "granite" in dir(t.materials)
+
+
+def test_a_library_graph_inside_of_another_one():
+    g = t.Graph(cache=False)
+    dots = g.Pattern(kind="fat", width=64, height=64)
+    inner = t.library.aggregate(photo=dots.image, pixel_size=0.5)
+    assert inner.graph is g and inner.type and "profiles" in inner.outputs
+    # The input replaces the photograph that the library's graph loads.
+    assert inner.image.value() == dots.image.value()
+    assert "inputs: {photo: pattern.image}" in g.to_yaml() and "graph: " in g.to_yaml()
+    # Asking for an inner output does not make it a target of the whole.
+    assert all("figure" not in name for name, _ in g._ports(True))
+    with_array = t.library.aggregate(photo=t.image(np.full((8, 8, 3), 0.25)))
+    assert with_array.image.value().pixels.max() == 0.25
+
+
+def test_outputs_of_nested_subgraphs(tmp_path):
+    (tmp_path / "inner.yaml").write_text("terrazzo: 1\nnodes:\n  p: {type: Pattern, params: {width: 16, height: 16}}\n"
+                                         "outputs: {picture: p.image}\n")
+    (tmp_path / "outer.yaml").write_text("terrazzo: 1\nnodes:\n  in: {graph: inner.yaml}\n"
+                                         "outputs: {picture: in.picture}\n")
+    g = t.Graph(cache=False)
+    node = g.subgraph(tmp_path / "outer.yaml")
+    assert node.picture.value().width == 16
+    assert g["outer/in/p"].image.value().width == 16
+    assert [n["name"] for n in g.run(node).nodes] == ["outer/in/p"]
+    assert g.run().nodes == [] or [n["name"] for n in g.run().nodes] == ["outer/in/p"]
+    with pytest.raises(t.Error) as e:
+        g.subgraph(tmp_path / "none.yaml")
+    assert e.value.code == "no-file"
+
+
+def test_sweeps():
+    g = t.Graph(cache=False)
+    base = g.Pattern(kind="fat", width=32, height=32)
+    grain = g.Grain(image=base.image)
+    sweep = g.sweep({"grain.seed": [1, 2, 3], "pattern.width": [16, 32]}, grain.image)
+    assert [(p["grain.seed"], p["pattern.width"]) for p in sweep.points] == [(s, w) for s in (1, 2, 3) for w in (16, 32)]
+    assert [values[0].width for values in sweep.values] == [16, 32] * 3
+    assert sweep["status"] == ["done"] * 6 and len({v[0].content for v in sweep.values}) == 6
+    assert grain["seed"] == 1 and base["width"] == 32  # as before
+    assert "seed" not in g.to_yaml()
+    with pytest.raises(t.Error):
+        g.sweep({"grain.seed": [1, -1]}, grain.image)
+    with pytest.raises(ValueError):
+        g.sweep({})
+    with pytest.raises(ValueError):
+        g.sweep({"grain.seed": []})
+    assert grain["seed"] == 1
+
+
+def test_sweeps_write_files_and_keep_going(tmp_path):
+    g = t.Graph(cache=False)
+    size = g.parameter("size", "int", 16)
+    picture = g.Pattern(width=size, height=16)
+    g.Export(image=picture.image, path="a.png")
+    sweep = g.sweep({"size": [8, 16]}, out=tmp_path / "out")
+    for number, width in ((1, 8), (2, 16)):
+        folder = tmp_path / "out" / f"point-00{number}"
+        assert t.Graph(cache=False).LoadImage(path=folder / "a.png").image.value().width == width
+        report = json.loads((folder / "report.json").read_text())
+        assert {n["name"] for n in report["nodes"]} == {"pattern", "export"}
+    assert g.parameters["size"] == "16" and sweep.errors == [None, None]
+    h = t.Graph(cache=False)
+    h.LoadImage(path=tmp_path / "out" / "point-001" / "a.png", name="photo")
+    files = [tmp_path / "none.png", tmp_path / "out" / "point-002" / "a.png"]
+    failing = h.sweep({"photo.path": files}, h["photo"].image)
+    assert failing["status"] == ["failed", "done"] and failing.errors[0].code == "no-file"
+    assert failing.values[0] == [None] and failing.values[1][0].width == 16
+
+
+def test_reproduce(tmp_path):
+    t.image(np.random.default_rng(1).random((16, 16, 3))).save(tmp_path / "in.png")
+    g = t.Graph(cache=False)
+    photo = g.LoadImage(path=tmp_path / "in.png")
+    g.Export(image=g.Grain(image=photo.image, seed=5).image, path="out.png")
+    first = g.run(out=tmp_path / "out")
+    assert first.files == ["out.png"]
+    again = t.reproduce(tmp_path / "out" / "out.png", cache=False)
+    assert again["grain"]["seed"] == 5 and again.made_from == [str(tmp_path / "in.png")]
+    assert {n["name"]: n["key"] for n in first.nodes} == again.made_keys or "grain" in again.made_keys
+    run = again.run(out=tmp_path / "reproduced")
+    keys = {n["name"]: n["key"] for n in run.nodes}
+    assert keys["grain"] == again.made_keys["grain"]
+    values = [t.Graph(cache=False).LoadImage(path=tmp_path / f / "out.png").image.value() for f in ("out", "reproduced")]
+    assert values[0] == values[1]
+    # The provenance may be a stranger's: other content is not read.
+    t.image(np.zeros((16, 16, 3))).save(tmp_path / "in.png")
+    with pytest.raises(t.Error, match="is not the file it was made from"):
+        t.reproduce(tmp_path / "out" / "out.png")
+    assert t.reproduce(tmp_path / "out" / "out.png", allow_read=[tmp_path])
+    with pytest.raises(t.Error, match="contains no provenance"):
+        t.reproduce(SOURCE / "graphs" / "samples" / "truth.yaml")

@@ -1,0 +1,219 @@
+"""Nodes written in Python."""
+
+import traceback
+from typing import Annotated, Literal
+
+import numpy as np
+import pytest
+
+import terrazzo as t
+
+calls = []
+
+
+@t.node(version=1)
+def darken(image: t.Image, factor: Annotated[float, t.Range(0, 1, doc="Factor of the colors")] = 0.5,
+           how: Literal["all", "red"] = "all") -> t.Image:
+    """Makes an image darker."""
+    calls.append(factor)
+    pixels = image.pixels.copy()
+    pixels[..., slice(None) if how == "all" else 0] *= factor
+    t.metric("mean", pixels.mean())
+    return t.image(pixels, image.pixel_size)
+
+
+@t.node(version=1, outputs={"low": t.Image, "count": t.Table})
+def split(images: list[t.Image], mask: t.Labels | None = None, levels: list[float] = [0.5]):
+    t.warn(f"{len(images)} images")
+    return {"low": images[0], "count": t.table({"n": [len(images)], "mask": [0 if mask is None else mask.count]})}
+
+
+def graph(cache=False):
+    g = t.Graph(cache=cache)
+    return g, g.Pattern(kind="fat", width=32, height=32)
+
+
+def test_it_is_a_node_like_any_other():
+    g, dots = graph()
+    dark = g.Darken(image=dots.image, factor=0.25)
+    assert np.allclose(dark.image.value().pixels, dots.image.value().pixels * 0.25)
+    assert g.run(dark).metrics["darken"]["mean"] == pytest.approx(dark.image.value().pixels.mean(), rel=1e-5)
+    assert "Factor of the colors" in t.nodes.Darken.__doc__ and "source_hash" not in t.nodes.Darken.__doc__
+    with pytest.raises(t.Error):
+        dark["factor"] = 2
+    with pytest.raises(t.Error, match="is not one of all, red"):
+        dark["how"] = "blue"
+    assert g.Grain(image=dark.image).image.value().width == 32
+
+
+def test_several_inputs_and_outputs():
+    g, dots = graph()
+    with pytest.warns(t.NodeWarning, match="2 images"):
+        table = g.Split(images=[dots.image, dots.image], mask=t.labels([[1, 2]])).count.value()
+    assert table.rows == [(2.0, 2.0)]
+
+
+def test_results_are_cached_on_disk():
+    def evaluate(factor):
+        g, dots = graph(cache=True)
+        return g.Darken(image=dots.image, factor=factor).image.value()
+
+    calls.clear()
+    first = evaluate(0.125)
+    assert evaluate(0.125) == first and calls == [0.125]
+    evaluate(0.375)
+    assert calls == [0.125, 0.375]
+
+
+MODULE = '''
+import terrazzo as t
+@t.node(version={version})
+def brighten(image: t.Image) -> t.Image:
+    """{doc}"""
+    print("called")
+    return t.image(image.pixels {operation}, image.pixel_size)   # {comment}
+g = t.Graph()
+print(round(float(g.Brighten(image=g.Pattern(kind="fat", width=32, height=32).image).image.value().pixels.max()), 3))
+'''
+
+
+def test_version_and_source_are_in_the_key(script):
+    def run(version=1, doc="Brightens", operation="* 2", comment="x"):
+        done = script(MODULE.format(version=version, doc=doc, operation=operation, comment=comment))
+        assert done.returncode == 0, done.stderr
+        return "called" in done.stdout
+
+    assert run()
+    assert not run()
+    assert not run(doc="Makes it brighter", comment="y")
+    assert run(operation="* 3")
+    assert run(version=2)
+    assert not run()
+
+
+def test_redefining_a_node(script):
+    done = script('''
+import terrazzo as t
+def define(k):
+    namespace = {"t": t}
+    text = f"def number() -> t.Table:\\n    return t.table({{'k': [{k}]}})\\n"
+    import linecache
+    linecache.cache[f"cell {k}"] = (len(text), None, text.splitlines(True), f"cell {k}")
+    exec(compile(text, f"cell {k}", "exec"), namespace)
+    return t.node(version=1)(namespace["number"])
+define(1)
+g = t.Graph(cache=False)
+node = g.Number()
+print(node.table.value()["k"][0])
+define(2)
+h = t.Graph(cache=False)
+print(h.Number().table.value()["k"][0], node.table.value()["k"][0])
+g.check()
+''')
+    assert done.stdout == "1.0\n2.0 1.0\n", (done.stdout, done.stderr)
+
+
+@t.node
+def wrong(kind: str = "raise") -> t.Image:
+    if kind == "raise":
+        return broken_helper()
+    if kind == "type":
+        return 3
+    if kind == "value":
+        return t.table({})
+    raise SystemExit
+
+
+def broken_helper():
+    raise KeyError("the user's key")
+
+
+def test_errors_carry_the_users_traceback():
+    g = t.Graph(cache=False)
+    node = g.Wrong()
+    with pytest.raises(t.Error) as e:
+        node.image.value()
+    assert e.value.code == "python" and e.value.node == "wrong" and "KeyError: \"the user's key\"" in e.value.message
+    assert "in broken_helper" in e.value.hint and "raise KeyError" in e.value.hint
+    assert isinstance(e.value.__cause__, KeyError)
+    assert "broken_helper" in [f.name for f in traceback.extract_tb(e.value.__cause__.__traceback__)]
+    for kind, text in (("type", "must be a Image, not a int"), ("value", "not a Table"), ("exit", "SystemExit")):
+        node["kind"] = kind
+        with pytest.raises(t.Error, match=text):
+            node.image.value()
+
+
+def test_declarations_that_cannot_work():
+    with pytest.raises(TypeError, match="needs a type"):
+        @t.node
+        def a(x) -> t.Image: ...
+    with pytest.raises(TypeError, match="must return a value"):
+        @t.node
+        def b(x: t.Image): ...
+    with pytest.raises(TypeError, match="has the type"):
+        @t.node
+        def c(x: dict = {}) -> t.Image: ...
+    with pytest.raises(TypeError, match="cannot be an input"):
+        @t.node
+        def d(*x: t.Image) -> t.Image: ...
+    with pytest.raises(ValueError, match="version"):
+        @t.node(version=0)
+        def e() -> t.Image: ...
+    with pytest.raises(t.Error, match="has a node type Segment already"):
+        @t.node
+        def segment(image: t.Image) -> t.Labels: ...
+    outer = 3
+    with pytest.raises(ValueError, match="variables outer"):
+        @t.node
+        def f() -> t.Table:
+            return t.table({"a": [outer]})
+    with pytest.raises(t.Error, match="works only inside"):
+        t.metric("a", 1)
+
+
+def test_many_calls_at_once():
+    g = t.Graph(cache=False, threads=4)
+    nodes = [g.Alone(number=k) for k in range(40)]
+    run = g.run(*nodes)
+    assert [run.value(node.table)["number"][0] for node in nodes] == list(range(40))
+    assert sorted(numbers) == list(range(40))
+
+
+numbers = []
+
+
+@t.node
+def alone(number: int = 0) -> t.Table:
+    sum(k * k for k in range(20_000))
+    numbers.append(number)
+    return t.table({"number": [number]})
+
+
+def test_a_node_can_evaluate_another_graph():
+    g = t.Graph(cache=False)
+    assert g.Inner().table.value()["width"][0] == 16
+
+
+@t.node
+def inner() -> t.Table:
+    g = t.Graph(cache=False)
+    return t.table({"width": [g.Pattern(width=16, height=16).image.value().width]})
+
+
+def test_canceling_stops_python_code(script):
+    done = script('''
+import os, signal, threading, time
+import terrazzo as t
+@t.node
+def endless() -> t.Table:
+    while True:
+        time.sleep(0.01)
+g = t.Graph(cache=False)
+g.Endless()
+threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    g.run()
+except KeyboardInterrupt:
+    print("stopped")
+''', timeout=30)
+    assert done.stdout == "stopped\n", done.stderr
