@@ -36,18 +36,19 @@ Vec3f decoded(const Vec3f& c, SolidColor color) {
 struct Axes {
   Vec3 variance;  // falling
   Mat3 columns;
+  double total = 0;  // variance
 };
 
 Axes principal(const Mat3& covariance) {
   const auto solver = eigen_axes(covariance);
-  return {solver.eigenvalues().reverse(), principal_axes(solver)};
+  return {solver.eigenvalues().reverse(), principal_axes(solver), solver.eigenvalues().cwiseMax(0).sum()};
 }
 
 Axes stored_channels(const Mat3& covariance) {
   std::array<int, 3> order = {0, 1, 2};
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return covariance(a, a) > covariance(b, b); });
-  Axes out{Vec3::Zero(), Mat3::Zero()};
+  Axes out{Vec3::Zero(), Mat3::Zero(), covariance.trace()};
   for (int c = 0; c < 3; ++c) out.variance[c] = covariance(order[c], order[c]), out.columns(order[c], c) = 1;
   return out;
 }
@@ -80,12 +81,11 @@ ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, Solid
   }
   const Mat3 covariance = square - mean * mean.transpose();
   const Axes axes = color == SolidColor::Rgb ? stored_channels(covariance) : principal(covariance);
-  const double total = axes.variance.cwiseMax(0).sum();
   out.mean = mean.cast<float>();
   out.axes = axes.columns;
   for (int c = 0; c < 3; ++c)
-    if (axes.variance[c] > 1e-12 && axes.variance[c] > 1e-5 * total) out.channels = c + 1;
-  if (out.channels > 0) out.scale = static_cast<float>(1 / std::sqrt(total));
+    if (axes.variance[c] > 1e-12 && axes.variance[c] > 1e-5 * axes.total) out.channels = c + 1;
+  if (out.channels > 0) out.scale = static_cast<float>(1 / std::sqrt(axes.total));
   return out;
 }
 
