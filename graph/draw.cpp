@@ -6,30 +6,10 @@
 #include <map>
 
 #include "graph/describe.h"
+#include "graph/escape_xml.h"
 
 namespace terrazzo {
 namespace {
-
-std::string escaped(const std::string& s) {
-  std::string out;
-  for (const char c : s) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
 
 template <class Use>
 void each_wire(const Graph& g, Use&& use) {
@@ -108,7 +88,7 @@ std::string draw_svg(const Graph& g) {
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f} C{:.1f} {:.1f} {:.1f} {:.1f} {:.1f} {:.1f}\" fill=\"none\" "
         "stroke=\"#7a8794\" stroke-width=\"1.4\"><title>{}</title></path>\n",
-        x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escaped(output));
+        x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escape_xml(output));
   });
   for (std::size_t i = 0; i < n; ++i)
     out += fmt::format(
@@ -118,8 +98,8 @@ std::string draw_svg(const Graph& g) {
         "fill=\"#1d252c\">{6}</text>"
         "<text x=\"{4:.1f}\" y=\"{7:.1f}\" font-size=\"11\" text-anchor=\"middle\" "
         "fill=\"#66727d\">{8}</text></g>\n",
-        x(i), y(i), width, height, x(i) + width / 2, y(i) + 19, escaped(g.nodes[i].path), y(i) + 35,
-        escaped(g.nodes[i].type->name));
+        x(i), y(i), width, height, x(i) + width / 2, y(i) + 19, escape_xml(g.nodes[i].path), y(i) + 35,
+        escape_xml(g.nodes[i].type->name));
   return out + "</svg>\n";
 }
 

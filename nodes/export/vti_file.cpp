@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 
+#include "graph/escape_xml.h"
 #include "nodes/common/io/base64.h"
 #include "nodes/common/io/checked_file.h"
 
@@ -24,30 +25,6 @@ struct VtiArray {
   std::size_t planes = 0, plane_bytes = 0;
   std::function<void(int z0, int z1, char* out)> fill;
 };
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&apos;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
 
 std::vector<VtiArray> arrays_of(const VtiContent& content) {
   std::vector<VtiArray> arrays;
@@ -196,7 +173,7 @@ void write_vti(const std::filesystem::path& path, const VtiContent& content, con
     double done = 0, all = 0;
     for (const VtiArray& a : arrays) all += double(a.plane_bytes);
     for (const VtiArray& a : arrays) {
-      out << "<DataArray type=\"" << (a.whole ? "Int32" : "Float32") << "\" Name=\"" << escaped(a.name)
+      out << "<DataArray type=\"" << (a.whole ? "Int32" : "Float32") << "\" Name=\"" << escape_xml(a.name)
           << "\" NumberOfComponents=\"" << a.components << "\" format=\"binary\">\n";
       const Work part = work.part(done / all, (done + double(a.plane_bytes)) / all);
       VtiStream(out, content.compression, part).line(a);

@@ -327,7 +327,7 @@ void GraphObject::apply(RawNode& node, const NodeType& type, const Edit& edit) {
 
 namespace {
 
-// Undoes changes of the document unless it is told to keep them.
+// Undoes changes of the document unless keep() was called.
 class Undo {
  public:
   explicit Undo(RawDocument& document) : document_(document), nodes_(document.nodes.size()) {}

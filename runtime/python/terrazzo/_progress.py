@@ -43,7 +43,7 @@ def wanted(stream):
 
 
 class Drawing:
-    """Redraws the line while a run goes on, and removes it at the end. Runs of less than half a second draw nothing."""
+    """Redraws the line during a run, and removes it at the end. Runs of less than half a second draw nothing."""
 
     def __init__(self, run, stream=None):
         self._run = run
@@ -70,7 +70,7 @@ class Drawing:
         try:
             self._stream.write(text)
             self._stream.flush()
-        except (OSError, ValueError):  # closed: the run goes on without progress
+        except (OSError, ValueError):  # closed: no progress is shown
             self._stream = _Nowhere()
 
 
