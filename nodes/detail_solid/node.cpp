@@ -105,7 +105,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType detail_solid_node() {
-  return NodeType("DetailSolid", 2)
+  return NodeType("DetailSolid", 3)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

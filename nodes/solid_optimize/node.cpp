@@ -42,7 +42,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType solid_optimize_node() {
-  NodeType type = NodeType("SolidOptimize", 7)
+  NodeType type = NodeType("SolidOptimize", 8)
                       .doc_(
                           "Synthesizes a tileable solid texture whose slices look like the exemplars: wood, "
                           "marble, meat and other materials without particles")
