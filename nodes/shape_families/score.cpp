@@ -23,8 +23,7 @@ using Eigen::VectorXd;
 constexpr double kAnySize = 0.01, kAnyOutline = 0.05;  // probability of profiles that follow no family
 // Least bandwidth of each feature: the scatter that is left of pixels after the blur.
 constexpr Features kLeastBandwidth = {0.01, 0.02, 1.0};
-constexpr double kAreaError = 0.005;  // of the area fraction, relative, as in Unfold
-constexpr double kPlausible = 2;      // standard errors
+constexpr double kPlausible = 2;  // standard errors
 
 // A profile that takes part, in the order of Observations.
 struct Predicted {
@@ -159,8 +158,8 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
     const auto at = [&](double f) { return 0.3 + 0.7 * (fold + f) / s.folds; };
     const double kept = 1 - 1.0 / s.folds;
     const unfolding::EmFit fit =
-        unfolding::fit_em(model, without(q, profiles, fold), full.observations.area * kept, kAreaError,
-                          work.part(at(0), at(0.6)));
+        unfolding::fit_em(model, without(q, profiles, fold), full.observations.area * kept,
+                          unfolding::kFractionError, work.part(at(0), at(0.6)));
     const VectorXd seen = model.fine * fit.density;
     SizeDensity particles{model.sizes, fit.density};
     for (Eigen::Index j = 0; j < fit.density.size(); ++j)

@@ -15,10 +15,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-// Relative error of the area fraction: small compared with that of any class, so that the solid's volume
-// fraction matches the photograph.
-constexpr double kFractionError = 0.005;
-constexpr double kOverfull = 0.02;  // largest volume fraction above 1 that such errors explain
+// By how much such errors can lift the volume fraction above 1.
+constexpr double kOverfull = 0.02;
 
 // Smallest distance between the density and the ends of its interval, in profiles. Above: a Poisson mean of 3
 // shows none one time in twenty. Below: fewer cannot be seen.

@@ -14,6 +14,10 @@
 
 namespace terrazzo::unfolding {
 
+// Relative error of the area fraction: small compared with that of any class, so that the solid's volume
+// fraction matches the photograph.
+inline constexpr double kFractionError = 0.005;
+
 enum class Method { Em, Nnls, Inverse };
 
 enum class Types {

@@ -91,7 +91,7 @@ TEST(StudyAnova, RepeatedMeasuresSeparatePeople) {
   EXPECT_GT(one_way, 0.2);
   EXPECT_LT(repeated, 1e-6);
 
-  // Whoever did not answer everything is left out, and reported.
+  // People who did not answer everything are left out, and their number is reported.
   answers.push_back(answer("late", "smooth", "csg", true, 1));
   effects(answers, design, notes);
   ASSERT_EQ(notes.size(), 1u);
