@@ -156,13 +156,14 @@ fs::path cache_entry(const fs::path& folder, const char* table, const Hash& h) {
   return folder / table / name.substr(0, 2) / name;
 }
 
-void write_cache_entry(const fs::path& folder, const char* table, const Hash& h, const std::string& text) {
+std::int64_t write_cache_entry(const fs::path& folder, const char* table, const Hash& h,
+                               const std::string& text) {
   const fs::path path = cache_entry(folder, table, h);
   std::error_code error;
   const auto before = fs::file_size(path, error);
   write_text_atomically(path, text);
-  CacheUsage(folder).add(static_cast<std::int64_t>(bytes_on_disk(text.size())) -
-                         static_cast<std::int64_t>(error ? 0 : bytes_on_disk(before)));
+  return static_cast<std::int64_t>(bytes_on_disk(text.size())) -
+         static_cast<std::int64_t>(error ? 0 : bytes_on_disk(before));
 }
 
 void each_cache_file(const fs::path& folder, const char* table, int part,

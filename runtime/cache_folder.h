@@ -34,9 +34,10 @@ std::filesystem::path cache_entry(const std::filesystem::path& folder, const cha
 // The disk space that a file of this size occupies, in whole blocks of 4096 bytes.
 inline std::uint64_t bytes_on_disk(std::uint64_t size) { return (size + 4095) / 4096 * 4096; }
 
-// Writes a text entry and adds its size to the bytes in use. Throws Error "write-failed".
-void write_cache_entry(const std::filesystem::path& folder, const char* table, const Hash&,
-                       const std::string& text);
+// Writes a text entry. Returns by how many bytes this changes the bytes in use, which the caller passes to
+// CacheUsage. Throws Error "write-failed".
+std::int64_t write_cache_entry(const std::filesystem::path& folder, const char* table, const Hash&,
+                               const std::string& text);
 
 struct CacheFile {
   std::filesystem::path path;
@@ -51,7 +52,8 @@ struct CacheFile {
 void each_cache_file(const std::filesystem::path& folder, const char* table, int part,
                      const std::function<void(const CacheFile&)>&);
 
-// The bytes in use, shared by all processes. Writers add to it; collecting sets it.
+// The bytes in use, shared by all processes. Writers add to it; collecting sets it. Each call locks a file,
+// so writers on a shared folder add many entries at a time.
 class CacheUsage {
  public:
   explicit CacheUsage(const std::filesystem::path& folder) : file_(folder / "usage") {}

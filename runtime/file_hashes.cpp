@@ -116,9 +116,10 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
     entries_[name] = {state->stamp, state->hash};
     const FileStamp& s = state->stamp;
     if (!memo.empty()) try {
-        write_cache_entry(folder_, "files", hash_of(name),
-                          with_check(fmt::format("{} {} {} {} {} {}", s.device, s.inode, s.size, s.modified,
-                                                 s.changed, state->hash.text())));
+        CacheUsage(folder_).add(
+            write_cache_entry(folder_, "files", hash_of(name),
+                              with_check(fmt::format("{} {} {} {} {} {}", s.device, s.inode, s.size,
+                                                     s.modified, s.changed, state->hash.text()))));
       } catch (const Error&) {
         // Storing the hash only saves time, so a full or read-only cache must not stop the run.
       }

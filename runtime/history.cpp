@@ -63,6 +63,7 @@ HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>&
 
 void History::record(const Graph& graph, const RunResult& run, FileHashes& hashes) const {
   if (folder_.empty()) return;
+  std::int64_t grown = 0;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const Status s = run.nodes[i].status;
     if (s != Status::Computed && s != Status::Disk && s != Status::Memory) continue;
@@ -73,11 +74,12 @@ void History::record(const Graph& graph, const RunResult& run, FileHashes& hashe
     const std::string text = json_text(j);
     const Hash name = name_of(graph, graph.nodes[i]);
     if (read_file(cache_entry(folder_, "history", name)) != text) try {
-        write_cache_entry(folder_, "history", name, text);
+        grown += write_cache_entry(folder_, "history", name, text);
       } catch (const Error&) {
-        return;  // only explanations are lost, not results
+        break;  // only explanations are lost, not results
       }
   }
+  if (grown != 0) CacheUsage(folder_).add(grown);
 }
 
 }  // namespace terrazzo

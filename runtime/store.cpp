@@ -87,6 +87,18 @@ Store::Store(const ValueTypes& types, fs::path folder, std::uint64_t memory)
   }
 }
 
+Store::~Store() { add_usage(); }
+
+void Store::add_usage() {
+  if (const std::int64_t bytes = usage_.exchange(0); bytes != 0 && !folder_.empty())
+    CacheUsage(folder_).add(bytes);
+}
+
+void Store::note_usage(std::int64_t bytes) {
+  constexpr std::int64_t much = 16 << 20;
+  if ((usage_ += bytes) >= much) add_usage();
+}
+
 void Store::note_trouble(const std::string& what) {
   const std::lock_guard lock(mutex_);
   if (trouble_.empty()) trouble_ = what;
@@ -120,15 +132,30 @@ std::shared_ptr<const ActionRecord> Store::find_action(const Hash& key, Tier& fr
   return {};
 }
 
+ComputedTwice Store::computed_twice() const {
+  const std::lock_guard lock(mutex_);
+  return twice_;
+}
+
 void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
+  bool known;  // this process replaces a record, for example because written files have changed
   {
     const std::lock_guard lock(mutex_);
+    known = actions_.count(key) > 0;
     actions_[key] = r;
   }
   if (folder_.empty()) return;
+  if (!known)
+    if (const auto text = read_file(cache_entry(folder_, "actions", key)))
+      if (const auto other = parse_action(*text)) {
+        const std::lock_guard lock(mutex_);
+        ++twice_.count, twice_.seconds += r->seconds;
+        twice_.differing += other->outputs != r->outputs;
+        return;
+      }
   const std::string body = json_text(to_json(*r));
   try {
-    write_cache_entry(folder_, "actions", key, hash_of(body).text() + "\n" + body);
+    note_usage(write_cache_entry(folder_, "actions", key, hash_of(body).text() + "\n" + body));
   } catch (const Error& e) {
     note_trouble(e.diagnostic().message);
   }
@@ -162,7 +189,7 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
       std::error_code error;
       if (!fs::exists(place, error)) {
         fs::create_directories(place.parent_path(), error);
-        CacheUsage(folder_).add(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
+        note_usage(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
       }
       file.rename_to(place);
       written_ += record.bytes;

@@ -17,6 +17,13 @@ namespace terrazzo {
 
 enum class Tier { None, Memory, Disk };
 
+// Computations that another process with the same cache folder finished in the meantime.
+struct ComputedTwice {
+  std::uint64_t count = 0;
+  double seconds = 0;           // computing time of these computations in this process
+  std::uint64_t differing = 0;  // those whose outputs differ from the other process's outputs
+};
+
 class Store {
  public:
   static constexpr std::uint64_t default_memory = 2ull << 30;
@@ -25,9 +32,12 @@ class Store {
   // cache; trouble() then gives the reason. `memory`: bytes of values to keep in memory in addition to those
   // in use.
   Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = default_memory);
+  ~Store();  // calls add_usage()
 
   // Null if there is no record.
   std::shared_ptr<const ActionRecord> find_action(const Hash& key, Tier& from);
+  // If another process has stored a record for the key since find_action() looked for it, that record stays
+  // on disk and computed_twice() counts the computation.
   void put_action(const Hash& key, std::shared_ptr<const ActionRecord>);
   // Removes a record that proved to be wrong.
   void drop_action(const Hash& key);
@@ -46,15 +56,21 @@ class Store {
   std::string trouble() const;
   // Bytes of values that this store wrote to the disk.
   std::uint64_t written() const { return written_; }
+  ComputedTwice computed_twice() const;
+  // Adds what was written to the bytes in use of the folder (CacheUsage). The store itself does so only now
+  // and then, because that locks a file. Call it before tend_cache().
+  void add_usage();
 
  private:
   void keep_in_memory(const Hash&, const Value&, std::uint64_t bytes, double seconds);
   void note_trouble(const std::string&);
+  void note_usage(std::int64_t bytes);
 
   const ValueTypes& types_;
   std::filesystem::path folder_;
   std::uint64_t memory_, used_ = 0;
   std::atomic<std::uint64_t> written_{0};
+  std::atomic<std::int64_t> usage_{0};  // bytes that CacheUsage does not know yet
   mutable std::mutex mutex_;
   // Greedy-dual eviction: at each use, a value's worth is set to its seconds per byte plus the worth of the
   // value evicted last. So cheap values and values that were not used for long are evicted first.
@@ -67,6 +83,7 @@ class Store {
   std::unordered_map<Hash, Kept> values_;
   std::set<std::pair<double, Hash>> by_worth_;
   std::unordered_map<Hash, std::shared_ptr<const ActionRecord>> actions_;
+  ComputedTwice twice_;
   std::string trouble_;
 };
 

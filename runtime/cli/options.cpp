@@ -119,6 +119,7 @@ fs::path cache_folder(const GraphOptions& o) {
 
 void finish(Session& session, const GraphOptions& o) {
   Store& store = session.evaluator().store();
+  store.add_usage();
   if (const std::string trouble = store.trouble(); !trouble.empty())
     std::cerr << "warning: " << trouble << " (results of this run are not kept)\n";
   else if (store.written() > 0)

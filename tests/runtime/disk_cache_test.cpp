@@ -120,6 +120,33 @@ TEST_F(DiskCache, VerifyFindsARecordThatLies) {
   EXPECT_EQ(paths(g, run(g), Status::Computed), (Paths{"a"}));
 }
 
+TEST_F(DiskCache, CountsWhatAnotherProcessComputedMeanwhile) {
+  const auto record = [](double seconds, std::uint64_t content) {
+    ActionRecord r;
+    r.type = "Constant", r.seconds = seconds, r.outputs["out"] = {"Table", {0, content}, 8};
+    return std::make_shared<const ActionRecord>(r);
+  };
+  const Hash key{1, 2}, other{3, 4};
+  Store here(test::value_types(), cache), there(test::value_types(), cache);
+  Tier tier;
+  for (Store* store : {&here, &there}) {
+    EXPECT_FALSE(store->find_action(key, tier));
+    EXPECT_FALSE(store->find_action(other, tier));
+  }
+  here.put_action(key, record(1, 5));
+  there.put_action(key, record(2, 5));
+  EXPECT_EQ(here.computed_twice().count, 0u);
+  EXPECT_EQ(there.computed_twice().count, 1u);
+  EXPECT_EQ(there.computed_twice().seconds, 2);
+  EXPECT_EQ(there.computed_twice().differing, 0u);
+  there.put_action(other, record(1, 6));
+  here.put_action(other, record(1, 7));  // on a machine that computes other bits
+  EXPECT_EQ(here.computed_twice().differing, 1u);
+  EXPECT_EQ(Store(test::value_types(), cache).find_action(other, tier)->outputs.at("out").content.low, 6u);
+  here.put_action(key, record(1, 5));  // replacing its own is no second computation
+  EXPECT_EQ(here.computed_twice().count, 1u);
+}
+
 TEST_F(DiskCache, AValueThatComesOutOtherwiseTheSecondTimeIsAnError) {
   const Graph g = graph_of(three);
   const RunResult r = run(g);
