@@ -5,6 +5,7 @@
 
 #include "graph/raw_document.h"
 #include "runtime/provenance.h"
+#include "runtime/recipe.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -75,22 +76,6 @@ Diagnostics Session::open_document(RawDocument doc, Overrides overrides) {
 }
 
 namespace {
-
-// A text of everything in the graph that determines a node's own computation. Equal texts mean equal
-// computations, if the sources are equal too.
-std::string recipe(const Graph& graph, const GraphNode& node) {
-  std::string out = node.type->name;
-  for (const auto& p : node.type->parameters) {
-    const auto it = node.parameters.find(p.name);
-    out += "\n" + p.name + "=";
-    if (it != node.parameters.end() || p.value)
-      out += canonical(it != node.parameters.end() ? it->second.value : *p.value);
-  }
-  for (const auto& [port, wires] : node.inputs)
-    for (const auto& w : wires)
-      out += "\n" + port + "<" + graph.nodes[static_cast<std::size_t>(w.node)].path + "." + w.port;
-  return out;
-}
 
 // Nodes of `before` that are changed or missing in `after`, and all nodes downstream of them.
 std::vector<int> obsolete_nodes(const Graph& before, const Graph& after) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -74,68 +75,96 @@ Vary parse_vary(const std::string& text) {
   return out;
 }
 
-std::vector<SweepPoint> sweep_points(const std::vector<Vary>& vary, const Overrides& common) {
+SweepPoints::SweepPoints(std::vector<Vary> vary, Overrides common)
+    : vary_(std::move(vary)), common_(std::move(common)), size_(1) {
   std::set<std::string> targets;
-  std::size_t n = 1;
-  for (const auto& v : vary) {
+  for (const auto& v : vary_) {
     if (!targets.insert(v.target).second) throw Error("usage", "'" + v.target + "' is varied twice");
-    n *= v.values.size();
-    if (n > 100000) throw Error("usage", "the sweep has more than 100,000 points");
+    size_ *= v.values.size();
+    if (size_ > 100000) throw Error("usage", "the sweep has more than 100,000 points");
   }
-  const std::size_t width = std::max<std::size_t>(3, std::to_string(n).size());
-  std::vector<SweepPoint> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    SweepPoint& p = out[i];
-    p.index = i + 1;
-    p.folder = fmt::format("point-{:0{}}", i + 1, width);
-    p.overrides = common;
-    std::size_t rest = i;
-    p.values.resize(vary.size());
-    for (std::size_t k = vary.size(); k-- > 0;) {
-      p.values[k] = {vary[k].target, vary[k].values[rest % vary[k].values.size()]};
-      rest /= vary[k].values.size();
+  width_ = std::max<std::size_t>(3, std::to_string(size_).size());
+}
+
+SweepPoint SweepPoints::operator[](std::size_t i) const {
+  SweepPoint p;
+  p.index = i + 1;
+  p.folder = fmt::format("point-{:0{}}", i + 1, width_);
+  p.overrides = common_;
+  std::size_t rest = i;
+  p.values.resize(vary_.size());
+  for (std::size_t k = vary_.size(); k-- > 0;) {
+    p.values[k] = {vary_[k].target, vary_[k].values[rest % vary_[k].values.size()]};
+    rest /= vary_[k].values.size();
+  }
+  for (const auto& value : p.values)
+    (value.first.find('.') == std::string::npos ? p.overrides.parameters : p.overrides.set).push_back(value);
+  return p;
+}
+
+std::optional<std::size_t> SweepPoints::find(const std::string& name) const {
+  const std::string digits = name.starts_with("point-") ? name.substr(6) : name;
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+  if (error != std::errc() || end != digits.data() + digits.size() || index == 0 || index > size_) return {};
+  return index - 1;
+}
+
+PointSummary summary_of(const nlohmann::json& report) {
+  PointSummary out;
+  out.seconds = report.at("seconds").get<double>();
+  for (const auto& node : report.at("nodes")) {
+    const auto& status = node.at("status");
+    out.computed += status == "computed";
+    out.cached += status == "memory" || status == "disk";
+    if (status == "failed" || status == "cancelled") out.status = status;
+    if (const auto error = node.find("error"); error != node.end() && !error->is_null()) {
+      out.errors.push_back(node.at("name").get<std::string>() + ": " +
+                           error->at("message").get<std::string>());
+      out.cannot_write = out.cannot_write || error->at("code") == "write-failed";
     }
-    for (const auto& value : p.values)
-      (value.first.find('.') == std::string::npos ? p.overrides.parameters : p.overrides.set)
-          .push_back(value);
   }
   return out;
 }
 
-std::string sweep_table(const std::vector<SweepPoint>& points, const std::vector<nlohmann::json>& reports) {
-  std::set<std::pair<std::string, std::string>> metrics;
-  for (const auto& report : reports)
-    if (report.is_object())
-      for (const auto& node : report.at("nodes"))
-        for (const auto& [name, v] : node.at("metrics").items()) metrics.insert({node.at("name"), name});
-  std::string out = "point";
-  if (!points.empty())
-    for (const auto& [target, value] : points[0].values) out += "," + csv_cell(target);
-  out += ",status,seconds";
-  for (const auto& [node, name] : metrics) out += "," + csv_cell(node + "." + name);
-  out += "\n";
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out += points[i].folder;
-    for (const auto& [target, value] : points[i].values) out += "," + csv_cell(value);
-    if (!reports[i].is_object()) {
-      out += ",not run," + std::string(metrics.size(), ',') + "\n";
+SweepTable::SweepTable(const SweepPoints& points) : points_(points), rows_(points.size()) {}
+
+void SweepTable::add(std::size_t point, const nlohmann::json& report) {
+  const PointSummary summary = summary_of(report);
+  Row& row = rows_[point];
+  row = {summary.status, summary.seconds, {}};
+  for (const auto& node : report.at("nodes"))
+    for (const auto& [name, v] : node.at("metrics").items()) {
+      const auto [column, fresh] = columns_.try_emplace({node.at("name"), name}, columns_.size());
+      if (v.is_number()) row.metrics.emplace_back(column->second, v.get<double>());
+    }
+  row.metrics.shrink_to_fit();
+}
+
+void SweepTable::write(const std::function<void(const std::string&)>& write) const {
+  std::string line = "point";
+  for (const auto& v : points_.vary()) line += "," + csv_cell(v.target);
+  line += ",status,seconds";
+  for (const auto& [metric, column] : columns_) line += "," + csv_cell(metric.first + "." + metric.second);
+  write(line + "\n");
+  std::vector<double> values(columns_.size());
+  std::vector<bool> known(columns_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const SweepPoint point = points_[i];
+    const Row& row = rows_[i];
+    line = point.folder;
+    for (const auto& [target, value] : point.values) line += "," + csv_cell(value);
+    if (row.status.empty()) {
+      write(line + ",not run," + std::string(columns_.size(), ',') + "\n");
       continue;
     }
-    std::string status = "done";
-    std::map<std::pair<std::string, std::string>, double> values;
-    for (const auto& node : reports[i].at("nodes")) {
-      if (node.at("status") == "failed" || node.at("status") == "cancelled") status = node.at("status");
-      for (const auto& [name, v] : node.at("metrics").items())
-        if (v.is_number()) values[{node.at("name"), name}] = v.get<double>();
-    }
-    out += fmt::format(",{},{:.3f}", status, reports[i].at("seconds").get<double>());
-    for (const auto& m : metrics) {
-      const auto it = values.find(m);
-      out += it == values.end() ? "," : fmt::format(",{}", it->second);
-    }
-    out += "\n";
+    line += fmt::format(",{},{:.3f}", row.status, row.seconds);
+    known.assign(columns_.size(), false);
+    for (const auto& [column, value] : row.metrics) values[column] = value, known[column] = true;
+    for (const auto& [metric, column] : columns_)
+      line += known[column] ? fmt::format(",{}", values[column]) : ",";
+    write(line + "\n");
   }
-  return out;
 }
 
 }  // namespace terrazzo

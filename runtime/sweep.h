@@ -3,10 +3,10 @@
 #pragma once
 
 #include <atomic>
-#include <filesystem>
 #include <functional>
-#include <memory>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,22 +29,66 @@ struct SweepPoint {
   std::vector<std::pair<std::string, std::string>> values;
   Overrides overrides;  // those common to all points, and this point's values
 };
-// All combinations of values; the last parameter varies fastest. Throws Error "usage".
-std::vector<SweepPoint> sweep_points(const std::vector<Vary>&, const Overrides& common);
+
+// All combinations of values; the last parameter varies fastest. Points are made when they are asked for, so
+// a sweep of many points takes no memory.
+class SweepPoints {
+ public:
+  SweepPoints() = default;
+  // Throws Error "usage" if a target is varied twice or there are more than 100,000 points.
+  SweepPoints(std::vector<Vary>, Overrides common);
+  std::size_t size() const { return size_; }
+  SweepPoint operator[](std::size_t i) const;  // from 0
+  // The index, from 0, of the point with this folder or number: "point-012" or "12".
+  std::optional<std::size_t> find(const std::string& name) const;
+  const std::vector<Vary>& vary() const { return vary_; }
+  const Overrides& common() const { return common_; }
+
+ private:
+  std::vector<Vary> vary_;
+  Overrides common_;
+  std::size_t size_ = 0, width_ = 3;
+};
 
 // Runs sweep points. Each point's result is the report.json in its folder, whichever executor ran it. So the
 // results of points that ran on other machines with a shared cache can be gathered too.
 class Executor {
  public:
   virtual ~Executor() = default;
-  // Calls `finished` once per point, from any thread, one call at a time. The report is null if the point was
-  // cancelled. Returns when all points are done.
-  virtual void run(const std::vector<SweepPoint>&, const std::atomic<bool>* cancel,
+  // Calls `finished` once per point that ran, from any thread, one call at a time. The report is null if the
+  // point was canceled. Returns when all points are done or the executor gives up on the others.
+  virtual void run(const SweepPoints&, const std::atomic<bool>* cancel,
                    const std::function<void(const SweepPoint&, const nlohmann::json& report)>& finished) = 0;
 };
 
-// A CSV table with one row per point: the varied values, the status, the time in seconds, and every metric of
-// every node.
-std::string sweep_table(const std::vector<SweepPoint>&, const std::vector<nlohmann::json>& reports);
+// What a sweep keeps of a point's report.
+struct PointSummary {
+  std::string status = "done";  // or "failed" or "cancelled"
+  double seconds = 0;
+  std::size_t computed = 0, cached = 0;  // nodes
+  std::vector<std::string> errors;       // "NODE: message"
+  bool cannot_write = false;             // a node failed because it could not write a file
+};
+PointSummary summary_of(const nlohmann::json& report);
+
+// Collects a CSV table with one row per point: the varied values, the status, the time in seconds, and every
+// metric of every node. Keeps 16 bytes per metric of a point, not the reports.
+class SweepTable {
+ public:
+  explicit SweepTable(const SweepPoints&);
+  void add(std::size_t point, const nlohmann::json& report);  // `point` from 0
+  // Passes the table to `write`, row by row.
+  void write(const std::function<void(const std::string&)>& write) const;
+
+ private:
+  struct Row {
+    std::string status;  // empty: not run
+    double seconds = 0;
+    std::vector<std::pair<std::size_t, double>> metrics;  // column, value
+  };
+  const SweepPoints& points_;
+  std::vector<Row> rows_;
+  std::map<std::pair<std::string, std::string>, std::size_t> columns_;  // of a node's metric
+};
 
 }  // namespace terrazzo

@@ -70,6 +70,8 @@ int run_command_line(int argc, char** argv, const Program& program) {
   cli::add_nodes(app, program, exit_code);
   cli::add_schema(app, program, exit_code);
   cli::add_sweep(app, program, exit_code);
+  cli::add_sweep_worker(app, program, exit_code);
+  cli::add_status(app, exit_code);
   cli::add_cache(app, program, exit_code);
   cli::add_reproduce(app, program, exit_code);
   if (program.add_commands) program.add_commands(app, exit_code);
@@ -88,7 +90,8 @@ int run_command_line(int argc, char** argv, const Program& program) {
   } catch (const Error& e) {
     std::cerr << e.what() << '\n';
     const auto& code = e.diagnostic().code;
-    for (const char* usage : {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder"})
+    for (const char* usage :
+         {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder", "sweep-file"})
       if (code == usage) return cli::wrong_usage;
     return cli::node_failed;
   } catch (const Cancelled&) {

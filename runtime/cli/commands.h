@@ -23,6 +23,8 @@ void add_graph(CLI::App&, const Program&, int& exit_code);
 void add_nodes(CLI::App&, const Program&, int& exit_code);
 void add_schema(CLI::App&, const Program&, int& exit_code);
 void add_sweep(CLI::App&, const Program&, int& exit_code);
+void add_sweep_worker(CLI::App&, const Program&, int& exit_code);
+void add_status(CLI::App&, int& exit_code);
 void add_cache(CLI::App&, const Program&, int& exit_code);
 void add_reproduce(CLI::App&, const Program&, int& exit_code);
 void add_completion(CLI::App&);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,11 +13,12 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
-#include "runtime/cli/report.h"
-#include "runtime/cli/write_value.h"
+#include "runtime/cli/slurm.h"
+#include "runtime/cli/slurm_executor.h"
+#include "runtime/cli/sweep_point.h"
+#include "runtime/cli/sweep_sheet.h"
+#include "runtime/disk_cache.h"
 #include "runtime/files.h"
-#include "runtime/json_text.h"
-#include "runtime/provenance.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -24,18 +26,19 @@ using nlohmann::json;
 namespace {
 
 struct SweepCommand : GraphOptions {
-  std::vector<std::string> vary;
+  std::vector<std::string> vary, slurm_words;
   std::string executor = "local", preview = "preview.png";
   int jobs = 1;
+  bool plan = false;
+  SlurmOptions slurm;
 };
 
 // Runs points in this process, several at a time. They share one store, so shared work runs once.
 class LocalExecutor : public Executor {
  public:
-  LocalExecutor(const Program& program, Session& session, const SweepCommand& o)
-      : program_(program), session_(session), o_(o) {}
+  LocalExecutor(const PointRun& run, int jobs) : run_(run), jobs_(jobs) {}
 
-  void run(const std::vector<SweepPoint>& points, const std::atomic<bool>* cancel,
+  void run(const SweepPoints& points, const std::atomic<bool>* cancel,
            const std::function<void(const SweepPoint&, const json&)>& finished) override {
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
@@ -43,10 +46,12 @@ class LocalExecutor : public Executor {
     const auto work = [&] {
       try {
         for (std::size_t i; (i = next++) < points.size();) {
+          const SweepPoint point = points[i];
           json report;
-          if (!*cancel) report = run_point(points[i], cancel);
+          if (!*cancel) report = evaluate_point(run_, point, cancel);
+          if (report.is_object()) write_point_report(run_, point, report);
           const std::lock_guard lock(mutex);
-          finished(points[i], report);
+          finished(point, report);
         }
       } catch (...) {
         const std::lock_guard lock(mutex);
@@ -56,7 +61,7 @@ class LocalExecutor : public Executor {
     };
     std::vector<std::thread> others;
     try {
-      for (int k = 1; k < o_.jobs; ++k) others.emplace_back(work);
+      for (int k = 1; k < jobs_; ++k) others.emplace_back(work);
     } catch (const std::system_error& e) {
       std::cerr << "warning: running " << others.size() + 1
                 << " points at a time, because the system refused more threads (" << e.what() << ")\n";
@@ -67,140 +72,143 @@ class LocalExecutor : public Executor {
   }
 
  private:
-  json run_point(const SweepPoint& point, const std::atomic<bool>* cancel) {
-    Diagnostics found;
-    const Graph graph = load_graph(o_.graph, program_.registry(), point.overrides, found);
-    RunOptions options;
-    options.targets = target_nodes(graph, o_.targets);
-    options.output_folder = fs::path(o_.out) / point.folder;
-    options.threads = std::max(1, threads(o_) / o_.jobs);
-    options.memory = o_.memory;
-    options.cancel = cancel;
-    options.provenance = provenance(graph, point.overrides);
-    const RunResult result = session_.evaluator().run(graph, options);
-    try {
-      session_.history().record(graph, result, session_.evaluator().hashes());
-    } catch (const std::exception& e) {
-      std::cerr << "warning: " << point.folder << ": cannot save what `terrazzo explain` needs: " << e.what()
-                << '\n';
-    }
-    for (const auto& node : result.nodes)
-      if (node.saved) std::cerr << point.folder << ": " << node.saved->message.text() << '\n';
-    if (result.cancelled()) return nullptr;
-    json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
-    write_text_atomically(options.output_folder / "report.json", json_text(report, 2) + "\n");
-    return report;
-  }
-
-  const Program& program_;
-  Session& session_;
-  const SweepCommand& o_;
+  const PointRun& run_;
+  int jobs_;
 };
 
-// Checks the graphs of all points, so that errors are reported before the first point runs.
-bool check_points(const Program& program, const SweepCommand& o, const std::vector<SweepPoint>& points) {
-  for (const auto& p : points) {
-    Diagnostics found;
-    load_graph(o.graph, program.registry(), p.overrides, found);
-    if (!has_errors(found)) continue;
-    print(found);
-    return false;
-  }
-  return true;
-}
-
-std::string caption(const SweepPoint& p) {
-  std::string out;
-  for (const auto& [target, value] : p.values) out += (out.empty() ? "" : ", ") + target + " " + value;
-  return out;
-}
-
-std::string quoted(const std::string& s) { return json_text(s); }  // JSON strings are valid YAML
-
-// Writes a contact sheet of the points' previews, using the LoadImage and ContactSheet nodes.
-void write_sheet(const Program& program, Session& session, const SweepCommand& o,
-                 const std::vector<SweepPoint>& points, const std::vector<json>& reports) {
-  if (!program.registry().find("LoadImage") || !program.registry().find("ContactSheet")) return;
-  std::string loads, images, captions;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!reports[i].is_object()) continue;
-    for (const auto& node : reports[i].at("nodes"))
-      for (const auto& file : node.at("files")) {
-        if (file.at("path") != o.preview) continue;
-        // Relative, because the name of the output folder may not be UTF-8.
-        const fs::path path = fs::path(points[i].folder) / o.preview;
-        loads += fmt::format("  p{}: {{type: LoadImage, params: {{path: {}}}}}\n", i, quoted(path.string()));
-        images += fmt::format("{}p{}.image", images.empty() ? "" : ", ", i);
-        captions += (captions.empty() ? "" : ", ") + quoted(caption(points[i]));
-      }
-  }
-  if (images.empty()) {
-    std::cerr << "no contact sheet: no point wrote '" << o.preview
-              << "' (choose another file with --preview)\n";
-    return;
-  }
-  Diagnostics found;
-  Graph graph = load_graph_text(
-      fmt::format("terrazzo: 1\nnodes:\n{}  sheet: {{type: ContactSheet, inputs: {{images: [{}]}}, params: "
-                  "{{captions: [{}]}}}}\n",
-                  loads, images, captions),
-      fs::absolute(o.out) / "sweep.yaml", program.registry(), {}, found);
-  print(found);
-  if (has_errors(found)) return;
-  RunOptions options;
-  options.targets = {append_writer(program.registry(), graph, graph.wire_to("sheet.image"), "sweep.png")};
-  options.output_folder = o.out;
-  options.threads = threads(o);
-  options.memory = o.memory;
-  options.cancel = cancel_on_interrupt();
-  const RunResult r = session.evaluator().run(graph, options);
-  for (const auto& n : r.nodes)
-    if (n.error) std::cerr << n.error->text() << '\n';
-  if (!r.failed() && !r.cancelled())
-    std::cout << "wrote " << (fs::path(o.out) / "sweep.png").string() << '\n';
-}
-
-int sweep(const Program& program, const SweepCommand& o) {
-  std::vector<Vary> vary;
-  for (const auto& v : o.vary) vary.push_back(parse_vary(v));
-  const auto points = sweep_points(vary, overrides(o));
-  if (!check_points(program, o, points)) return wrong_usage;
-  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
-  Session session(nodes.registry, nodes.types, session_options(o));
-  LocalExecutor local(program, session, o);
-  std::vector<json> reports(points.size());
+// What came of the points so far.
+struct Outcome {
+  explicit Outcome(const SweepPoints& points) : table(points) {}
+  SweepTable table;
+  std::vector<std::size_t> with_preview;
   std::size_t finished = 0;
   bool failed = false, cancelled = false;
-  local.run(points, cancel_on_interrupt(), [&](const SweepPoint& p, const json& report) {
-    reports[p.index - 1] = report;
+
+  void add(const SweepCommand& o, std::size_t points, const SweepPoint& p, const json& report) {
     ++finished;
     if (!report.is_object()) {
       cancelled = true;
       return;
     }
-    std::size_t computed = 0, cached = 0;
-    for (const auto& node : report.at("nodes")) {
-      computed += node.at("status") == "computed";
-      cached += node.at("status") == "memory" || node.at("status") == "disk";
-      if (node.at("error").is_null()) continue;
+    table.add(p.index - 1, report);
+    const PointSummary s = summary_of(report);
+    for (const auto& error : s.errors) {
       failed = true;
-      std::cerr << p.folder << ": error: " << node.at("name").get<std::string>() << ": "
-                << node.at("error").at("message").get<std::string>() << '\n';
+      std::cerr << p.folder << ": error: " << error << '\n';
     }
+    for (const auto& node : report.at("nodes"))
+      for (const auto& file : node.at("files"))
+        if (file.at("path") == o.preview) with_preview.push_back(p.index - 1);
     if (!o.quiet)
-      std::cout << fmt::format("[{}/{}] {}: {}: {} computed, {} cached, {:.2f} s\n", finished, points.size(),
-                               p.folder, caption(p), computed, cached, report.at("seconds").get<double>())
+      std::cout << fmt::format("[{}/{}] {}: {} computed, {} cached, {:.2f} s\n", finished, points,
+                               caption_of(p), s.computed, s.cached, s.seconds)
                 << std::flush;
-  });
+  }
+  static std::string caption_of(const SweepPoint& p) {
+    std::string out = p.folder;
+    const char* between = ": ";
+    for (const auto& [target, value] : p.values) out += between + target + " " + value, between = ", ";
+    return out;
+  }
+  void write_table(const fs::path& path) const {
+    write_atomically(path, [&](const fs::path& temporary) {
+      std::ofstream out(temporary, std::ios::binary);
+      table.write([&](const std::string& row) { out << row; });
+      if (!out.flush()) throw Error("write-failed", fmt::format("cannot write '{}'", path.string()));
+    });
+  }
+};
+
+int sweep(const Program& program, SweepCommand& o) {
+  const bool on_slurm = o.executor == "slurm";
+  if (on_slurm && o.no_cache)
+    throw Error("usage", "--executor slurm needs a cache that all machines share: remove --no-cache");
+  if (on_slurm && o.jobs > 1)
+    throw Error("usage",
+                "--jobs is for the local executor; --chunk-size and --parallel divide the points on Slurm");
+  const SlurmOptions& s = o.slurm;
+  if (!on_slurm &&
+      (s.chunk_size > 0 || s.parallel > 0 || !s.partition.empty() || s.detach || !o.slurm_words.empty()))
+    throw Error("usage", "--chunk-size, --parallel, --partition, --slurm and --detach need --executor slurm");
+  std::vector<Vary> vary;
+  for (const auto& v : o.vary) vary.push_back(parse_vary(v));
+  SweepPoints all(std::move(vary), overrides(o));
+  const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
+  Session session(nodes.registry, nodes.types, session_options(o));
+  const auto plan = plan_sweep(program, session, o, std::move(all));
+  if (!plan) return wrong_usage;
+  const SweepPoints& points = plan->file.points;
+  const fs::path sweep_file = fs::path(o.out) / "sweep.json";
+  write_sweep_file(sweep_file, plan->file);
+  if (o.plan) {
+    std::cout << fmt::format("wrote {}: {} points, sweep {}\n", sweep_file.string(), points.size(),
+                             plan->file.hash().text());
+    return done;
+  }
+  const PointRun run{program,  session,           o.graph, o.targets, o.out, std::max(1, threads(o) / o.jobs),
+                     o.memory, plan->file.hash(), true};
+  std::unique_ptr<SlurmExecutor> slurm;
+  std::unique_ptr<Executor> local;
+  if (on_slurm) {
+    for (const auto& text : o.slurm_words)
+      for (auto& word : slurm::words(text)) o.slurm.options.push_back(std::move(word));
+    slurm = slurm_executor(*plan, o, o.slurm);
+  } else {
+    local = std::make_unique<LocalExecutor>(run, o.jobs);
+  }
+  Outcome outcome(points);
+  Executor& executor = on_slurm ? static_cast<Executor&>(*slurm) : *local;
+  executor.run(points, cancel_on_interrupt(),
+               [&](const SweepPoint& p, const json& report) { outcome.add(o, points.size(), p, report); });
+  if (slurm && slurm->detached()) return done;
   finish(session, o);
-  write_text_atomically(fs::path(o.out) / "sweep.csv", sweep_table(points, reports));
+  // The workers leave collecting to this process.
+  if (slurm && session.evaluator().store().trouble().empty())
+    tend_cache(session.evaluator().store().folder(), o.cache_limit);
+  outcome.write_table(fs::path(o.out) / "sweep.csv");
   std::cout << "wrote " << (fs::path(o.out) / "sweep.csv").string() << '\n';
-  if (cancelled) {
+  if (outcome.cancelled || *cancel_on_interrupt()) {
     std::cerr << "interrupted; rerun the same command to resume\n";
     return interrupted;
   }
-  write_sheet(program, session, o, points, reports);
-  return failed ? node_failed : done;
+  if (slurm && slurm->gave_up()) {
+    std::cerr << fmt::format("{} of {} points have no result; rerun the same command to resume\n",
+                             points.size() - outcome.finished, points.size());
+    return node_failed;
+  }
+  std::sort(outcome.with_preview.begin(), outcome.with_preview.end());
+  write_sweep_sheet(program, session, o, o.preview, points, outcome.with_preview);
+  return outcome.failed ? node_failed : done;
+}
+
+void add_slurm_options(CLI::App& command, SweepCommand& o) {
+  command
+      .add_option("--chunk-size", o.slurm.chunk_size,
+                  "Points per task of Slurm (default: five minutes of work, if the cache knows the times)")
+      ->type_name(placeholder::number)
+      ->check(CLI::Range(1, 100000));
+  command.add_option("--partition", o.slurm.partition, "Partition of Slurm")->type_name("NAME");
+  command.add_option("--parallel", o.slurm.parallel, "Tasks of Slurm that may run at a time")
+      ->type_name(placeholder::number)
+      ->check(CLI::Range(1, 100000));
+  command
+      .add_option("--slurm", o.slurm_words,
+                  "More options for sbatch, such as '--mem=8G --time=2:00:00' (repeatable)")
+      ->type_name("OPTIONS")
+      ->take_all()
+      ->expected(1);
+  command
+      .add_option("--slurm-profile", o.slurm.profile,
+                  "File with the first lines of the batch script: #SBATCH options of the site, `module load`")
+      ->type_name(placeholder::file)
+      ->envname("TERRAZZO_SLURM_PROFILE");
+  command.add_flag("--detach", o.slurm.detach,
+                   "Return after submitting to Slurm; `terrazzo status` shows progress, and the same command "
+                   "without --detach gathers the results");
+  command.add_option("--poll", o.slurm.poll, "Seconds between two looks at Slurm's queue")
+      ->type_name(placeholder::number)
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -230,10 +238,14 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
       ->type_name(placeholder::number)
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--executor", o->executor, "Executor that runs the points")
+  command->add_option("--executor", o->executor, "Executor that runs the points: local or slurm")
       ->type_name("EXECUTOR")
-      ->check(CLI::IsMember({"local"}))
+      ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
+  add_slurm_options(*command, *o);
+  command->add_flag(
+      "--plan", o->plan,
+      "Write sweep.json into the output folder, and run nothing; `terrazzo sweep-worker` runs it");
   command->add_option("--preview", o->preview, "Output file of each point to show on the contact sheet")
       ->type_name(placeholder::file)
       ->capture_default_str();

@@ -20,24 +20,31 @@ TEST(Sweep, ValuesAreListsOrRanges) {
 }
 
 TEST(Sweep, EveryCombinationOnce) {
-  const auto points =
-      sweep_points({{"n.a", {"1", "2"}}, {"photo", {"x", "y", "z"}}}, {{{"n.c", "9"}}, {}, {}});
+  const SweepPoints points({{"n.a", {"1", "2"}}, {"photo", {"x", "y", "z"}}}, {{{"n.c", "9"}}, {}, {}});
   ASSERT_EQ(points.size(), 6u);
   EXPECT_EQ(points[0].folder, "point-001");
   EXPECT_EQ(points[4].values,
             (std::vector<std::pair<std::string, std::string>>{{"n.a", "2"}, {"photo", "y"}}));
   EXPECT_EQ(points[4].overrides.set.size(), 2u);
   EXPECT_EQ(points[4].overrides.parameters[0].second, "y");
-  EXPECT_THROW(sweep_points({{"n.a", {"1"}}, {"n.a", {"2"}}}, {}), Error);
+  EXPECT_EQ(points.find("point-004"), 3u);
+  EXPECT_EQ(points.find("6"), 5u);
+  for (const char* none : {"0", "7", "point-", "x", "1x"}) EXPECT_EQ(points.find(none), std::nullopt) << none;
+  EXPECT_THROW(SweepPoints({{"n.a", {"1"}}, {"n.a", {"2"}}}, {}), Error);
 }
 
 TEST(Sweep, TheTableHoldsEveryMetricOfEveryPoint) {
-  const auto points = sweep_points({{"n.a", {"1", "2", "3"}}}, {});
+  const SweepPoints points({{"n.a", {"1", "2", "3"}}}, {});
   const auto report = [](const char* status, double v) {
     return nlohmann::json{{"seconds", 1.5},
                           {"nodes", {{{"name", "n"}, {"status", status}, {"metrics", {{"phi, total", v}}}}}}};
   };
-  EXPECT_EQ(sweep_table(points, {report("computed", 0.25), report("failed", 2), nullptr}),
+  SweepTable table(points);
+  table.add(1, report("failed", 2));  // in any order
+  table.add(0, report("computed", 0.25));
+  std::string text;
+  table.write([&](const std::string& row) { text += row; });
+  EXPECT_EQ(text,
             "point,n.a,status,seconds,\"n.phi, total\"\n"
             "point-001,1,done,1.500,0.25\n"
             "point-002,2,failed,1.500,2\n"

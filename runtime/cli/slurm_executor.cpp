@@ -1,0 +1,347 @@
+#include "runtime/cli/slurm_executor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <thread>
+
+#include "runtime/files.h"
+#include "runtime/sweep_log.h"
+
+namespace terrazzo::cli {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+namespace {
+
+constexpr int attempts_allowed = 3;     // in a row without a new result
+constexpr double polls_until_gone = 6;  // network file systems show new files late
+
+// A task of the array, or the job for what all points share.
+struct Job {
+  std::string label;  // "chunk 3 of 40"
+  std::string name;   // of its files
+  LogReader log;
+  std::size_t first = 0, last = 0;              // its points, from 0, without `last`
+  std::size_t missing = 0, missing_before = 0;  // points without a result; when it was submitted
+  bool submitted = false, active = false, gave_up = false;
+  int attempts = 0;
+  std::optional<Clock::time_point> gone_since = {};
+  slurm::Task task = {};     // as last seen
+  std::string trouble = {};  // the worker's last message
+};
+
+class Coordinator : public SlurmExecutor {
+ public:
+  Coordinator(const SweepPlan& plan, const GraphOptions& o, const SlurmOptions& slurm)
+      : plan_(plan),
+        sweep_(plan.file),
+        slurm_(slurm),
+        hash_(sweep_.hash()),
+        out_(fs::absolute(o.out).lexically_normal()),
+        jobs_(hash_, sweep_.folder, o, slurm) {}
+
+  bool detached() const override { return detached_; }
+  bool gave_up() const override { return gave_up_; }
+
+  void run(const SweepPoints& points, const std::atomic<bool>* cancel,
+           const std::function<void(const SweepPoint&, const json&)>& finished) override {
+    finished_ = &finished;
+    known_.assign(points.size(), false);
+    for (std::size_t i = 0; i < points.size() && !*cancel; ++i) look_at(i, true);
+    if (std::find(known_.begin(), known_.end(), false) == known_.end()) return;  // needs no Slurm
+    make_chunks();
+    if (!ids_.empty())  // again, for points that ended before their logs were opened
+      for (std::size_t i = 0; i < points.size() && !*cancel; ++i) look_at(i, true);
+    if (waiting() && !*cancel) submit_missing();
+    if (slurm_.detach && waiting()) {
+      std::cerr << fmt::format("{} of {} points have no result yet; the names of the jobs start with {}\n",
+                               missing(), points.size(), jobs_.prefix());
+      detached_ = true;
+      return;
+    }
+    while (waiting() && !*cancel) {
+      sleep(cancel);
+      step();
+    }
+    if (*cancel || !refused_.empty()) {
+      slurm::cancel(jobs_.shared_name());
+      slurm::cancel(jobs_.chunks_name(chunks_.size()));
+    }
+    if (!refused_.empty()) std::cerr << "error: " << refused_ << '\n';
+    if (twice_ > 0)
+      std::cerr << fmt::format(
+          "note: {} results, which took {:.1f} s, were computed by two machines at a time\n", twice_,
+          twice_seconds_);
+    gave_up_ = missing() > 0;
+  }
+
+ private:
+  std::size_t missing() const {
+    std::size_t n = 0;
+    for (const auto& c : chunks_) n += c.missing;
+    return n;
+  }
+  bool waiting() const {
+    return refused_.empty() && std::any_of(chunks_.begin(), chunks_.end(),
+                                           [](const Job& c) { return c.missing > 0 && !c.gave_up; });
+  }
+  Job& chunk_of(std::size_t point) {
+    return *std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), point,
+                                       [](std::size_t p, const Job& c) { return p < c.first; }));
+  }
+
+  // Reads a point's report. `resuming`: takes only a successful one, so that a failed point runs again.
+  void look_at(std::size_t i, bool resuming) {
+    if (known_[i]) return;
+    const SweepPoint point = sweep_.points[i];
+    const auto text = read_file(out_ / point.folder / "report.json");
+    if (!text) return;
+    const json report = json::parse(*text, nullptr, false);
+    if (!report.is_object() || report.value("sweep", "") != hash_.text()) return;
+    if (resuming && !is_finished_point(report, hash_, out_ / point.folder)) return;
+    known_[i] = true;
+    if (!chunks_.empty()) --chunk_of(i).missing;
+    (*finished_)(point, report);
+  }
+
+  // Divides the points into chunks. Jobs of this sweep that are already queued decide how many.
+  void make_chunks() {
+    const std::size_t n = sweep_.points.size();
+    fs::create_directories(jobs_folder(out_));
+    const std::size_t size = jobs_.chunk_size(n, plan_.point_seconds);
+    std::size_t count = (n + size - 1) / size;
+    const auto queue = slurm::queue(jobs_.prefix());
+    if (!queue) throw Error("no-slurm", "Slurm's controller does not answer", "check with `scontrol ping`");
+    for (const auto& task : *queue) {
+      if (!task.active()) continue;
+      ids_.insert(task.job);
+      if (task.name != jobs_.shared_name()) count = std::stoull(task.name.substr(jobs_.prefix().size()));
+    }
+    const auto log = [&](const std::string& name, bool skip) {
+      return LogReader(jobs_folder(out_) / (name + ".jsonl"), skip);
+    };
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::string name = chunk_name(k, count);
+      Job chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
+      chunk.first = k * n / count, chunk.last = (k + 1) * n / count;
+      for (std::size_t i = chunk.first; i < chunk.last; ++i) chunk.missing += !known_[i];
+      chunk.missing_before = chunk.missing;
+      chunks_.push_back(std::move(chunk));
+    }
+    shared_ =
+        std::make_unique<Job>(Job{"the job for what all points share", shared_name, log(shared_name, false)});
+    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5);
+    for (const auto& event : shared_->log.news())  // it may have run before
+      if (event.at("event") == "finished" && event.value("sweep", "") == hash_.text())
+        shared_done_ = shared_done_ || event.value("status", "") == "done";
+    if (ids_.empty()) return;
+    std::cerr << "note: jobs of this sweep are already queued\n";
+    take(*queue);
+  }
+
+  // Submits every chunk that has no results and is not queued.
+  void submit_missing() {
+    std::vector<std::size_t> numbers;
+    for (std::size_t k = 0; k < chunks_.size(); ++k)
+      if (const Job& c = chunks_[k]; c.missing > 0 && !c.submitted && !c.gave_up) numbers.push_back(k);
+    if (numbers.empty()) return;
+    const auto exclude = bad_nodes();
+    std::uint64_t after = 0;
+    if (!shared_done_) {
+      if (!shared_->submitted) {
+        shared_->task = {};
+        ids_.insert(shared_->task.job = jobs_.submit_shared(exclude));
+        shared_->submitted = shared_->active = true;
+      }
+      after = shared_->task.job;
+    }
+    slurm::Task submitted;
+    ids_.insert(submitted.job = jobs_.submit_chunks(numbers, chunks_.size(), after, exclude));
+    for (const auto k : numbers) {
+      Job& c = chunks_[k];
+      c.submitted = c.active = true, c.missing_before = c.missing, c.task = submitted, c.trouble.clear();
+    }
+  }
+
+  // Nodes on which two jobs ended without their results, unless no others are left.
+  std::vector<std::string> bad_nodes() const {
+    std::vector<std::string> out;
+    for (const auto& [node, failures] : failures_)
+      if (failures >= 2) out.push_back(node);
+    if (!out.empty() && out.size() >= slurm::nodes(slurm_.partition).size()) out.clear();
+    return out;
+  }
+
+  void step() {
+    read_logs();
+    if (!refused_.empty()) return;
+    const auto queue = slurm::queue(jobs_.prefix());
+    if (queue.has_value() == silent_)
+      std::cerr << (silent_ ? "note: Slurm's controller answers again\n"
+                            : "warning: Slurm's controller does not answer; still looking for results\n");
+    silent_ = !queue;
+    if (silent_) return;
+    take(*queue);
+    if (!shared_done_) look_after_shared();
+    if (shared_done_ || !shared_->submitted)
+      for (auto& chunk : chunks_) look_after(chunk);
+    if (refused_.empty()) submit_missing();
+  }
+
+  void read_logs() {
+    if (!shared_done_)
+      for (const auto& event : shared_->log.news()) take(event, *shared_);
+    for (auto& chunk : chunks_)
+      if (chunk.missing > 0)
+        for (const auto& event : chunk.log.news()) take(event, chunk);
+    for (const auto i : std::exchange(late_, {})) {
+      look_at(i, false);
+      if (!known_[i]) late_.push_back(i);
+    }
+  }
+
+  void take(const json& event, Job& job) {
+    const std::string what = event.at("event"), message = event.value("message", "");
+    if (what == "warning")
+      std::cerr << fmt::format("warning: {}: {}\n", event.value("host", ""), message);
+    else if (what == "stopped")
+      job.trouble = message;
+    else if (what == "refused" && refused_.empty())
+      refused_ = fmt::format("{} refuses to run the sweep: {}", event.value("host", ""), message);
+    if (what != "finished" || event.value("sweep", "") != hash_.text()) return;
+    twice_ += event.value("twice", 0u), twice_seconds_ += event.value("twice_seconds", 0.0);
+    if (&job != shared_.get()) {
+      const auto index = event.value("point", std::size_t{0});
+      if (index >= 1 && index <= known_.size() && !known_[index - 1]) late_.push_back(index - 1);
+    } else if (event.value("status", "") == "done") {
+      shared_done_ = true;
+    } else {
+      refused_ = "what all points share failed";
+      for (const auto& error : event.value("errors", std::vector<std::string>())) refused_ += "\n  " + error;
+    }
+  }
+
+  // Takes over the states in Slurm's queue.
+  void take(const std::vector<slurm::Task>& queue) {
+    const auto forget = [](Job& job) {
+      if (job.task.active()) job.task.state = "unknown to Slurm";  // unless it is found below
+      job.active = false;
+    };
+    for (auto& chunk : chunks_) forget(chunk);
+    forget(*shared_);
+    for (const auto& task : queue) {
+      if (!ids_.count(task.job)) continue;
+      Job* job = task.name == jobs_.shared_name()               ? shared_.get()
+                 : task.number && *task.number < chunks_.size() ? &chunks_[*task.number]
+                                                                : nullptr;
+      if (!job || task.job < job->task.job) continue;
+      job->task = task;
+      job->submitted = true;
+      job->active = task.active() || task.completing();
+      if (held_.count(task.id()) || task.launch_failed()) {
+        if (held_.insert(task.id()).second) slurm::cancel_task(task.id());
+        job->active = false;
+        job->task.state = "LAUNCH_FAILED";
+      }
+    }
+    const auto now = Clock::now();
+    const auto note = [&](Job& job) {
+      if (job.active || !job.submitted)
+        job.gone_since.reset();
+      else if (!job.gone_since)
+        job.gone_since = now;
+    };
+    for (auto& chunk : chunks_) note(chunk);
+    note(*shared_);
+  }
+
+  bool gone(const Job& job) const {
+    return job.gone_since &&
+           Clock::now() - *job.gone_since >= std::chrono::duration<double>(polls_until_gone * slurm_.poll);
+  }
+
+  // What to tell about a job that ended without its results.
+  std::string ending(const Job& job) const {
+    std::string out = fmt::format("{}: task {}{} ended ({})", job.label, job.task.id(),
+                                  job.task.node.empty() ? "" : " on " + job.task.node, job.task.state);
+    if (!job.trouble.empty()) out += ": " + job.trouble;
+    if (job.task.state == "TIMEOUT") out += "; raise the limit with --slurm '--time=…' or use smaller chunks";
+    if (job.task.state == "OUT_OF_MEMORY") out += "; raise the limit with --slurm '--mem=…'";
+    return out + fmt::format("; log: {}", (jobs_folder(out_) / (job.name + ".txt")).string());
+  }
+
+  // Decides about a job that is gone. False: it is not to be submitted again.
+  bool again(Job& job, bool progress) {
+    if (job.task.state == "CANCELLED") {
+      std::cerr << fmt::format("warning: {} was canceled from outside\n", job.label);
+      return false;
+    }
+    job.attempts = progress ? 1 : job.attempts + 1;
+    if (!job.task.node.empty()) ++failures_[job.task.node];
+    const bool give_up = job.attempts >= attempts_allowed;
+    std::cerr << (give_up ? "error: " : "warning: ") << ending(job)
+              << (give_up ? fmt::format(" ({} times in a row)", job.attempts) : "; submitting it again")
+              << '\n';
+    job.submitted = false;
+    job.gone_since.reset();
+    return !give_up;
+  }
+
+  void look_after(Job& chunk) {
+    if (chunk.missing == 0 || chunk.gave_up || !chunk.gone_since) return;
+    for (std::size_t i = chunk.first; i < chunk.last; ++i) look_at(i, false);
+    if (chunk.missing > 0 && gone(chunk)) chunk.gave_up = !again(chunk, chunk.missing < chunk.missing_before);
+  }
+
+  void look_after_shared() {
+    if (!gone(*shared_)) return;
+    if (!again(*shared_, false)) {
+      refused_ = shared_->label + " has no result";
+      return;
+    }
+    // Slurm has removed the chunks, which depend on this job.
+    slurm::cancel(jobs_.chunks_name(chunks_.size()));
+    ids_.clear();
+    for (auto& chunk : chunks_)
+      chunk.submitted = chunk.active = false, chunk.gone_since.reset(), chunk.task = {};
+  }
+
+  void sleep(const std::atomic<bool>* cancel) const {
+    const auto end = Clock::now() + std::chrono::duration<double>(slurm_.poll);
+    while (!*cancel && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+
+  const SweepPlan& plan_;
+  const SweepFile& sweep_;
+  const SlurmOptions& slurm_;
+  const Hash hash_;
+  const fs::path out_;
+  const SlurmJobs jobs_;
+  const std::function<void(const SweepPoint&, const json&)>* finished_ = nullptr;
+  std::vector<bool> known_;        // by point: its result was taken
+  std::vector<std::size_t> late_;  // points that are finished, but whose report is not visible yet
+  std::vector<Job> chunks_;
+  std::unique_ptr<Job> shared_;
+  std::set<std::uint64_t> ids_;          // of the submitted jobs
+  std::map<std::string, int> failures_;  // by node
+  std::set<std::string> held_;           // tasks that Slurm could not start and does not try again
+  std::string refused_;                  // why nothing more can run
+  std::uint64_t twice_ = 0;
+  double twice_seconds_ = 0;
+  bool shared_done_ = false, silent_ = false, detached_ = false, gave_up_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan& plan, const GraphOptions& o,
+                                              const SlurmOptions& s) {
+  return std::make_unique<Coordinator>(plan, o, s);
+}
+
+}  // namespace terrazzo::cli

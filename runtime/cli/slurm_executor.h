@@ -1,0 +1,18 @@
+// Runs a sweep on Slurm: what all points share as one job, then an array of chunks of points.
+#pragma once
+
+#include <memory>
+
+#include "runtime/cli/slurm_jobs.h"
+
+namespace terrazzo::cli {
+
+class SlurmExecutor : public Executor {
+ public:
+  virtual bool detached() const = 0;  // after run(): points may still be running
+  virtual bool gave_up() const = 0;   // after run(): messages on standard error say why
+};
+// Prints messages to standard error. Throws Error "usage".
+std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan&, const GraphOptions&, const SlurmOptions&);
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,121 @@
+#include "runtime/cli/slurm_jobs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "graph/utf8.h"
+#include "runtime/files.h"
+#include "runtime/sweep_log.h"
+
+namespace terrazzo::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double seconds_per_chunk = 300;
+constexpr std::size_t chunks_if_unknown = 100;
+
+std::string absolute_folder(const fs::path& path) { return fs::absolute(path).lexically_normal().string(); }
+
+// A word for bash.
+std::string quoted_word(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string joined(const std::vector<std::string>& list) {
+  std::string out;
+  for (const auto& item : list) out += (out.empty() ? "" : ",") + item;
+  return out;
+}
+
+}  // namespace
+
+std::string slurm_job_prefix(const Hash& sweep, const fs::path& out) {
+  return "terrazzo-" + hash_of(sweep.text() + absolute_folder(out)).text().substr(0, 12) + "-";
+}
+
+SlurmJobs::SlurmJobs(const Hash& sweep, const std::string& folder, const GraphOptions& o,
+                     const SlurmOptions& slurm)
+    : sweep_(sweep),
+      options_(o),
+      slurm_(slurm),
+      out_(absolute_folder(o.out)),
+      prefix_(slurm_job_prefix(sweep, o.out)) {
+  for (const std::string& path : {out_.string(), absolute_folder(o.graph), folder})
+    if (find_invalid_utf8(path) != std::string::npos)
+      throw Error("usage", fmt::format("'{}' is not UTF-8, which --executor slurm needs", valid_utf8(path)));
+  if (slurm.profile.empty()) return;
+  const auto text = read_file(slurm.profile);
+  if (!text)
+    throw Error("usage", fmt::format("cannot read the profile '{}'", slurm.profile), "see --slurm-profile");
+  profile_ = *text;
+  if (!profile_.ends_with('\n')) profile_ += '\n';
+}
+
+std::string SlurmJobs::shared_name() const { return prefix_ + terrazzo::shared_name; }
+std::string SlurmJobs::chunks_name(std::size_t chunks) const { return prefix_ + std::to_string(chunks); }
+
+std::size_t SlurmJobs::chunk_size(std::size_t points, double point_seconds) const {
+  const std::size_t largest = slurm::largest_array();
+  const std::size_t smallest = (points + largest - 1) / largest;
+  std::size_t size = slurm_.chunk_size;
+  if (size > 0 && size < smallest)
+    std::cerr << fmt::format("note: chunks have {} points, because Slurm allows {} tasks here\n", smallest,
+                             largest);
+  if (size == 0)
+    size = point_seconds > 0
+               ? static_cast<std::size_t>(std::clamp(seconds_per_chunk / point_seconds, 1.0, 1e5))
+               : (points + chunks_if_unknown - 1) / chunks_if_unknown;
+  return std::clamp(size, smallest, points);
+}
+
+fs::path SlurmJobs::script(const std::string& name, const std::string& part) const {
+  // `exec`, so that Slurm's signals reach the program.
+  std::string text = fmt::format(
+      "#!/bin/bash\n{}exec ${{TERRAZZO:-{}}} sweep-worker {} {} --expect {} --threads {} --cache {}",
+      profile_, quoted_word(fs::read_symlink("/proc/self/exe").string()),
+      quoted_word((out_ / "sweep.json").string()), part, sweep_.text(),
+      options_.threads > 0 ? std::to_string(options_.threads) : "\"${SLURM_CPUS_ON_NODE:-0}\"",
+      quoted_word(absolute_folder(options_.cache.empty() ? default_cache() : fs::path(options_.cache))));
+  if (options_.memory > 0) text += fmt::format(" --memory {}", options_.memory);
+  const fs::path path = jobs_folder(out_) / name;
+  write_text_atomically(path, text + "\n");
+  return path;
+}
+
+std::vector<std::string> SlurmJobs::arguments(const std::string& name, const std::string& log,
+                                              const std::vector<std::string>& exclude) const {
+  std::string folder;  // sbatch replaces % in names
+  for (const char c : jobs_folder(out_).string()) folder += c == '%' ? std::string("%%") : std::string(1, c);
+  std::vector<std::string> out = {"--requeue", "--open-mode=append", "--job-name=" + name,
+                                  "--output=" + folder + "/" + log};
+  if (!slurm_.partition.empty()) out.push_back("--partition=" + slurm_.partition);
+  if (options_.threads > 0) out.push_back(fmt::format("--cpus-per-task={}", options_.threads));
+  if (!exclude.empty()) out.push_back("--exclude=" + joined(exclude));
+  out.insert(out.end(), slurm_.options.begin(), slurm_.options.end());
+  return out;
+}
+
+std::uint64_t SlurmJobs::submit_shared(const std::vector<std::string>& exclude) const {
+  auto command = arguments(shared_name(), std::string(terrazzo::shared_name) + ".txt", exclude);
+  command.push_back(script("shared.sh", "--shared").string());
+  return slurm::submit(command);
+}
+
+std::uint64_t SlurmJobs::submit_chunks(const std::vector<std::size_t>& numbers, std::size_t chunks,
+                                       std::uint64_t after, const std::vector<std::string>& exclude) const {
+  auto command = arguments(chunks_name(chunks), fmt::format("chunk-%a-of-{}.txt", chunks), exclude);
+  command.push_back("--array=" + slurm::ranges(numbers) +
+                    (slurm_.parallel > 0 ? fmt::format("%{}", slurm_.parallel) : ""));
+  if (after > 0) {
+    command.push_back(fmt::format("--dependency=afterok:{}", after));
+    command.push_back("--kill-on-invalid-dep=yes");
+  }
+  command.push_back(script("chunks.sh", fmt::format("--chunk \"$SLURM_ARRAY_TASK_ID/{}\"", chunks)).string());
+  return slurm::submit(command);
+}
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,54 @@
+// Submits the jobs of a sweep to Slurm.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/cli/slurm.h"
+#include "runtime/cli/sweep_plan.h"
+
+namespace terrazzo::cli {
+
+struct SlurmOptions {
+  std::size_t chunk_size = 0;        // points per task; 0: chosen
+  std::size_t parallel = 0;          // tasks at a time; 0: as many as Slurm starts
+  std::string partition;             // empty: Slurm's default
+  std::vector<std::string> options;  // for sbatch
+  std::string profile;               // file with the first lines of the batch script; may be empty
+  bool detach = false;               // return after submission
+  double poll = 10;                  // seconds between two looks at the queue
+};
+
+// The jobs of a sweep are named "PREFIXshared", and "PREFIXN" for an array that runs it in N chunks. So a
+// sweep finds its jobs again without a file of job numbers. `out`: the sweep's output folder.
+std::string slurm_job_prefix(const Hash& sweep, const std::filesystem::path& out);
+
+class SlurmJobs {
+ public:
+  // Throws Error "usage" if a path is not UTF-8 or the profile cannot be read.
+  SlurmJobs(const Hash& sweep, const std::string& folder, const GraphOptions&, const SlurmOptions&);
+  const std::string& prefix() const { return prefix_; }
+  std::string shared_name() const;
+  std::string chunks_name(std::size_t chunks) const;
+
+  // The number of points per task. Throws Error "no-slurm".
+  std::size_t chunk_size(std::size_t points, double point_seconds) const;
+  // Both return the job's number, and throw Error "sbatch-failed". `exclude`: nodes not to use.
+  std::uint64_t submit_shared(const std::vector<std::string>& exclude) const;
+  // `after`: the shared job, or 0.
+  std::uint64_t submit_chunks(const std::vector<std::size_t>& numbers, std::size_t chunks,
+                              std::uint64_t after, const std::vector<std::string>& exclude) const;
+
+ private:
+  std::filesystem::path script(const std::string& name, const std::string& part) const;
+  std::vector<std::string> arguments(const std::string& name, const std::string& log,
+                                     const std::vector<std::string>& exclude) const;
+  const Hash sweep_;
+  const GraphOptions& options_;
+  const SlurmOptions& slurm_;
+  const std::filesystem::path out_;
+  const std::string prefix_;
+  std::string profile_;
+};
+
+}  // namespace terrazzo::cli

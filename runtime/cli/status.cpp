@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "runtime/cli/commands.h"
+#include "runtime/cli/placeholders.h"
+#include "runtime/cli/slurm.h"
+#include "runtime/cli/slurm_jobs.h"
+#include "runtime/json_text.h"
+#include "runtime/sweep_status.h"
+
+namespace terrazzo::cli {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using State = PointStatus::State;
+namespace {
+
+struct StatusCommand {
+  std::string folder, point;
+  bool json = false;
+};
+
+// This sweep's waiting and running tasks. Nothing without Slurm, or if its controller does not answer.
+std::optional<std::vector<slurm::Task>> tasks_of(const SweepStatus& status, const fs::path& folder) {
+  std::optional<std::vector<slurm::Task>> out;
+  try {
+    out = slurm::queue(slurm_job_prefix(status.sweep.hash(), folder));
+  } catch (const Error&) {  // not installed on this machine
+  }
+  if (out) std::erase_if(*out, [](const slurm::Task& t) { return !t.active() && !t.completing(); });
+  return out;
+}
+
+std::string duration(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} seconds", seconds);
+  if (seconds < 5400) return fmt::format("{:.0f} minutes", seconds / 60);
+  return fmt::format("{:.1f} hours", seconds / 3600);
+}
+
+const LogStatus* log_of_task(const SweepStatus& status, const std::string& task) {
+  for (const auto& log : status.logs)
+    if (log.task == task) return &log;
+  return nullptr;
+}
+
+// Points that a worker started and whose task Slurm no longer runs are not running.
+void forget_dead_workers(SweepStatus& status, const std::vector<slurm::Task>& tasks) {
+  for (auto& log : status.logs) {
+    if (log.point == 0 || log.task.starts_with("process ")) continue;
+    if (std::any_of(tasks.begin(), tasks.end(), [&](const auto& t) { return t.id() == log.task; })) continue;
+    auto& point = status.points[log.point - 1];
+    if (point.state == State::Running) point.state = State::Waiting;
+    log.point = 0;
+  }
+}
+
+json status_json(const SweepStatus& s, const std::vector<slurm::Task>& tasks, double seconds_left) {
+  json list = json::array(), failures = json::array(), running = json::array();
+  for (const auto& t : tasks)
+    list.push_back(
+        {{"task", t.id()}, {"name", t.name}, {"state", t.state}, {"node", t.node}, {"reason", t.reason}});
+  for (const auto& log : s.logs)
+    if (log.point > 0)
+      running.push_back({{"point", s.sweep.points[log.point - 1].folder},
+                         {"worker", log.name},
+                         {"host", log.host},
+                         {"task", log.task},
+                         {"since", log.since}});
+  for (const auto& f : s.failures) {
+    json failure = {{"message", f.message}};
+    if (f.point > 0) failure["point"] = s.sweep.points[f.point - 1].folder;
+    if (f.log >= 0) {
+      const LogStatus& log = s.logs[static_cast<std::size_t>(f.log)];
+      failure["worker"] = log.name, failure["host"] = log.host, failure["task"] = log.task;
+      failure["log"] = log.text.string();
+    }
+    failures.push_back(failure);
+  }
+  return {{"sweep", s.sweep.hash().text()},
+          {"points",
+           {{"all", s.points.size()},
+            {"done", s.count(State::Done)},
+            {"failed", s.count(State::Failed)},
+            {"running", s.count(State::Running)},
+            {"waiting", s.count(State::Waiting)}}},
+          {"nodes", {{"computed", s.computed}, {"cached", s.cached}, {"computed_twice", s.twice}}},
+          {"seconds_left", std::isfinite(seconds_left) ? json(seconds_left) : json()},
+          {"tasks", list},
+          {"running", running},
+          {"failures", failures}};
+}
+
+void print_status(const SweepStatus& s, const std::vector<slurm::Task>& tasks, double seconds_left) {
+  std::cout << fmt::format("{} points: {} done, {} failed, {} running, {} waiting\n", s.points.size(),
+                           s.count(State::Done), s.count(State::Failed), s.count(State::Running),
+                           s.count(State::Waiting))
+            << fmt::format("{} results computed, {} from the cache, {} computed twice\n", s.computed,
+                           s.cached, s.twice);
+  if (seconds_left > 0) std::cout << "about " << duration(seconds_left) << " left\n";
+  const auto now = static_cast<std::int64_t>(std::time(nullptr));
+  const auto at = [&](const LogStatus& log) {
+    return fmt::format("{}, for {}", s.sweep.points[log.point - 1].folder,
+                       duration(static_cast<double>(std::max<std::int64_t>(0, now - log.since))));
+  };
+  std::size_t pending = 0;
+  for (const auto& t : tasks) {
+    if (t.state == "PENDING") {
+      ++pending;
+      continue;
+    }
+    const LogStatus* log = log_of_task(s, t.id());
+    std::cout << fmt::format("{:<12} {:<11} {:<10} {}\n", t.id(), t.state, t.node,
+                             log && log->point > 0 ? at(*log) : "");
+  }
+  if (pending > 0) {
+    const auto t =
+        std::find_if(tasks.begin(), tasks.end(), [](const auto& t) { return t.state == "PENDING"; });
+    std::cout << fmt::format("{} tasks wait in Slurm's queue ({})\n", pending, t->reason);
+  }
+  for (const auto& log : s.logs)
+    if (log.point > 0 && log.task.starts_with("process "))
+      std::cout << fmt::format("{:<12} {:<11} {:<10} {}\n", log.task, "started", log.host, at(log));
+  for (const auto& f : s.failures) {
+    const LogStatus* log = f.log < 0 ? nullptr : &s.logs[static_cast<std::size_t>(f.log)];
+    std::cout << fmt::format(
+        "{}{}: {}\n", f.point > 0 ? s.sweep.points[f.point - 1].folder : log->name,
+        log && !log->host.empty() ? fmt::format(" on {} ({})", log->host, log->task) : "", f.message);
+  }
+}
+
+void show_status(const StatusCommand& o) {
+  SweepStatus s = sweep_status(o.folder);
+  if (!o.point.empty()) {
+    const auto point = s.sweep.points.find(o.point);
+    if (!point) throw Error("usage", fmt::format("the sweep has no point '{}'", o.point));
+    std::cout << point_log(s, *point);
+    return;
+  }
+  const auto queue = tasks_of(s, o.folder);
+  const auto tasks = queue.value_or(std::vector<slurm::Task>());
+  if (queue) forget_dead_workers(s, tasks);
+  const auto left = static_cast<double>(s.count(State::Waiting) + s.count(State::Running));
+  const auto running = static_cast<double>(s.count(State::Running));
+  const double seconds_left = left == 0 ? 0
+                              : s.timed == 0 || running == 0
+                                  ? std::nan("")
+                                  : left * s.seconds / static_cast<double>(s.timed) / running;
+  if (o.json)
+    std::cout << json_text(status_json(s, tasks, seconds_left), 2) << '\n';
+  else
+    print_status(s, tasks, seconds_left);
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, int& exit_code) {
+  auto* command = app.add_subcommand("status", "Show how far a sweep is, what runs where, and what failed");
+  auto o = std::make_shared<StatusCommand>();
+  command->add_option("folder", o->folder, "The sweep's output folder")
+      ->type_name(placeholder::folder)
+      ->required();
+  auto* as_json = command->add_flag("--json", o->json, "Print JSON");
+  command
+      ->add_option("--log", o->point, "Print what the worker of this point printed, such as point-012 or 12")
+      ->type_name("POINT")
+      ->excludes(as_json);
+  command->callback([o, &exit_code] {
+    show_status(*o);
+    exit_code = done;
+  });
+}
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,45 @@
+#include "runtime/cli/sweep_point.h"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "runtime/cli/report.h"
+#include "runtime/files.h"
+#include "runtime/json_text.h"
+#include "runtime/provenance.h"
+
+namespace terrazzo::cli {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json evaluate_point(const PointRun& run, const SweepPoint& point, const std::atomic<bool>* cancel) {
+  Diagnostics found;
+  const Graph graph = load_graph(run.graph, run.program.registry(), point.overrides, found);
+  if (has_errors(found)) throw Error(found.front());
+  RunOptions options;
+  options.targets = target_nodes(graph, run.targets);
+  options.output_folder = run.out / point.folder;
+  options.threads = run.threads;
+  options.memory = run.memory;
+  options.cancel = cancel;
+  options.provenance = provenance(graph, point.overrides);
+  const RunResult result = run.session.evaluator().run(graph, options);
+  if (run.history) try {
+      run.session.history().record(graph, result, run.session.evaluator().hashes());
+    } catch (const std::exception& e) {
+      std::cerr << "warning: " << point.folder << ": cannot save what `terrazzo explain` needs: " << e.what()
+                << '\n';
+    }
+  for (const auto& node : result.nodes)
+    if (node.saved) std::cerr << point.folder << ": " << node.saved->message.text() << '\n';
+  if (result.cancelled()) return nullptr;
+  json report = report_json(graph, result, options.threads, point.overrides, options.output_folder);
+  report["sweep"] = run.sweep.text();
+  return report;
+}
+
+void write_point_report(const PointRun& run, const SweepPoint& point, const json& report) {
+  write_text_atomically(run.out / point.folder / "report.json", json_text(report, 2) + "\n");
+}
+
+}  // namespace terrazzo::cli

@@ -1,0 +1,130 @@
+#include "runtime/sweep_file.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "graph/utf8.h"
+#include "runtime/files.h"
+#include "runtime/json_text.h"
+#include "runtime/provenance.h"
+
+namespace terrazzo {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+constexpr int sweep_format = 1;
+
+json sweep_json(const SweepFile& s) {
+  json vary = json::array();
+  for (const auto& v : s.points.vary()) vary.push_back({{"target", v.target}, {"values", v.values}});
+  return {{"terrazzo_sweep", sweep_format},
+          {"folder", s.folder},
+          {"graph", s.graph},
+          {"targets", s.targets},
+          {"vary", vary},
+          {"set", s.points.common().set},
+          {"parameters", s.points.common().parameters},
+          {"program", s.program},
+          {"versions", s.versions},
+          {"files", s.files},
+          {"shared", s.shared}};
+}
+
+}  // namespace
+
+Hash SweepFile::hash() const { return hash_of(json_text(sweep_json(*this))); }
+
+void write_sweep_file(const fs::path& path, const SweepFile& sweep) {
+  write_text_atomically(path, json_text(sweep_json(sweep), 1) + "\n");
+}
+
+SweepFile read_sweep_file(const fs::path& path) {
+  const auto bad = [&](const std::string& why) -> Error {
+    return Error("sweep-file", fmt::format("cannot use '{}' as a sweep: {}", path.string(), why),
+                 "`terrazzo sweep` writes sweep.json into its output folder");
+  };
+  const auto text = read_file(path);
+  if (!text) throw bad("it cannot be read");
+  try {
+    const json j = json::parse(*text);
+    if (const int format = j.at("terrazzo_sweep"); format != sweep_format)
+      throw bad(fmt::format("it has format {}, and this program reads format {}", format, sweep_format));
+    using Settings = std::vector<std::pair<std::string, std::string>>;
+    SweepFile out;
+    out.folder = j.at("folder");
+    out.graph = j.at("graph");
+    out.targets = j.at("targets").get<std::vector<std::string>>();
+    std::vector<Vary> vary;
+    for (const auto& v : j.at("vary"))
+      vary.push_back({v.at("target"), v.at("values").get<std::vector<std::string>>()});
+    out.points =
+        SweepPoints(std::move(vary), {j.at("set").get<Settings>(), j.at("parameters").get<Settings>(), {}});
+    out.program = j.at("program");
+    out.versions = j.at("versions").get<std::map<std::string, int>>();
+    out.files = j.at("files").get<std::map<std::string, std::string>>();
+    out.shared = j.at("shared").get<std::vector<std::string>>();
+    return out;
+  } catch (const json::exception& e) {
+    throw bad(valid_utf8(e.what()));
+  }
+}
+
+void require_same_version(const SweepFile& sweep, const Registry& registry) {
+  const auto refuse = [](const std::string& what) {
+    throw Error("other-version", what, "install the same version on all machines, or plan the sweep again");
+  };
+  if (sweep.program != program_version)
+    refuse(fmt::format("this is terrazzo {}, but the sweep was planned with {}", program_version,
+                       sweep.program));
+  for (const auto& [name, version] : sweep.versions) {
+    const NodeType* type = registry.find(name);
+    if (!type) refuse(fmt::format("node type '{}' of the sweep is not available here", name));
+    if (type->version != version)
+      refuse(fmt::format("node type '{}' has version {} here, but the sweep was planned with version {}",
+                         name, type->version, version));
+  }
+}
+
+namespace {
+
+[[noreturn]] void input_changed(const std::string& path, const char* what) {
+  throw Error("input-changed", fmt::format("'{}' {} since the sweep was planned", path, what),
+              "restore the file, or run `terrazzo sweep` again to plan the sweep with the new content");
+}
+
+}  // namespace
+
+void require_same_files(const SweepFile& sweep, FileHashes& hashes) {
+  for (const auto& [path, content] : sweep.files) {
+    const auto now = hashes.hash(path);
+    if (!now) input_changed(path, "has disappeared or become unreadable");
+    if (now->text() != content) input_changed(path, "has changed");
+  }
+}
+
+void require_same_reads(const SweepFile& sweep, const json& report) {
+  for (const auto& node : report.at("nodes"))
+    for (const auto& file : node.at("reads")) {
+      const std::string path = fs::absolute(file.at("path").get<std::string>()).lexically_normal().string();
+      const auto planned = sweep.files.find(path);
+      if (planned == sweep.files.end()) input_changed(path, "has appeared");
+      if (planned->second != file.at("content")) input_changed(path, "has changed");
+    }
+}
+
+bool is_finished_point(const json& report, const Hash& sweep, const fs::path& folder) {
+  try {
+    if (report.at("sweep") != sweep.text() || summary_of(report).status != "done") return false;
+    std::error_code error;
+    for (const auto& node : report.at("nodes"))
+      for (const auto& file : node.at("files"))
+        if (!fs::exists(folder / file.at("path").get<std::string>(), error)) return false;
+    return true;
+  } catch (const json::exception&) {
+    return false;  // of an earlier version, or not a report
+  }
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,48 @@
+// The log of a worker: one line of JSON per event, appended to one file per chunk. So a coordinator learns
+// what happened from a few files instead of looking into every point's folder. The log is a hint: a point is
+// finished if its report says so.
+//
+// Every line has "event", "host", "task" (of Slurm, or the process) and "time" (seconds since 1970). Events:
+//   started      point
+//   finished     point, status, seconds, computed, cached, twice, twice_seconds, errors
+//   warning      message
+//   stopped      message: this worker cannot go on; another machine may
+//   refused      message: no worker can run this sweep as it was planned
+//   interrupted  by a signal: Ctrl-C, scancel, or the time limit
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace terrazzo {
+
+// Below the sweep's output folder: "jobs/chunk-3-of-40.jsonl", and ".txt" for what the worker prints.
+std::filesystem::path jobs_folder(const std::filesystem::path& out);
+std::string chunk_name(std::size_t chunk, std::size_t chunks);
+inline constexpr const char* shared_name = "shared";
+
+class WorkerLog {
+ public:
+  explicit WorkerLog(std::filesystem::path file) : file_(std::move(file)) {}
+  // Appends a line with one write. False if that failed.
+  bool write(nlohmann::json event) const;
+
+ private:
+  std::filesystem::path file_;
+};
+
+class LogReader {
+ public:
+  // Skips what is there now if `skip`.
+  LogReader(std::filesystem::path file, bool skip);
+  // The complete lines that were added since the last call. Leaves out damaged lines.
+  std::vector<nlohmann::json> news();
+
+ private:
+  std::filesystem::path file_;
+  std::size_t offset_ = 0;
+};
+
+}  // namespace terrazzo

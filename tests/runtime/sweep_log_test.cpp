@@ -1,0 +1,38 @@
+#include "runtime/sweep_log.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "runtime/files.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+TEST(SweepLog, GivesEachCompleteLineOnceAndLeavesOutDamagedOnes) {
+  const auto file = test::temporary_folder() / "chunk.jsonl";
+  LogReader reader(file, false);
+  EXPECT_TRUE(reader.news().empty());  // there is no file yet
+  const WorkerLog log(file);
+  EXPECT_TRUE(log.write({{"event", "started"}, {"point", 1}}));
+  std::ofstream(file, std::ios::app) << "{\"event\": \"star\n[1]\n{\"point\": 3}\n\n{\"event\": \"finished\"";
+  auto news = reader.news();
+  ASSERT_EQ(news.size(), 1u);
+  EXPECT_EQ(news[0].at("point"), 1);
+  EXPECT_FALSE(news[0].at("host").get<std::string>().empty());
+  std::ofstream(file, std::ios::app) << ", \"point\": 2}\n";  // the rest of the line
+  news = reader.news();
+  ASSERT_EQ(news.size(), 1u);
+  EXPECT_EQ(news[0].at("point"), 2);
+  EXPECT_TRUE(reader.news().empty());
+  LogReader later(file, true);
+  EXPECT_TRUE(later.news().empty());
+  EXPECT_TRUE(log.write({{"event", "stopped"}}));
+  EXPECT_EQ(later.news().size(), 1u);
+  EXPECT_FALSE(WorkerLog(file / "none").write({{"event", "started"}}));
+}
+
+}  // namespace
+}  // namespace terrazzo
