@@ -1,0 +1,334 @@
+// Sweeps on a real Slurm: a controller and three nodes on this machine. Every fault must leave the results as
+// they are without it.
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <fstream>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "runtime/files.h"
+#include "tests/support/program.h"
+#include "tests/support/run_node.h"
+#include "tests/support/slurm_cluster.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::ProgramRun;
+using test::run_program;
+using test::wait_until;
+
+constexpr const char* graph_text = R"(terrazzo: 1
+nodes:
+  shape: {type: Shape, params: {kind: rock, count: 2}}
+  sizes: {type: Distribution, params: {kind: lognormal, mean: 1, sd: 0.3, min: 0.5, max: 2, volume_fraction: 0.3}}
+  pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: shape.shapes}, params: {count: 100}}
+  photo: {type: LoadImage, params: {path: photo.png}}
+  voxels: {type: Voxelize, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {resolution: 16}}
+  section: {type: Section, inputs: {particles: pack.particles, shapes: shape.shapes}}
+  grids: {type: Export, inputs: {volume: voxels.volume}, params: {path: grids.vdb}}
+)";
+
+class Slurm : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    cluster = std::make_unique<test::SlurmCluster>(folder / "slurm");
+    if (!cluster->trouble().empty()) GTEST_SKIP() << cluster->trouble();
+    std::ofstream(folder / "graph.yaml") << graph_text;
+    fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
+  }
+
+  // A sweep of 24 points, with more arguments. `cache`: below the test's folder, like `out`.
+  ProgramRun sweep(const std::string& out, const std::string& cache, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "sweep",   (folder / "graph.yaml").string(), "--vary", "pack.seed=1:12:1",
+        "--vary",  "voxels.resolution=16,20",        "--out",  (folder / out).string(),
+        "--cache", (folder / cache).string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments, {.environment = cluster->environment()});
+  }
+  ProgramRun on_slurm(std::vector<std::string> more = {}, const char* chunk_size = "3") {
+    more.insert(more.begin(), {"--executor", "slurm", "--poll", "0.3", "--chunk-size", chunk_size});
+    return sweep("out", "cache", more);
+  }
+  std::future<ProgramRun> start(std::vector<std::string> more = {}) {
+    return std::async(std::launch::async, [this, more] { return on_slurm(more); });
+  }
+
+  // Content hash of every output of every point.
+  std::map<std::string, std::string> contents(const std::string& out) {
+    std::map<std::string, std::string> found;
+    for (int i = 1; i <= 24; ++i) {
+      const std::string point = fmt_point(i);
+      const auto text = read_file(folder / out / point / "report.json");
+      if (!text) continue;
+      const json report = json::parse(*text);
+      for (const auto& node : report.at("nodes"))
+        for (const auto& [port, o] : node.at("outputs").items())
+          found[point + "." + node.at("name").get<std::string>() + "." + port] = o.at("content");
+      EXPECT_TRUE(fs::exists(folder / out / point / "grids.vdb")) << point;
+    }
+    return found;
+  }
+  static std::string fmt_point(int i) { return (i < 10 ? "point-00" : "point-0") + std::to_string(i); }
+  // The results without Slurm, from a cache of their own.
+  void expect_local_contents() {
+    const auto local = sweep("local", "local_cache", {"--jobs", "2", "--quiet"});
+    EXPECT_EQ(local.exit_code, 0) << local.err;
+    const auto expected = contents("local");
+    EXPECT_EQ(expected.size(), 24u * 12) << "every output of every point";
+    EXPECT_EQ(contents("out"), expected);
+    EXPECT_EQ(table("out"), table("local"));
+    const auto verified =
+        run_program({"cache", "verify", "--sample", "20", "--cache", (folder / "cache").string()});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
+  }
+  // sweep.csv without the seconds.
+  std::string table(const std::string& out) {
+    std::ifstream in(folder / out / "sweep.csv");
+    std::string text;
+    for (std::string line; std::getline(in, line);) {
+      std::size_t cell = 0;
+      for (std::size_t at = 0; at <= line.size(); ++cell) {
+        const auto end = std::min(line.find(',', at), line.size());
+        if (cell != 4) text += line.substr(at, end - at) + ",";
+        at = end + 1;
+      }
+      text += "\n";
+    }
+    return text;
+  }
+  json status() {
+    const auto run =
+        run_program({"status", (folder / "out").string(), "--json"}, {.environment = cluster->environment()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out);
+  }
+  std::size_t reports() {
+    std::size_t n = 0;
+    for (int i = 1; i <= 24; ++i) n += fs::exists(folder / "out" / fmt_point(i) / "report.json");
+    return n;
+  }
+  // Waits until the points are being computed: a task runs, and at least one point is finished.
+  bool under_way() {
+    return wait_until(60, [&] { return reports() >= 1 && reports() < 20 && !cluster->tasks().empty(); });
+  }
+  unsigned long newest_job() {
+    unsigned long newest = 0;
+    std::istringstream lines(cluster->command({"squeue", "-h", "-t", "all", "-o", "%F"}).out);
+    for (std::string line; std::getline(lines, line);) newest = std::max(newest, std::stoul(line));
+    return newest;
+  }
+  pid_t coordinator() {
+    const auto found = test::run_command({"pgrep", "-f", "sweep .*--out " + (folder / "out").string() + " "});
+    return std::atoi(found.out.c_str());
+  }
+
+  fs::path folder = test::temporary_folder();
+  std::unique_ptr<test::SlurmCluster> cluster;
+};
+
+TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
+  auto run = start({"--slurm", "--comment='two words'", "--parallel", "5"});
+  ASSERT_TRUE(under_way());
+  const json running = status();
+  EXPECT_EQ(running.at("points").at("all"), 24);
+  EXPECT_FALSE(running.at("tasks").empty());
+  for (const auto& comment : cluster->queue("%k")) EXPECT_EQ(comment, "two words");
+  EXPECT_LE(cluster->tasks().size(), 5u);
+  const auto done = run.get();
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("[24/24] "), std::string::npos) << done.out;
+  expect_local_contents();
+  const json end = status();
+  EXPECT_EQ(end.at("points").at("done"), 24);
+  EXPECT_EQ(end.at("failures"), json::array());
+  EXPECT_EQ(end.at("seconds_left"), 0);
+  const auto log = run_program({"status", (folder / "out").string(), "--log", "point-005"});
+  EXPECT_EQ(log.out.find("=== point-005 started\n=== point-005 done"), 0u) << log.out << log.err;
+  // Computed once, before the points.
+  for (int i = 1; i <= 24; ++i)
+    for (const auto& node :
+         json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json")).at("nodes")) {
+      const std::string name = node.at("name");
+      const bool shared = name == "shape" || name == "sizes" || name == "photo";
+      EXPECT_FALSE(shared && node.at("status") == "computed") << i << " " << name;
+    }
+  // The same command reads the results and submits nothing. It works without Slurm.
+  cluster.reset();
+  const auto again = run_program({"sweep", (folder / "graph.yaml").string(), "--vary", "pack.seed=1:12:1",
+                                  "--vary", "voxels.resolution=16,20", "--out", (folder / "out").string(),
+                                  "--cache", (folder / "cache").string(), "--executor", "slurm"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.out.find("[24/24] "), std::string::npos) << again.out;
+}
+
+TEST_F(Slurm, AKilledTaskRunsAgain) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  ::kill(cluster->tasks().front(), SIGKILL);
+  const auto done = run.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("; submitting it again"), std::string::npos) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, ADeadNodeIsReplaced) {
+  auto run = start();
+  ASSERT_TRUE(wait_until(60, [&] { return reports() >= 1 && !cluster->tasks("n1").empty(); }));
+  cluster->kill_node("n1");
+  // Slurm waits two minutes before it starts a task again; the test does not.
+  std::atomic<bool> over{false};
+  std::thread hurry([&] {
+    while (!over) {
+      for (const auto& line : cluster->queue("%i %r"))
+        if (line.find("BeginTime") != std::string::npos)
+          cluster->command(
+              {"scontrol", "update", "jobid=" + line.substr(0, line.find(' ')), "StartTime=now"});
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    }
+  });
+  const auto done = run.get();
+  over = true, hurry.join();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, CanceledFromOutsideItStopsAndTheSameCommandCompletesIt) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  cluster->command({"scancel", "--me"});
+  const auto stopped = run.get();
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.err.find("was canceled from outside"), std::string::npos) << stopped.err;
+  const auto before = reports();
+  EXPECT_LT(before, 24u);
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, TheControllerMayRestart) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  cluster->kill_controller();
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  cluster->start_controller();
+  const auto done = run.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AKilledCoordinatorFindsItsJobsAgain) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  ASSERT_GT(coordinator(), 0);
+  ::kill(coordinator(), SIGKILL);
+  EXPECT_EQ(run.get().exit_code, 128 + SIGKILL);
+  const auto before = newest_job();
+  const auto done = on_slurm({}, "7");  // the queued jobs decide
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("already queued"), std::string::npos) << done.err;
+  EXPECT_EQ(newest_job(), before) << "a job was submitted again";
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AnInterruptCancelsTheJobsAndTheSameCommandResumes) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  ::kill(coordinator(), SIGINT);
+  EXPECT_EQ(run.get().exit_code, 130);
+  EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, DetachedItGoesOnAlone) {
+  const auto detached = on_slurm({"--detach"});
+  EXPECT_EQ(detached.exit_code, 0) << detached.err;
+  EXPECT_FALSE(fs::exists(folder / "out" / "sweep.csv"));
+  ASSERT_TRUE(wait_until(120, [&] { return status().at("points").at("done") == 24; }));
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AWorkerOfAnotherVersionIsRefused) {
+  // Stands for a node where another version is installed: it sees the sweep as planned by another version.
+  std::ofstream(folder / "old.sh") << "#!/bin/bash\n"
+                                   << "mkdir -p " << folder / "out/old"
+                                   << "\n"
+                                   << "ln -sfn ../jobs " << folder / "out/old/jobs"
+                                   << "\n"
+                                   << "sed 's/\"program\": .*/\"program\": \"0.0.1\",/' "
+                                   << folder / "out/sweep.json"
+                                   << " >" << folder / "out/old/sweep.json"
+                                   << "\n"
+                                   << "exec " << test::build_folder() / "terrazzo"
+                                   << " sweep-worker " << folder / "out/old/sweep.json"
+                                   << " \"${@:3}\"\n";
+  fs::permissions(folder / "old.sh", fs::perms(0755));
+  std::ofstream(folder / "profile") << "#SBATCH --comment=profile\nTERRAZZO=" << folder / "old.sh"
+                                    << "\n";
+  const auto refused = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("but the sweep was planned with 0.0.1"), std::string::npos) << refused.err;
+  EXPECT_EQ(reports(), 0u);
+  EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AChangedInputFileIsReported) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  fs::rename(folder / "photo.png", folder / "kept.png");
+  fs::copy_file(test::source_folder() / "graphs/samples/section_labels.png", folder / "photo.png");
+  const auto refused = run.get();
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_NE(refused.err.find("photo.png' has changed since the sweep was planned"), std::string::npos)
+      << refused.err;
+  EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
+  fs::rename(folder / "kept.png", folder / "photo.png");
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AVanishedCacheCostsTimeOnly) {
+  auto run = start();
+  ASSERT_TRUE(under_way());
+  fs::rename(folder / "cache", folder / "gone");
+  const auto done = run.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AFullDiskOnANodeMovesItsWorkToOthers) {
+  // On n1, no file may grow, as on a full disk.
+  std::ofstream(folder / "profile") << "if [ $SLURMD_NODENAME = n1 ]; then trap '' XFSZ; ulimit -f 0; fi\n";
+  const auto done = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("on n1 ended"), std::string::npos) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AFailingPointIsReportedAndRunsAgain) {
+  // Seeds stay valid, but the photo is missing: the shared job reports it once.
+  fs::remove(folder / "photo.png");
+  const auto failed = on_slurm();
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_NE(failed.err.find("what all points share failed"), std::string::npos) << failed.err;
+  fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+}  // namespace
+}  // namespace terrazzo
