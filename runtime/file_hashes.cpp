@@ -14,6 +14,7 @@
 #include "runtime/cache_folder.h"
 #include "runtime/descriptor.h"
 #include "runtime/files.h"
+#include "runtime/host_name.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -89,7 +90,9 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
   const auto now = stamp_of(path);
   if (!now) return {};
   const std::string name = fs::absolute(path).lexically_normal().string();
-  const fs::path memo = folder_.empty() ? fs::path() : cache_entry(folder_, "files", hash_of(name));
+  // A stamp is valid on one machine only: others number their devices differently.
+  const Hash entry = hash_of(host_name() + "\n" + name);
+  const fs::path memo = folder_.empty() ? fs::path() : cache_entry(folder_, "files", entry);
   {
     const std::lock_guard lock(mutex_);
     if (const auto it = entries_.find(name); it != entries_.end() && it->second.stamp == *now)
@@ -117,7 +120,7 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
     const FileStamp& s = state->stamp;
     if (!memo.empty()) try {
         CacheUsage(folder_).add(
-            write_cache_entry(folder_, "files", hash_of(name),
+            write_cache_entry(folder_, "files", entry,
                               with_check(fmt::format("{} {} {} {} {} {}", s.device, s.inode, s.size,
                                                      s.modified, s.changed, state->hash.text()))));
       } catch (const Error&) {

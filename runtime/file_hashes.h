@@ -22,9 +22,9 @@ struct FileStamp {
 // Returns nothing unless the path leads to a regular file.
 std::optional<FileStamp> stamp_of(const std::filesystem::path&);
 
-// Content hashes of files, remembered by path and stamp, and stored on disk between runs if there is a cache
-// folder. Each hash belongs to one state of the file: if the file changes while it is read, it is read again.
-// Thread-safe.
+// Content hashes of files, remembered by path and stamp, and stored on disk between runs, for each machine,
+// if there is a cache folder. Each hash belongs to one state of the file: if the file changes while it is
+// read, it is read again. Thread-safe.
 class FileHashes {
  public:
   explicit FileHashes(std::filesystem::path cache_folder = {}) : folder_(std::move(cache_folder)) {}

@@ -8,11 +8,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 
 #include "runtime/descriptor.h"
+#include "runtime/host_name.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -66,24 +66,12 @@ namespace {
   throw Error("write-failed", fmt::format("cannot write '{}': {}", path.string(), why));
 }
 
-// Part of temporary names, because processes on other hosts or in other containers may have the same ID.
-const std::string& host() {
-  static const std::string name = [] {
-    char text[65] = {};
-    ::gethostname(text, sizeof text - 1);
-    std::string out;
-    for (const char* c = text; *c && out.size() < 24; ++c)
-      if (std::isalnum(static_cast<unsigned char>(*c)) || *c == '-') out += *c;
-    return out.empty() ? "host" : out;
-  }();
-  return name;
-}
-
 std::string temporary_name(const std::string& stem, const std::string& extension) {
   std::uint64_t bits = 0;
   if (::getrandom(&bits, sizeof bits, 0) != sizeof bits)
     throw Error("write-failed", "the system provides no random numbers");
-  return fmt::format(".{}.{}.{}.{:016x}.tmp{}", stem, host(), ::getpid(), bits, extension);
+  // With the host, because processes on other hosts or in other containers may have the same ID.
+  return fmt::format(".{}.{}.{}.{:016x}.tmp{}", stem, host_name(), ::getpid(), bits, extension);
 }
 
 void sync_folder(const fs::path& folder) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/descriptor.h"
+#include "runtime/host_name.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {
@@ -31,9 +32,7 @@ std::string task() {
 
 std::string machine() {
   if (const std::string node = variable("SLURMD_NODENAME"); !node.empty()) return node;
-  char text[65] = {};
-  ::gethostname(text, sizeof text - 1);
-  return text;
+  return host_name();
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 #include <set>
 #include <thread>
 
+#include "runtime/cli/slurm_job.h"
 #include "runtime/files.h"
-#include "runtime/sweep_log.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -21,20 +21,6 @@ namespace {
 
 constexpr int attempts_allowed = 3;     // in a row without a new result
 constexpr double polls_until_gone = 6;  // network file systems show new files late
-
-// A task of the array, or the job for what all points share.
-struct Job {
-  std::string label;  // "chunk 3 of 40"
-  std::string name;   // of its files
-  LogReader log;
-  std::size_t first = 0, last = 0;              // its points, from 0, without `last`
-  std::size_t missing = 0, missing_before = 0;  // points without a result; when it was submitted
-  bool submitted = false, active = false, gave_up = false;
-  int attempts = 0;
-  std::optional<Clock::time_point> gone_since = {};
-  slurm::Task task = {};     // as last seen
-  std::string trouble = {};  // the worker's last message
-};
 
 class Coordinator : public SlurmExecutor {
  public:
@@ -89,11 +75,11 @@ class Coordinator : public SlurmExecutor {
   }
   bool waiting() const {
     return refused_.empty() && std::any_of(chunks_.begin(), chunks_.end(),
-                                           [](const Job& c) { return c.missing > 0 && !c.gave_up; });
+                                           [](const SlurmJob& c) { return c.missing > 0 && !c.gave_up; });
   }
-  Job& chunk_of(std::size_t point) {
+  SlurmJob& chunk_of(std::size_t point) {
     return *std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), point,
-                                       [](std::size_t p, const Job& c) { return p < c.first; }));
+                                       [](std::size_t p, const SlurmJob& c) { return p < c.first; }));
   }
 
   // Reads a point's report. `resuming`: takes only a successful one, so that a failed point runs again.
@@ -128,14 +114,14 @@ class Coordinator : public SlurmExecutor {
     };
     for (std::size_t k = 0; k < count; ++k) {
       const std::string name = chunk_name(k, count);
-      Job chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
+      SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
       chunk.first = k * n / count, chunk.last = (k + 1) * n / count;
       for (std::size_t i = chunk.first; i < chunk.last; ++i) chunk.missing += !known_[i];
       chunk.missing_before = chunk.missing;
       chunks_.push_back(std::move(chunk));
     }
-    shared_ =
-        std::make_unique<Job>(Job{"the job for what all points share", shared_name, log(shared_name, false)});
+    shared_ = std::make_unique<SlurmJob>(
+        SlurmJob{"the job for what all points share", shared_name, log(shared_name, false)});
     shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5);
     for (const auto& event : shared_->log.news())  // it may have run before
       if (event.at("event") == "finished" && event.value("sweep", "") == hash_.text())
@@ -149,7 +135,7 @@ class Coordinator : public SlurmExecutor {
   void submit_missing() {
     std::vector<std::size_t> numbers;
     for (std::size_t k = 0; k < chunks_.size(); ++k)
-      if (const Job& c = chunks_[k]; c.missing > 0 && !c.submitted && !c.gave_up) numbers.push_back(k);
+      if (const SlurmJob& c = chunks_[k]; c.missing > 0 && !c.submitted && !c.gave_up) numbers.push_back(k);
     if (numbers.empty()) return;
     const auto exclude = bad_nodes();
     std::uint64_t after = 0;
@@ -164,7 +150,7 @@ class Coordinator : public SlurmExecutor {
     slurm::Task submitted;
     ids_.insert(submitted.job = jobs_.submit_chunks(numbers, chunks_.size(), after, exclude));
     for (const auto k : numbers) {
-      Job& c = chunks_[k];
+      SlurmJob& c = chunks_[k];
       c.submitted = c.active = true, c.missing_before = c.missing, c.task = submitted, c.trouble.clear();
     }
   }
@@ -206,7 +192,7 @@ class Coordinator : public SlurmExecutor {
     }
   }
 
-  void take(const json& event, Job& job) {
+  void take(const json& event, SlurmJob& job) {
     const std::string what = event.at("event"), message = event.value("message", "");
     if (what == "warning")
       std::cerr << fmt::format("warning: {}: {}\n", event.value("host", ""), message);
@@ -229,7 +215,7 @@ class Coordinator : public SlurmExecutor {
 
   // Takes over the states in Slurm's queue.
   void take(const std::vector<slurm::Task>& queue) {
-    const auto forget = [](Job& job) {
+    const auto forget = [](SlurmJob& job) {
       if (job.task.active()) job.task.state = "unknown to Slurm";  // unless it is found below
       job.active = false;
     };
@@ -237,9 +223,9 @@ class Coordinator : public SlurmExecutor {
     forget(*shared_);
     for (const auto& task : queue) {
       if (!ids_.count(task.job)) continue;
-      Job* job = task.name == jobs_.shared_name()               ? shared_.get()
-                 : task.number && *task.number < chunks_.size() ? &chunks_[*task.number]
-                                                                : nullptr;
+      SlurmJob* job = task.name == jobs_.shared_name()               ? shared_.get()
+                      : task.number && *task.number < chunks_.size() ? &chunks_[*task.number]
+                                                                     : nullptr;
       if (!job || task.job < job->task.job) continue;
       job->task = task;
       job->submitted = true;
@@ -251,7 +237,7 @@ class Coordinator : public SlurmExecutor {
       }
     }
     const auto now = Clock::now();
-    const auto note = [&](Job& job) {
+    const auto note = [&](SlurmJob& job) {
       if (job.active || !job.submitted)
         job.gone_since.reset();
       else if (!job.gone_since)
@@ -261,23 +247,13 @@ class Coordinator : public SlurmExecutor {
     note(*shared_);
   }
 
-  bool gone(const Job& job) const {
+  bool gone(const SlurmJob& job) const {
     return job.gone_since &&
            Clock::now() - *job.gone_since >= std::chrono::duration<double>(polls_until_gone * slurm_.poll);
   }
 
-  // What to tell about a job that ended without its results.
-  std::string ending(const Job& job) const {
-    std::string out = fmt::format("{}: task {}{} ended ({})", job.label, job.task.id(),
-                                  job.task.node.empty() ? "" : " on " + job.task.node, job.task.state);
-    if (!job.trouble.empty()) out += ": " + job.trouble;
-    if (job.task.state == "TIMEOUT") out += "; raise the limit with --slurm '--time=…' or use smaller chunks";
-    if (job.task.state == "OUT_OF_MEMORY") out += "; raise the limit with --slurm '--mem=…'";
-    return out + fmt::format("; log: {}", (jobs_folder(out_) / (job.name + ".txt")).string());
-  }
-
   // Decides about a job that is gone. False: it is not to be submitted again.
-  bool again(Job& job, bool progress) {
+  bool again(SlurmJob& job, bool progress) {
     if (job.task.state == "CANCELLED") {
       std::cerr << fmt::format("warning: {} was canceled from outside\n", job.label);
       return false;
@@ -285,7 +261,7 @@ class Coordinator : public SlurmExecutor {
     job.attempts = progress ? 1 : job.attempts + 1;
     if (!job.task.node.empty()) ++failures_[job.task.node];
     const bool give_up = job.attempts >= attempts_allowed;
-    std::cerr << (give_up ? "error: " : "warning: ") << ending(job)
+    std::cerr << (give_up ? "error: " : "warning: ") << job.ending(jobs_folder(out_))
               << (give_up ? fmt::format(" ({} times in a row)", job.attempts) : "; submitting it again")
               << '\n';
     job.submitted = false;
@@ -293,7 +269,7 @@ class Coordinator : public SlurmExecutor {
     return !give_up;
   }
 
-  void look_after(Job& chunk) {
+  void look_after(SlurmJob& chunk) {
     if (chunk.missing == 0 || chunk.gave_up || !chunk.gone_since) return;
     for (std::size_t i = chunk.first; i < chunk.last; ++i) look_at(i, false);
     if (chunk.missing > 0 && gone(chunk)) chunk.gave_up = !again(chunk, chunk.missing < chunk.missing_before);
@@ -326,8 +302,8 @@ class Coordinator : public SlurmExecutor {
   const std::function<void(const SweepPoint&, const json&)>* finished_ = nullptr;
   std::vector<bool> known_;        // by point: its result was taken
   std::vector<std::size_t> late_;  // points that are finished, but whose report is not visible yet
-  std::vector<Job> chunks_;
-  std::unique_ptr<Job> shared_;
+  std::vector<SlurmJob> chunks_;
+  std::unique_ptr<SlurmJob> shared_;
   std::set<std::uint64_t> ids_;          // of the submitted jobs
   std::map<std::string, int> failures_;  // by node
   std::set<std::string> held_;           // tasks that Slurm could not start and does not try again

@@ -1,0 +1,31 @@
+// One job of a sweep on Slurm, as its coordinator knows it.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "runtime/cli/slurm.h"
+#include "runtime/sweep_log.h"
+
+namespace terrazzo::cli {
+
+// A task of the array, or the job for what all points share.
+struct SlurmJob {
+  std::string label;  // "chunk 3 of 40"
+  std::string name;   // of its files
+  LogReader log;
+  std::size_t first = 0, last = 0;              // its points, from 0, without `last`
+  std::size_t missing = 0, missing_before = 0;  // points without a result; when it was submitted
+  bool submitted = false, active = false, gave_up = false;
+  int attempts = 0;
+  std::optional<std::chrono::steady_clock::time_point> gone_since = {};
+  slurm::Task task = {};     // as last seen
+  std::string trouble = {};  // the worker's last message
+
+  // Why it ended without its results, for the user. `logs`: the folder of its files.
+  std::string ending(const std::filesystem::path& logs) const;
+};
+
+}  // namespace terrazzo::cli
