@@ -21,8 +21,8 @@ const char* media_type(const std::string& name) {
 
 }  // namespace
 
-LocalServer::LocalServer(std::string command, std::string stream)
-    : command_(command), access_(std::move(command)), http_(std::move(stream)) {
+LocalServer::LocalServer(std::string command, std::string stream, std::size_t body)
+    : command_(command), access_(std::move(command)), http_(std::move(stream), {.body = body}) {
   // The library's default, SO_REUSEPORT, would let a second program share the port.
   http_.set_socket_options([](socket_t socket) {
     const int yes = 1;

@@ -16,8 +16,9 @@ namespace terrazzo::studio {
 // {code, message, hint}.
 class LocalServer {
  public:
-  // `command`: "paint". `stream`: the path of a response that goes on for long, or "".
-  explicit LocalServer(std::string command, std::string stream = {});
+  // `command`: "paint". `stream`: the path of a response that goes on for long, or "". `body`: bytes of a
+  // request's body, at most.
+  explicit LocalServer(std::string command, std::string stream = {}, std::size_t body = 1 << 20);
 
   HttpServer& http() { return http_; }
   const Access& access() const { return access_; }

@@ -68,7 +68,7 @@ int number_in(const httplib::Request& in, const char* name, int otherwise, int l
 struct StudioServer::Impl {
   LiveGraph& live;
   const Registry& registry;
-  LocalServer server{"studio", kEvents};
+  LocalServer server{"studio", kEvents, max_graph_bytes + (1 << 20)};
   std::atomic<int> streams{0};  // now open
 
   // A stream of events. Sends the whole state first, unless the client names an event that is still kept.
@@ -91,7 +91,11 @@ struct StudioServer::Impl {
           if (server.http().ended()) return false;
           const auto send = [&](const std::string& text) { return sink.write(text.data(), text.size()); };
           std::optional<std::vector<Event>> events;
-          if (client->resumed) events = live.events().after(client->seen, std::chrono::milliseconds(500));
+          for (int k = 0; client->resumed && k < 10 && (!events || events->empty()); ++k) {
+            if (!sink.is_writable() || server.http().ended()) return false;
+            events = live.events().after(client->seen, std::chrono::milliseconds(100));
+            if (!events) break;
+          }
           if (!events) {
             const json state = live.state();
             client->seen = state.at("number"), client->resumed = true;

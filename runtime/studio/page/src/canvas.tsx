@@ -4,7 +4,7 @@ import {
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
 import { typeColor } from './format';
-import { layout, sizeOf } from './layout';
+import { layout, nodeSize } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { Search } from './search';
 import { declarationOf, edit, select, splitWire, useStore } from './store';
@@ -57,7 +57,7 @@ export function Canvas() {
     if (!keep) moved.current = {}, localStorage.removeItem(places(doc.file));
     const at = layout(doc, types);
     setNodes(before => doc.nodes.map(n => {
-      const d = declarationOf(n, types), size = sizeOf(d?.inputs.length ?? 0, d?.outputs.length ?? 0);
+      const size = nodeSize(n, types);
       const old = before.find(b => b.id === n.name);
       return {
         ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? at[n.name],

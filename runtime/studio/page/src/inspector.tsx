@@ -35,10 +35,10 @@ function State({ node }: { node: DocNode }) {
   const metrics = Object.entries(state.metrics);
   return (
     <div className="state">
-      <p><b>{state.state}</b>
+      <p><span><b>{state.state}</b>
         {state.state === 'running' && ` ${Math.round(100 * state.progress)} %${state.note ? `, ${state.note}` : ''}`}
         {state.seconds > 0 && state.state !== 'running' && `, ${secondsText(state.seconds)}`}
-        {(state.state === 'stale' || state.state === 'waiting') && state.expected > 0 && `, about ${secondsText(state.expected)}`}
+        {(state.state === 'stale' || state.state === 'waiting') && state.expected > 0 && `, about ${secondsText(state.expected)}`}</span>
         {state.state === 'running'
           ? <button onClick={() => void post('/api/cancel', { node: node.name })}>Cancel</button>
           : !['cached', 'computed'].includes(state.state) && !node.graph && <button onClick={() => void post('/api/run', { targets: [node.name] })}>Run to here</button>}
@@ -47,7 +47,8 @@ function State({ node }: { node: DocNode }) {
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
       {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r}</li>)}</ul></details>}
-      {metrics.length > 0 && <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl>}
+      {metrics.length > 0 && <details open={metrics.length < 5}><summary>{metrics.length} measures</summary>
+        <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl></details>}
       {state.files.length > 0 && <p>Wrote {state.files.join(', ')}</p>}
     </div>
   );

@@ -24,7 +24,7 @@ function Viewer() {
   const name = pinned?.node ?? selected;
   const node = doc?.nodes.find(n => n.name === name);
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [];
-  const shown = pinned?.port ?? port ?? outputs.find(p => node && valueOf(node, p.name, nodes)?.type === 'Image')?.name ?? outputs[0]?.name ?? '';
+  const shown = pinned?.port ?? port ?? outputs[0]?.name ?? '';
   const value = node && valueOf(node, shown, nodes);
   const state = node && stateOf(node, nodes);
   const old = value && state && !['cached', 'computed'].includes(state.state);

@@ -1,7 +1,8 @@
-import { Handle, Position, type Node, type NodeProps } from '@xyflow/react';
+import { Handle, Position, useConnection, type Node, type NodeProps } from '@xyflow/react';
 import { memo } from 'react';
 
 import { secondsText, typeColor } from './format';
+import { inputsShown } from './layout';
 import { declarationOf, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Port } from './types';
 
@@ -20,10 +21,9 @@ function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 
   return (
     <div className={`socket ${side}`} title={title}>
       <Handle type={side === 'in' ? 'target' : 'source'} id={port.name} position={side === 'in' ? Position.Left : Position.Right}
-        aria-label={`${side === 'in' ? 'Input' : 'Output'} ${port.name}, ${port.types.join(' or ') || 'any type'}`}
         className={`${port.many ? 'many ' : ''}${side === 'in' && port.optional && !node.inputs[port.name] ? 'open' : ''}`}
         style={{ '--type': color } as React.CSSProperties} />
-      <span>{port.name}</span>
+      <span>{port.name}<span className="sr">, {side === 'in' ? 'input' : 'output'}, {port.types.join(' or ') || 'any type'}</span></span>
     </div>
   );
 }
@@ -32,6 +32,9 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
   const declaration = useStore(s => declarationOf(node, s.types));
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split('/')[0] === node.name));
+  const connecting = useConnection(c => c.inProgress);
+  const inputs = declaration?.inputs ?? [];
+  const shown = selected || connecting ? inputs : inputsShown(node, inputs);
   const word = broken ? 'failed' : state?.state ?? 'stale';
   const time = state?.state === 'running' ? `${Math.round(100 * state.progress)} %`
     : state?.seconds ? secondsText(state.seconds) : '';
@@ -47,7 +50,8 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
       <div className="kind">{node.graph ? node.graph.split('/').pop() : node.type}</div>
       <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">
-        <div>{declaration?.inputs.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}</div>
+        <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}
+          {shown.length < inputs.length && <small title={inputs.filter(p => !shown.includes(p)).map(p => p.name).join(', ')}>{inputs.length - shown.length} more</small>}</div>
         <div>{declaration?.outputs.map(p => <Socket key={p.name} port={p} node={node} side="out" />)}</div>
       </div>
     </div>

@@ -10,10 +10,14 @@ export async function fetchRaster(hash: string, as: string, section: number): Pr
   return { width: head[0], height: head[1], sections: head[2], fullWidth: head[3], fullHeight: head[4], data: bytes.slice(20) };
 }
 
-export function draw(canvas: HTMLCanvasElement | null, r: Raster) {
-  if (!canvas) return;
-  canvas.width = r.width, canvas.height = r.height;
-  canvas.getContext('2d')!.putImageData(new ImageData(new Uint8ClampedArray(r.data), r.width, r.height), 0, 0);
+export function Picture({ raster, opacity }: { raster: Raster; opacity?: number }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const c = canvas.current!;
+    c.width = raster.width, c.height = raster.height;
+    c.getContext('2d')!.putImageData(new ImageData(new Uint8ClampedArray(raster.data), raster.width, raster.height), 0, 0);
+  }, [raster]);
+  return <canvas ref={canvas} style={{ opacity }} />;
 }
 
 // Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture.

@@ -1,7 +1,7 @@
-import { useEffect, useMemo, useRef, useState } from 'react';
+import { useEffect, useMemo, useState } from 'react';
 
 import { numberText } from './format';
-import { draw, fetchRaster, PanZoom, type Raster } from './raster';
+import { fetchRaster, PanZoom, Picture, type Raster } from './raster';
 import { nearest, useStore } from './store';
 import type { OutputValue } from './types';
 
@@ -36,15 +36,13 @@ function srgb(r: Raster, x: number, y: number): string {
 
 function ImageView({ value }: { value: OutputValue }) {
   const [section, setSection] = useState(0);
-  const canvas = useRef<HTMLCanvasElement>(null);
   const { data, error } = useLoaded(`${value.hash}.${section}`, () => fetchRaster(value.hash, 'pixels', section));
-  useEffect(() => { if (data) draw(canvas.current, data); });
   if (!data) return <p className="none">{error || 'Loading…'}</p>;
   const factor = data.fullWidth / data.width;
   return (
     <>
       <PanZoom width={data.width} height={data.height} hover={(x, y) => `${Math.round(x * factor)}, ${Math.round(y * factor)}   sRGB ${srgb(data, x, y)}`}>
-        <canvas ref={canvas} />
+        <Picture raster={data} />
       </PanZoom>
       <div className="options"><Sections count={data.sections} section={section} set={setSection} />
         {factor > 1 && <span>reduced from {data.fullWidth} × {data.fullHeight}</span>}</div>
@@ -60,17 +58,12 @@ function useBase(node: string) {
 
 function LabelsView({ value, node }: { value: OutputValue; node: string }) {
   const [section, setSection] = useState(0), [opacity, setOpacity] = useState(0.55);
-  const colors = useRef<HTMLCanvasElement>(null), picture = useRef<HTMLCanvasElement>(null);
   const base = useBase(node);
   const { data, error } = useLoaded(`${value.hash}.${section}`, async () => ({
     colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
   }));
   const under = useLoaded(`${base?.value.hash}.${section}`, async () => (base ? fetchRaster(base.value.hash, 'pixels', section) : null));
   const fits = data && under.data && data.ids.fullWidth === under.data.fullWidth;
-  useEffect(() => {
-    if (data) draw(colors.current, data.colors);
-    if (fits) draw(picture.current, under.data!);
-  });
   if (!data) return <p className="none">{error || 'Loading…'}</p>;
   const ids = new Int32Array(data.ids.data);
   return (
@@ -79,8 +72,8 @@ function LabelsView({ value, node }: { value: OutputValue; node: string }) {
         const id = ids[y * data.ids.width + x];
         return `${x}, ${y}   ${id ? `profile ${id}` : 'binder'}`;
       }}>
-        {fits && <canvas ref={picture} />}
-        <canvas ref={colors} style={{ opacity: fits ? opacity : 1 }} />
+        {fits && <Picture raster={under.data!} />}
+        <Picture raster={data.colors} opacity={fits ? opacity : 1} />
       </PanZoom>
       <div className="options"><Sections count={data.ids.sections} section={section} set={setSection} />
         {fits && <label>Labels <input type="range" min={0} max={1} step={0.05} value={opacity} onChange={e => setOpacity(Number(e.target.value))} /></label>}</div>
@@ -93,10 +86,8 @@ interface Outlines { window: [number, number]; area_fraction: number; binder: nu
 function ProfilesView({ value, node }: { value: OutputValue; node: string }) {
   const base = useBase(node);
   const [chosen, setChosen] = useState(-1);
-  const picture = useRef<HTMLCanvasElement>(null);
   const { data, error } = useLoaded(value.hash, () => fetchJson<Outlines>(value.hash, 'outlines'));
   const under = useLoaded(String(base?.value.hash), async () => (base ? fetchRaster(base.value.hash, 'pixels', 0) : null));
-  useEffect(() => { if (under.data) draw(picture.current, under.data); });
   if (!data) return <p className="none">{error || 'Loading…'}</p>;
   const [w, h] = data.window;
   if (!(w > 0) || !data.profiles.some(p => p.points.length)) return <Summary value={value} />;
@@ -106,7 +97,7 @@ function ProfilesView({ value, node }: { value: OutputValue; node: string }) {
   return (
     <>
       <PanZoom width={width} height={Math.round(height)}>
-        {under.data && Math.abs(under.data.height - height) < 2 ? <canvas ref={picture} /> : null}
+        {under.data && Math.abs(under.data.height - height) < 2 ? <Picture raster={under.data} /> : null}
         <svg width={width} height={height} role="img" aria-label={`${data.profiles.length} profiles`}>
           {!under.data && <rect width={width} height={height} fill={hex(data.binder)} />}
           {data.profiles.map(p => (
@@ -157,7 +148,7 @@ function DistributionView({ value }: { value: OutputValue }) {
   const n = data.class_edges.length - 1;
   const sum = (k: 'N_V' | 'low' | 'high') => Array.from({ length: n }, (_, i) => data.shapes.reduce((s, e) => s + (e[k][i] ?? 0), 0));
   const mean = sum('N_V'), low = sum('low'), high = sum('high');
-  const top = Math.max(...high, ...mean, 1e-300), W = 420, H = 220, left = 46, bottom = 34;
+  const top = Math.max(...high, ...mean, 1e-300), W = 420, H = 220, left = 58, bottom = 34;
   const x0 = data.class_edges[0], x1 = data.class_edges[n];
   const x = (d: number) => left + ((d - x0) / (x1 - x0)) * (W - left - 8), y = (v: number) => H - bottom - (v / top) * (H - bottom - 12);
   return (
@@ -172,7 +163,7 @@ function DistributionView({ value }: { value: OutputValue }) {
               {high[i] > low[i] && <path d={`M${m} ${y(low[i])}V${y(high[i])}M${m - 3} ${y(high[i])}h6M${m - 3} ${y(low[i])}h6`} />}</g>
           );
         })}
-        {[x0, (x0 + x1) / 2, x1].map(d => <text key={d} x={x(d)} y={H - bottom + 14} textAnchor="middle">{Number(d.toPrecision(3))}</text>)}
+        {[x0, (x0 + x1) / 2, x1].map(d => <text key={d} x={x(d)} y={H - bottom + 14} textAnchor={d === x1 ? 'end' : 'middle'}>{Number(d.toPrecision(3))}</text>)}
         <text x={(left + W) / 2} y={H - 4} textAnchor="middle">size, mm</text>
         <text x={10} y={H / 2 - 10} textAnchor="middle" transform={`rotate(-90 10 ${H / 2 - 10})`}>particles per mm³</text>
       </svg>
