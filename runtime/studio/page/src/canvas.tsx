@@ -1,5 +1,5 @@
 import {
-  applyNodeChanges, Background, BackgroundVariant, Controls, MiniMap, ReactFlow, useReactFlow, type Connection, type Edge, type NodeChange,
+  applyNodeChanges, Background, BackgroundVariant, Controls, MiniMap, ReactFlow, useReactFlow, useStore as useFlow, type Connection, type Edge, type NodeChange,
 } from '@xyflow/react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
@@ -47,6 +47,7 @@ export function Canvas() {
   const selected = useStore(s => s.selected);
   const lit = useStore(s => Object.entries(s.nodes).filter(([, n]) => n.state === 'running' || n.state === 'waiting').map(([p]) => p.split('/')[0]).join(' '));
   const flow = useReactFlow();
+  const far = useFlow(s => s.transform[2] < 0.6);
   const moved = useRef<Record<string, { x: number; y: number }>>({});
   const shown = useRef('');
   const [nodes, setNodes] = useState<GraphNode[]>([]);
@@ -137,7 +138,7 @@ export function Canvas() {
   }, [flow, arrange]);
 
   return (
-    <main className="canvas" aria-label="Graph">
+    <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph">
       <ReactFlow<GraphNode>
         nodes={nodes} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} isValidConnection={valid} onConnect={connect}
         onBeforeDelete={remove} onPaneClick={() => select(null)} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"

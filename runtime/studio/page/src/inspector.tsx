@@ -18,6 +18,8 @@ function defaultText(p: Parameter): Written {
   return String(v);
 }
 
+const escaped = (text: string) => text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
+
 function Name({ node }: { node: DocNode }) {
   const [name, setName] = useState(node.name);
   useEffect(() => setName(node.name), [node.name]);
@@ -30,6 +32,7 @@ function Name({ node }: { node: DocNode }) {
 }
 
 function State({ node }: { node: DocNode }) {
+  const file = useStore(s => s.doc?.file ?? '');
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   if (!state) return null;
   const metrics = Object.entries(state.metrics);
@@ -46,7 +49,7 @@ function State({ node }: { node: DocNode }) {
       {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
-      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r}</li>)}</ul></details>}
+      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
       {metrics.length > 0 && <details open={metrics.length < 5}><summary>{metrics.length} measures</summary>
         <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl></details>}
       {state.files.length > 0 && <p>Wrote {state.files.join(', ')}</p>}

@@ -6,6 +6,7 @@ import { createRoot } from 'react-dom/client';
 import { Bar, Notices } from './bar';
 import { Canvas } from './canvas';
 import { Inspector } from './inspector';
+import { Splitter } from './splitter';
 import { connect, declarationOf, post, stateOf, useStore, valueOf } from './store';
 import style from './style.css';
 import { View } from './viewers';
@@ -71,7 +72,7 @@ function App() {
       <Notices />
       <div className="body">
         <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
-        <aside aria-label="Selected node"><Viewer /><Inspector /></aside>
+        <Splitter /><aside aria-label="Selected node"><Viewer /><Inspector /></aside>
       </div>
     </div>
   );

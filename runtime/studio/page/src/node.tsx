@@ -43,7 +43,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
     <div className={`card ${word}${selected ? ' selected' : ''}`}>
       <header>
         <i className="badge" role="img" aria-label={broken ? 'has errors' : words[word]} title={broken ? 'has errors' : words[word]} />
-        <b>{node.name}</b>
+        <b>{node.name.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
         {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
         <time>{time}</time>
       </header>

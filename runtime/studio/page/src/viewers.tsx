@@ -196,7 +196,7 @@ function OtherView({ value, node }: { value: OutputValue; node: string }) {
   const picture = useMemo(() => (['Volume', 'Shapes', 'Particles'].includes(value.type) ? nearest(node, 'Image', 'down', { doc, types, nodes }) : null), [value, node, doc, types, nodes]);
   return (
     <div className="both">
-      {picture && <figure><ImageView value={picture.value} /><figcaption>{picture.target.node}.{picture.target.port}, made from this {value.type.toLowerCase()}</figcaption></figure>}
+      {picture && <figure><ImageView value={picture.value} /><figcaption>{picture.target.node}.{picture.target.port}, made from this value</figcaption></figure>}
       <Summary value={value} />
     </div>
   );
