@@ -196,6 +196,7 @@ void LiveGraph::start(const std::vector<std::string>& targets) {
   next->watcher = std::make_unique<Watcher>(*this, graph);
   next->evaluation = session_.evaluate(targets, next->watcher.get());
   running_.push_back(std::move(next));
+  end_expected_ = true;
   for (const auto& [path, s] : states_) tell_node(path);
   events_.add("run", json_text(run_json()));
 }
@@ -236,10 +237,9 @@ Value LiveGraph::value(const std::string& hash) {
 
 void LiveGraph::watch() {
   std::unique_lock lock(mutex_);
-  bool was_running = true;
   for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
-    const bool running = !running_.empty() && !running_.back()->evaluation->done();
-    if (was_running && !running && !running_.empty()) {
+    if (end_expected_ && running_.back()->evaluation->done()) {
+      end_expected_ = false;
       try {
         const RunResult& r = running_.back()->evaluation->wait();
         seconds_ = r.seconds, trouble_ = r.trouble;
@@ -248,7 +248,6 @@ void LiveGraph::watch() {
       }
       events_.add("run", json_text(run_json()));
     }
-    was_running = running;
     if (tick % 20 != 0) continue;  // files: once a second
     if (document_.changed_on_disk() && !disk_changed_) try {
         if (document_.saved())
@@ -256,7 +255,6 @@ void LiveGraph::watch() {
         else
           disk_changed_ = true;
         document_changed();
-        was_running = true;
       } catch (const Error& e) {
         disk_changed_ = true;
         trouble_ = e.diagnostic().message;
@@ -267,7 +265,6 @@ void LiveGraph::watch() {
     if (same || !live_ || !valid_) continue;
     for (auto& [file, stamp] : inputs_) stamp = stamp_of(file);
     start(safe_targets());
-    was_running = true;
   }
 }
 

@@ -73,6 +73,7 @@ class LiveGraph {
   std::map<std::string, OutputRecord> values_;
   std::vector<std::unique_ptr<Running>> running_;           // the last one is current
   std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
+  bool end_expected_ = false;  // the end of the current evaluation was not reported yet
   bool ended_ = false;
   std::condition_variable wake_;
   std::thread thread_;

@@ -49,6 +49,7 @@ TEST(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_NE(r["message"].get<std::string>().find("ContactSheat"), std::string::npos);
   EXPECT_EQ(r["undone"], true);
   EXPECT_EQ(r["saved"], text + "  export:\n    type: Export\n    inputs: {image: sheet.image}\n");
+  EXPECT_EQ(r["offered"], "Add a node that accepts Image");
   EXPECT_EQ(r["removed"], true);
   EXPECT_EQ(r["offline"], true);
 }

@@ -84,6 +84,15 @@ try {
   await page.mouse.move(...to, { steps: 6 });
   await page.mouse.up();
   await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.text.includes('image: sheet.image'));
+  // A wire dropped on the background offers the nodes that accept it.
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(from[0] - 60, from[1] - 150, { steps: 5 });
+  await page.mouse.up();
+  result.offered = await page.getAttribute('.search input', 'placeholder');
+  await check('search');
+  await page.keyboard.press('Escape');
+  await page.locator('.search').waitFor({ state: 'detached' });
   await page.keyboard.press('Control+s');
   await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.saved);
   result.saved = readFileSync(graph, 'utf8');

@@ -166,6 +166,22 @@ TEST_F(LiveGraphTest, AFileThatChangesIsReadAgain) {
   EXPECT_NE(s["document"]["text"], kLiveText);
 }
 
+// A run that finds everything in the cache ends before anyone looks.
+TEST_F(LiveGraphTest, TheEndOfEveryRunIsReported) {
+  open();
+  std::uint64_t seen = settled()["number"];
+  for (int k = 0; k < 6; ++k) {
+    set("b", "value", k % 2 ? "2" : "3");
+    json last;
+    for (int tries = 0; tries < 100 && (last.is_null() || last["running"].get<bool>()); ++tries)
+      for (const auto& e : *live->events().after(seen, std::chrono::milliseconds(200))) {
+        if (e.type == "run") last = json::parse(e.data);
+        seen = e.number;
+      }
+    EXPECT_EQ(last["running"], false) << k;
+  }
+}
+
 TEST_F(LiveGraphTest, EventsResume) {
   open();
   const json s = settled();

@@ -9,12 +9,13 @@ export function Bar() {
   const running = useStore(s => Object.values(s.nodes).filter(n => n.state === 'running').length);
   const waiting = useStore(s => Object.values(s.nodes).filter(n => n.state === 'waiting').length);
   const failed = useStore(s => Object.values(s.nodes).filter(n => n.state === 'failed').length);
+  const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
   const toggle = (d: 'yaml' | 'messages') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
   const status = !online ? 'not connected'
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
     : run.running ? `${running} running, ${waiting} waiting${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
-    : failed ? `${failed} failed` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
+    : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
   return (
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>

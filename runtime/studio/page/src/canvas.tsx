@@ -61,7 +61,7 @@ export function Canvas() {
       const size = nodeSize(n, types);
       const old = before.find(b => b.id === n.name);
       return {
-        ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? at[n.name],
+        ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
         selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
         ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
       };

@@ -72,7 +72,7 @@ function App() {
       <Notices />
       <div className="body">
         <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
-        <Splitter /><aside aria-label="Selected node"><Viewer /><Inspector /></aside>
+        <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
       </div>
     </div>
   );

@@ -71,7 +71,11 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) =>
     events.addEventListener(type, e => use(JSON.parse((e as MessageEvent<string>).data) as T));
   events.onopen = () => set({ online: true });
-  events.onerror = () => set({ online: false });
+  events.onerror = () => {
+    set({ online: false });
+    if (events.readyState === EventSource.CLOSED) // refused: another server, with another token
+      set({ trouble: { message: 'this page belongs to a server that has ended', hint: 'open the address that terrazzo studio printed last', code: 'offline' } });
+  };
   on<State>('state', s => {
     pending = {};
     set({ doc: s.document, nodes: s.nodes, run: s.run, online: true });
