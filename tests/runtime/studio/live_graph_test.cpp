@@ -173,11 +173,14 @@ TEST_F(LiveGraphTest, TheEndOfEveryRunIsReported) {
   for (int k = 0; k < 6; ++k) {
     set("b", "value", k % 2 ? "2" : "3");
     json last;
-    for (int tries = 0; tries < 100 && (last.is_null() || last["running"].get<bool>()); ++tries)
-      for (const auto& e : *live->events().after(seen, std::chrono::milliseconds(200))) {
+    for (int tries = 0; tries < 100 && (last.is_null() || last["running"].get<bool>()); ++tries) {
+      const auto events = live->events().after(seen, std::chrono::milliseconds(200));
+      ASSERT_TRUE(events);
+      for (const auto& e : *events) {
         if (e.type == "run") last = json::parse(e.data);
         seen = e.number;
       }
+    }
     EXPECT_EQ(last["running"], false) << k;
   }
 }

@@ -41,14 +41,14 @@ export function Search({ at, close, place }: Props) {
   return (
     <div className="search" role="dialog" aria-label="Add a node" style={{ left: Math.min(at.x, window.innerWidth - 360), top: Math.min(at.y, window.innerHeight - 380) }}>
       <input autoFocus value={text} placeholder={at.from ? `Add a node that accepts ${at.from.type}` : 'Add a node'} aria-label="Find a node type"
-        onChange={e => { setText(e.target.value); setIndex(0); }} onBlur={() => setTimeout(close, 150)}
+        onChange={e => { setText(e.target.value); setIndex(0); }} onBlur={e => { if (!e.currentTarget.parentElement?.contains(e.relatedTarget)) setTimeout(close, 150); }}
         onKeyDown={e => {
           if (e.key === 'Escape') close();
           if (e.key === 'ArrowDown') setIndex(i => Math.min(i + 1, found.length - 1)), e.preventDefault();
           if (e.key === 'ArrowUp') setIndex(i => Math.max(i - 1, 0)), e.preventDefault();
           if (e.key === 'Enter' && found[index]) add(found[index].type);
         }} />
-      <ul role="listbox" aria-label="Node types" tabIndex={-1}>
+      <ul role="listbox" aria-label="Node types" tabIndex={0}>
         {found.map((t, k) => (
           <li key={t.type} role="option" aria-selected={k === index} className={k === index ? 'at' : ''} onPointerDown={e => { e.preventDefault(); add(t.type); }}
             ref={el => { if (k === index) el?.scrollIntoView({ block: 'nearest' }); }}>
