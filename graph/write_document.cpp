@@ -9,57 +9,12 @@
 #include <map>
 #include <optional>
 
+#include "graph/yaml_text.h"
+
 namespace terrazzo {
 namespace {
 
 constexpr std::size_t kWidth = 158;  // of a line, in bytes
-
-// Whether a word can be written without quotes, also inside of {} and [].
-bool is_plain(const std::string& s) {
-  if (s.empty() || s == "~" || s == "null" || s == "Null" || s == "NULL") return false;
-  if (s.front() == ' ' || s.back() == ' ' || s.back() == ':') return false;
-  const bool dash = s[0] == '-' || s[0] == '?' || s[0] == ':';
-  if (dash && (s.size() == 1 || s[1] == ' ' || s[1] == '-')) return false;
-  if (s.rfind("...", 0) == 0 || s.rfind("<<", 0) == 0) return false;
-  if (std::string("?:#&*!|>'\"%@`=").find(s[0]) != std::string::npos) return false;
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    const auto c = static_cast<unsigned char>(s[i]);
-    // Control characters, and the first byte of those beyond ASCII, of the separators and of the byte order
-    // mark, which YAML does not allow in plain words.
-    if (c < 0x20 || c == 0x7f || c == 0xc2 || c == 0xef) return false;
-    if (c == 0xe2 && i + 1 < s.size() && static_cast<unsigned char>(s[i + 1]) == 0x80) return false;
-    if (std::string(",[]{}").find(s[i]) != std::string::npos) return false;
-    if (s[i] == ':' && s[i + 1] == ' ') return false;
-    if (s[i] == '#' && s[i - 1] == ' ') return false;
-  }
-  return true;
-}
-
-std::string word(const std::string& s) {
-  if (is_plain(s)) return s;
-  std::string out = "\"";
-  for (const char c : s) {
-    if (c == '"' || c == '\\')
-      out += '\\', out += c;
-    else if (c == '\n')
-      out += "\\n";
-    else if (c == '\t')
-      out += "\\t";
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-    else
-      out += c;
-  }
-  return out + "\"";
-}
-
-std::string words(const std::vector<std::string>& list) {
-  std::string out;
-  for (const auto& item : list) out += (out.empty() ? "" : ", ") + word(item);
-  return "[" + out + "]";
-}
-
-std::string value(const WrittenValue& v) { return v.is_list ? words(v.items) : word(v.text()); }
 
 // A number with every digit, without an exponent if it is moderate.
 std::string number(double v) {
@@ -75,25 +30,26 @@ using Entries = std::vector<std::pair<std::string, std::string>>;  // key and wr
 // "key: {a: 1, b: 2}" on one line if it is short, otherwise a line for each entry.
 std::string map_text(const std::string& indent, const std::string& key, const Entries& entries) {
   std::string one;
-  for (const auto& [k, v] : entries) one += (one.empty() ? "" : ", ") + word(k) + ": " + v;
+  for (const auto& [k, v] : entries) one += (one.empty() ? "" : ", ") + yaml_word(k) + ": " + v;
   one = indent + key + ": {" + one + "}\n";
   if (one.size() <= kWidth) return one;
   std::string out = indent + key + ":\n";
-  for (const auto& [k, v] : entries) out += indent + "  " + word(k) + ": " + v + "\n";
+  for (const auto& [k, v] : entries) out += indent + "  " + yaml_word(k) + ": " + v + "\n";
   return out;
 }
 
 std::string text_of(const RawNode& node) {
-  std::string out = "  " + word(node.name) + ":\n";
-  out += node.graph.empty() ? "    type: " + word(node.type) + "\n" : "    graph: " + word(node.graph) + "\n";
-  if (!node.doc.empty()) out += "    doc: " + word(node.doc) + "\n";
+  std::string out = "  " + yaml_word(node.name) + ":\n";
+  out += node.graph.empty() ? "    type: " + yaml_word(node.type) + "\n"
+                            : "    graph: " + yaml_word(node.graph) + "\n";
+  if (!node.doc.empty()) out += "    doc: " + yaml_word(node.doc) + "\n";
   Entries inputs, params;
   for (const auto& [port, wires] : node.inputs) {
     std::vector<std::string> list;
     for (const auto& w : wires) list.push_back(w.text);
-    inputs.emplace_back(port, list.size() == 1 ? word(list[0]) : words(list));
+    inputs.emplace_back(port, list.size() == 1 ? yaml_word(list[0]) : yaml_list(list));
   }
-  for (const auto& [name, v] : node.params) params.emplace_back(name, value(v.written));
+  for (const auto& [name, v] : node.params) params.emplace_back(name, yaml_value(v.written));
   if (!inputs.empty()) out += map_text("    ", "inputs", inputs);
   if (!params.empty()) out += map_text("    ", "params", params);
   return out;
@@ -103,21 +59,23 @@ std::string text_of(const RawParameter& p) {
   const Parameter& d = p.declaration;
   Entries e{{"type", name_of(d.kind)}};
   if (!p.value.written.items.empty() || p.value.written.is_list)
-    e.emplace_back("default", value(p.value.written));
-  if (!d.keywords.empty()) e.emplace_back("keywords", words(d.keywords));
+    e.emplace_back("default", yaml_value(p.value.written));
+  if (!d.keywords.empty()) e.emplace_back("keywords", yaml_list(d.keywords));
   if (std::isfinite(d.min)) e.emplace_back("min", number(d.min));
   if (std::isfinite(d.max)) e.emplace_back("max", number(d.max));
-  if (!d.choices.empty()) e.emplace_back("choices", words(d.choices));
-  if (!d.doc.empty()) e.emplace_back("doc", word(d.doc));
-  if (!d.unit.empty()) e.emplace_back("unit", word(d.unit));
+  if (!d.choices.empty()) e.emplace_back("choices", yaml_list(d.choices));
+  if (!d.doc.empty()) e.emplace_back("doc", yaml_word(d.doc));
+  if (!d.unit.empty()) e.emplace_back("unit", yaml_word(d.unit));
   std::string one;
   for (const auto& [k, v] : e) one += (one.empty() ? "" : ", ") + k + ": " + v;
-  return "  " + word(d.name) + ": {" + one + "}\n";  // on one line whatever its length, as in graphs/
+  return "  " + yaml_word(d.name) + ": {" + one + "}\n";  // on one line whatever its length, as in graphs/
 }
 
 using RawPort = std::pair<std::string, RawReference>;  // of `inputs` and `outputs`
 
-std::string text_of(const RawPort& p) { return "  " + word(p.first) + ": " + word(p.second.text) + "\n"; }
+std::string text_of(const RawPort& p) {
+  return "  " + yaml_word(p.first) + ": " + yaml_word(p.second.text) + "\n";
+}
 
 const std::string& name(const RawNode& n) { return n.name; }
 const std::string& name(const RawParameter& p) { return p.declaration.name; }
@@ -169,8 +127,8 @@ constexpr std::array kKeys = {"terrazzo", "name", "doc", "parameters", "nodes", 
 // The text of one top-level key as it is written anew. "" if the key is not needed.
 std::string fresh_section(const RawDocument& doc, const std::string& key) {
   if (key == "terrazzo") return fmt::format("terrazzo: {}\n", graph_format);
-  if (key == "name") return doc.name.empty() ? "" : "name: " + word(doc.name) + "\n";
-  if (key == "doc") return doc.doc.empty() ? "" : "doc: " + word(doc.doc) + "\n";
+  if (key == "name") return doc.name.empty() ? "" : "name: " + yaml_word(doc.name) + "\n";
+  if (key == "doc") return doc.doc.empty() ? "" : "doc: " + yaml_word(doc.doc) + "\n";
   if (key == "parameters") return section_text(key, doc.parameters);
   if (key == "nodes") return section_text(key, doc.nodes);
   return section_text(key, key == "inputs" ? doc.inputs : doc.outputs);

@@ -5,6 +5,7 @@
 #include "runtime/plugin.h"
 #include "runtime/studio/library.h"
 #include "runtime/studio/paint_options.h"
+#include "runtime/studio/studio_options.h"
 
 namespace {
 
@@ -24,8 +25,13 @@ const terrazzo::NodeSet& nodes() {
   return all;
 }
 
+void add_pages(CLI::App& app, int& exit_code) {
+  terrazzo::studio::add_studio(app, nodes<true>, exit_code);
+  terrazzo::studio::add_paint(app, exit_code);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  return terrazzo::run_command_line(argc, argv, {nodes<true>, nodes<false>, terrazzo::studio::add_paint});
+  return terrazzo::run_command_line(argc, argv, {nodes<true>, nodes<false>, add_pages});
 }

@@ -41,6 +41,8 @@ class Evaluation {
   const RunResult& wait();
   // Nodes that support it save what they have reached: NodeResult::saved.
   void cancel();
+  // Cancels one node, and with it the nodes downstream.
+  void cancel_node(int node) { cancel_node_.at(static_cast<std::size_t>(node)) = true; }
 
  private:
   friend class Session;

@@ -47,7 +47,9 @@ std::string manual_end() {
          entry("TMPDIR",
                "If neither is set, the default cache folder is terrazzo-cache-UID in this folder, or in /tmp "
                "if it is not set.") +
-         ".SH FILES\n" + entry("~/.cache/terrazzo", "The default cache folder.") +
+         entry("DISPLAY", "If this or WAYLAND_DISPLAY is set, `terrazzo studio` opens a browser.") +
+         entry("WAYLAND_DISPLAY", "See DISPLAY.") + ".SH FILES\n" +
+         entry("~/.cache/terrazzo", "The default cache folder.") +
          entry("out", "The default folder for output files.") +
          entry("out/report.json",
                "Report of a run that wrote files: status, time and metrics of every node.") +

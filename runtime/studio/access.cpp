@@ -29,32 +29,42 @@ bool equal(const std::string& a, const std::string& b) {
   return difference == 0;
 }
 
-Access::Refusal refused(int status, const char* code, const char* message, const char* hint) {
-  return {status, {Severity::Error, code, message, hint, {}, "", ""}};
+Access::Refusal refused(int status, const char* code, const char* message, std::string hint) {
+  return {status, {Severity::Error, code, message, std::move(hint), {}, "", ""}};
+}
+
+bool is_loopback(const std::string& host) {
+  for (const std::string name : {"127.0.0.1", "localhost"}) {
+    if (host == name) return true;
+    if (host.starts_with(name + ":") && host.size() > name.size() + 1 &&
+        host.find_first_not_of("0123456789", name.size() + 1) == std::string::npos)
+      return true;
+  }
+  return false;
 }
 
 }  // namespace
 
-Access::Access() : token_(random_token()) {}
+Access::Access(std::string command) : command_(std::move(command)), token_(random_token()) {}
 
 std::string Access::address() const { return fmt::format("http://127.0.0.1:{}/?token={}", port_, token_); }
 
 // All ports of a host share their cookies, so the cookie name contains the port.
-std::string Access::cookie_name() const { return fmt::format("terrazzo_paint_{}", port_); }
+std::string Access::cookie_name() const { return fmt::format("terrazzo_{}_{}", command_, port_); }
 
 std::string Access::cookie() const {
   return fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict", cookie_name(), token_);
 }
 
-bool Access::is_ours(const std::string& host) const {
-  return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
-}
-
-bool Access::is_from_our_page(const httplib::Request& in) const {
-  if (!is_ours(in.get_header_value("Host"))) return false;
-  const std::string origin = in.get_header_value("Origin"), site = in.get_header_value("Sec-Fetch-Site");
-  if (in.has_header("Origin") && !(origin.starts_with("http://") && is_ours(origin.substr(7)))) return false;
-  return site.empty() || site == "same-origin" || site == "none";
+bool Access::is_from_our_page(const httplib::Request& in) {
+  const std::string host = in.get_header_value("Host"), site = in.get_header_value("Sec-Fetch-Site");
+  if (!is_loopback(host)) return false;
+  // Ports of one host are one site to browsers, so the origin must be equal, port included.
+  if (in.has_header("Origin") && in.get_header_value("Origin") != "http://" + host) return false;
+  const bool opens_page = in.method == "GET" && in.path == "/" &&
+                          in.get_header_value("Sec-Fetch-Mode") == "navigate" &&
+                          in.get_header_value("Sec-Fetch-Dest") == "document";
+  return site.empty() || site == "same-origin" || site == "none" || opens_page;
 }
 
 bool Access::has_token(const httplib::Request& in) const {
@@ -76,10 +86,10 @@ bool Access::has_token(const httplib::Request& in) const {
 std::optional<Access::Refusal> Access::refusal(const httplib::Request& in) const {
   if (!is_from_our_page(in))
     return refused(403, "foreign-origin", "the request comes from another site or names another host",
-                   "open the address that terrazzo paint prints");
+                   "open the address that terrazzo " + command_ + " prints");
   if (!has_token(in))
     return refused(403, "no-token", "the request does not contain the token of this session",
-                   "open the complete address that terrazzo paint prints");
+                   "open the complete address that terrazzo " + command_ + " prints");
   if (in.has_header("Transfer-Encoding") || in.has_header("Content-Encoding"))
     return refused(415, "encoded", "the request's body is chunked or encoded",
                    "send plain JSON with a Content-Length");

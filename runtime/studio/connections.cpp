@@ -81,8 +81,14 @@ ssize_t ConnectionStream::read(char* to, std::size_t size) {
   return static_cast<ssize_t>(n);
 }
 
+bool ConnectionStream::is_writable() const {
+  if (!streams_) return true;
+  struct pollfd p = {handle_->socket, POLLRDHUP, 0};
+  return ::poll(&p, 1, 0) == 0 || !(p.revents & (POLLRDHUP | POLLHUP | POLLERR));
+}
+
 ssize_t ConnectionStream::write(const char* from, std::size_t size) {
-  if (write_until_ == Clock::time_point{}) write_until_ = Clock::now() + limits_.write;
+  if (streams_ || write_until_ == Clock::time_point{}) write_until_ = Clock::now() + limits_.write;
   while (true) {
     if (!wait(POLLOUT, write_until_)) return -1;
     const ssize_t n = ::send(handle_->socket, from, size, MSG_DONTWAIT | MSG_NOSIGNAL);

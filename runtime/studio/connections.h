@@ -47,6 +47,8 @@ class ConnectionStream : public httplib::Stream {
  public:
   ConnectionStream(Connections&, Connections::Handle, const ConnectionLimits&);
 
+  // Call for a response that goes on for long: its deadline applies to each write.
+  void stream() { streams_ = true; }
   // Call when the request's head was read and `bytes` bytes of body follow.
   void expect_body(std::size_t bytes);
   // Reads and discards what the client still sends, for a short time. Closing a socket with unread bytes
@@ -54,7 +56,7 @@ class ConnectionStream : public httplib::Stream {
   void drain();
 
   bool is_readable() const override { return true; }
-  bool is_writable() const override { return true; }
+  bool is_writable() const override;  // false once the client of a stream is gone
   ssize_t read(char* to, std::size_t size) override;
   ssize_t write(const char* from, std::size_t size) override;
   void get_remote_ip_and_port(std::string& ip, int& port) const override { ip = "127.0.0.1", port = 0; }
@@ -71,7 +73,7 @@ class ConnectionStream : public httplib::Stream {
   std::array<char, 4096> buffer_;
   std::size_t at_ = 0, filled_ = 0;
   std::size_t left_;  // bytes that may still be read
-  bool in_body_ = false;
+  bool in_body_ = false, streams_ = false;
   Clock::time_point read_until_, write_until_{};
 };
 

@@ -76,7 +76,8 @@ class Workers : public httplib::TaskQueue {
 
 }  // namespace
 
-HttpServer::HttpServer(ConnectionLimits limits) : limits_(limits) {
+HttpServer::HttpServer(std::string stream, ConnectionLimits limits)
+    : stream_(std::move(stream)), limits_(limits) {
   set_payload_max_length(limits_.body);
   new_task_queue = [this] {
     // If end() was called before the server listened, it had nothing to close, so stop now.
@@ -100,6 +101,7 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
     bool closed = false;
     try {
       process_request(stream, true, closed, [&](httplib::Request& in) {
+        if (!stream_.empty() && in.path == stream_) stream.stream();
         stream.expect_body(in.method == "POST" ? in.get_header_value<std::uint64_t>("Content-Length") : 0);
       });
       stream.drain();

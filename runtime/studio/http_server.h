@@ -10,7 +10,9 @@ namespace terrazzo::studio {
 // threads are busy, a new connection ends the oldest connection whose request is incomplete.
 class HttpServer : public httplib::Server {
  public:
-  HttpServer(ConnectionLimits = {});
+  // `stream`: the path whose responses go on for long, or "".
+  explicit HttpServer(std::string stream = {}, ConnectionLimits = {});
+  bool ended() const { return ended_; }
   // Stops the server. Callable from any thread, before or while listening. listen_after_bind() returns when
   // all handlers have returned.
   void end();
@@ -18,6 +20,7 @@ class HttpServer : public httplib::Server {
  private:
   bool process_and_close_socket(socket_t socket) override;
 
+  std::string stream_;
   ConnectionLimits limits_;
   Connections connections_;
   std::atomic<bool> ended_{false};

@@ -8,6 +8,7 @@
 
 #include "graph/registry.h"
 #include "runtime/studio/paint_options.h"
+#include "runtime/studio/studio_options.h"
 #include "runtime/value.h"
 
 namespace terrazzo::studio {
@@ -16,7 +17,8 @@ struct Library {
   void (*register_nodes)(Registry&);
   void (*register_value_types)(ValueTypes&);
   std::string (*read_provenance)(const std::filesystem::path&);
-  int (*paint)(const PaintOptions&);  // returns the exit code
+  int (*paint)(const PaintOptions&);                    // returns the exit code
+  int (*studio)(const StudioOptions&, const NodeSet&);  // the same
 };
 
 // Loads the libraries on the first call. Throws Error "program" if they cannot be loaded.

@@ -1,16 +1,15 @@
 #include "runtime/studio/paint_command.h"
 
 #include <atomic>
-#include <chrono>
 #include <filesystem>
 #include <iostream>
-#include <thread>
 
 #include "graph/utf8.h"
 #include "runtime/cli/options.h"
 #include "runtime/studio/paint_server.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
+#include "runtime/studio/serve.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
@@ -38,21 +37,8 @@ int paint(const PaintOptions& o) {
   std::cout << server.address() << std::endl;
   std::cerr << "Open this address in a browser to paint on " << o.image << ". The page saves to "
             << save.path().string() << ". Press Ctrl-C to stop.\n";
-  std::atomic<bool> ended{false};
-  std::thread watch([&] {
-    while (!ended && !cancel->load()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    server.stop();
-  });
-  // A destructor, so that the thread is also joined if serve() throws. Otherwise the program would abort.
-  const struct Joined {
-    std::atomic<bool>& ended;
-    std::thread& watch;
-    ~Joined() {
-      ended = true;
-      watch.join();
-    }
-  } joined{ended, watch};
-  server.serve();
+  serve_until(
+      *cancel, [&] { server.serve(); }, [&] { server.stop(); });
   return cli::done;  // Ctrl-C is the normal way to stop
 }
 

@@ -6,17 +6,11 @@
 
 #include "tests/runtime/studio/paint_picture.h"
 #include "tests/support/program.h"
+#include "tests/support/readers.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-
-std::string chromium() {
-  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-    if (const auto r = test::run_command({"sh", "-c", std::string("command -v ") + name}); r.exit_code == 0)
-      return r.out.substr(0, r.out.find('\n'));
-  return {};
-}
 
 // The checker's folder with its package installed, kept in the build folder; empty if npm cannot install it.
 fs::path checker() {
@@ -41,7 +35,7 @@ TEST(PaintPage, PaintsUndoesSavesAndReplays) {
   for (const char* name : {"node", "npm"})
     if (test::run_command({"sh", "-c", std::string("command -v ") + name}).exit_code != 0)
       GTEST_SKIP() << name << " is not installed";
-  const std::string browser = chromium();
+  const std::string browser = test::chromium();
   if (browser.empty()) GTEST_SKIP() << "chromium is not installed";
   const fs::path check = checker();
   if (check.empty()) GTEST_SKIP() << "npm cannot install playwright-core here";

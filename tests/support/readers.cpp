@@ -19,6 +19,13 @@ bool has_program(const std::string& name) {
   return run_command({"/bin/sh", "-c", "command -v " + name}).exit_code == 0;
 }
 
+std::string chromium() {
+  for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
+    if (const auto r = run_command({"sh", "-c", std::string("command -v ") + name}); r.exit_code == 0)
+      return r.out.substr(0, r.out.find('\n'));
+  return {};
+}
+
 bool has_python_module(const std::string& name) {
   return run_command({"/usr/bin/python3", "-c", "import " + name}).exit_code == 0;
 }

@@ -11,6 +11,7 @@
 namespace terrazzo::test {
 
 bool has_program(const std::string& name);  // in PATH
+std::string chromium();                     // the browser's path, or ""
 // Whether Debian's Python has the module.
 bool has_python_module(const std::string& name);
 

@@ -1,0 +1,33 @@
+// Edits of a graph file that keep everything else of its text: comments, order, formatting.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "graph/raw_document.h"
+
+namespace terrazzo {
+
+struct Edit {
+  enum class Kind {
+    SetParameter,    // node, name, value
+    ResetParameter,  // node, name: removes the value, so that the default applies
+    SetDefault,      // name, value: of a parameter of the graph
+    Connect,         // node, name: an input; wires: its sources, none disconnects it
+    AddNode,         // node; type, or graph for a subgraph
+    RemoveNode,      // node, with the wires and the outputs of the graph that refer to it
+    RenameNode       // node, to
+  };
+  Kind kind = Kind::SetParameter;
+  std::string node = {}, name = {};
+  WrittenValue value = {};
+  std::vector<std::string> wires = {};
+  std::string type = {}, graph = {}, to = {};
+};
+
+// The text after the edit. The result is read again: it differs from the original document in exactly what
+// the edit says. Throws Error "unknown-node", "name-taken" or "bad-name", and "cannot-edit" if the text has
+// errors or says this in a way that a patch cannot change; such text can only be edited by hand.
+std::string edit_document(const std::string& text, const std::filesystem::path& file, const Edit&);
+
+}  // namespace terrazzo

@@ -1,0 +1,15 @@
+// The document as the page shows it: nodes with their declarations, values, wires and messages.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "graph/graph.h"
+#include "graph/raw_document.h"
+
+namespace terrazzo::studio {
+
+// {name, nodes, outputs, parameters}. A node is {name, type or graph, doc, line, params, inputs}; a
+// subgraph's node also has its `declaration` and `inner`: the path and port inside of it by output.
+nlohmann::json json_of(const RawDocument&, const Registry&);
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,271 @@
+#include "runtime/studio/live_graph.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "runtime/files.h"
+#include "runtime/json_text.h"
+#include "runtime/studio/document_json.h"
+
+namespace terrazzo::studio {
+using nlohmann::json;
+
+// Receives the events of one evaluation. Later evaluations may start while it goes on: then only what starts
+// and how far it is still counts, because its results belong to an earlier graph.
+struct LiveGraph::Watcher : Observer {
+  LiveGraph& owner;
+  std::shared_ptr<const Graph> graph;
+  bool current = true;  // with owner.mutex_ held
+
+  Watcher(LiveGraph& owner, std::shared_ptr<const Graph> graph) : owner(owner), graph(std::move(graph)) {}
+
+  const std::string& path(int node) const { return graph->nodes[static_cast<std::size_t>(node)].path; }
+
+  // The node's state, or null if it no longer awaits a result.
+  NodeState* pending(int node) {
+    const auto it = owner.states_.find(path(node));
+    if (it == owner.states_.end()) return nullptr;
+    const bool done = it->second.state != "waiting" && it->second.state != "running";
+    return done && !current ? nullptr : &it->second;
+  }
+
+  void started(int node) override {
+    const std::lock_guard lock(owner.mutex_);
+    NodeState* s = pending(node);
+    if (!s) return;
+    s->state = "running", s->progress = 0, s->note.clear();
+    owner.tell_node(path(node));
+  }
+
+  void progress(int node, double fraction, const std::string& note) override {
+    const std::lock_guard lock(owner.mutex_);
+    NodeState* s = pending(node);
+    if (!s) return;
+    s->state = "running", s->progress = fraction;
+    if (!note.empty()) s->note = note;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - s->told < std::chrono::milliseconds(100)) return;
+    s->told = now;
+    owner.events_.add("progress",
+                      json_text({{"path", path(node)}, {"progress", s->progress}, {"note", s->note}}));
+  }
+
+  void finished(int node, const NodeResult& r) override {
+    const std::lock_guard lock(owner.mutex_);
+    if (!current) return;
+    NodeState& s = owner.states_[path(node)];
+    static const std::map<Status, const char*> words = {
+        {Status::Computed, "computed"}, {Status::Memory, "cached"},   {Status::Disk, "cached"},
+        {Status::Failed, "failed"},     {Status::Skipped, "skipped"}, {Status::Cancelled, "canceled"}};
+    const auto word = words.find(r.status);
+    s.state = word == words.end() ? "stale" : word->second;
+    s.seconds = r.status == Status::Computed ? r.seconds : r.cached_seconds;
+    s.progress = 0, s.note.clear();
+    if (r.status == Status::Cancelled || r.status == Status::Skipped)
+      s.result.error.reset();  // keeps the outputs of the run before
+    else
+      s.result = r;
+    for (const auto& [port, o] : r.outputs) owner.values_[o.content.text()] = o;
+    owner.tell_node(path(node));
+  }
+};
+
+struct LiveGraph::Running {
+  std::unique_ptr<Watcher> watcher;
+  std::shared_ptr<Evaluation> evaluation;  // destroyed first: it uses the watcher
+};
+
+LiveGraph::LiveGraph(const Registry& registry, const ValueTypes& types, SessionOptions options,
+                     Document document, Overrides overrides, bool live)
+    : registry_(registry),
+      session_(registry, types, std::move(options)),
+      document_(std::move(document)),
+      overrides_(std::move(overrides)),
+      live_(live) {
+  const std::lock_guard lock(mutex_);
+  document_changed();
+  thread_ = std::thread([this] { watch(); });
+}
+
+LiveGraph::~LiveGraph() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    for (const auto& r : running_) r->evaluation->cancel();
+  }
+  events_.end();
+  wake_.notify_all();
+  thread_.join();
+  running_.clear();  // waits, without the lock that the watchers need
+}
+
+json LiveGraph::document_json() const {
+  Diagnostics ignored;
+  json out = json_of(read_document(document_.text(), document_.file(), ignored), registry_);
+  json messages = json::array();
+  for (const auto& d : found_) messages.push_back(json_of(d));
+  out["file"] = document_.file().string();
+  out["text"] = document_.text();
+  out["saved"] = document_.saved();
+  out["can_undo"] = document_.can_undo(), out["can_redo"] = document_.can_redo();
+  out["recovered"] = document_.recovered();
+  out["trouble"] = document_.trouble();
+  out["disk_changed"] = disk_changed_;
+  out["valid"] = valid_;
+  out["messages"] = messages;
+  return out;
+}
+
+json LiveGraph::run_json() const {
+  const bool running = !running_.empty() && !running_.back()->evaluation->done();
+  double expected = 0;
+  for (const auto& [path, s] : states_)
+    if (s.state == "waiting" || s.state == "running" || s.state == "stale") expected += s.expected;
+  return {{"running", running},
+          {"live", live_},
+          {"seconds", seconds_},
+          {"expected", expected},
+          {"trouble", trouble_}};
+}
+
+json LiveGraph::state() {
+  const std::lock_guard lock(mutex_);
+  json nodes = json::object();
+  for (const auto& [path, s] : states_) nodes[path] = json_of(s);
+  return {{"number", events_.last()}, {"document", document_json()}, {"nodes", nodes}, {"run", run_json()}};
+}
+
+void LiveGraph::tell_node(const std::string& path) {
+  json j = json_of(states_[path]);
+  j["path"] = path;
+  events_.add("node", json_text(j));
+}
+
+void LiveGraph::document_changed() {
+  found_ = session_.open_text(document_.text(), document_.file(), overrides_);
+  valid_ = !has_errors(found_);
+  disk_changed_ = disk_changed_ && !document_.saved();
+  events_.add("document", json_text(document_json()));
+  if (!valid_) return;
+  inputs_.clear();
+  for (const auto& node : session_.graph()->nodes)
+    for (const auto& p : node.type->parameters)
+      if (const auto it = node.parameters.find(p.name);
+          p.kind == ParameterKind::InputPath && it != node.parameters.end())
+        for (const auto& f : expand_glob(std::get<std::string>(it->second.value))) inputs_[f] = stamp_of(f);
+  if (live_)
+    start(safe_targets());
+  else
+    plan();
+}
+
+// Everything that a run without targets evaluates, but not the nodes that write files.
+std::vector<std::string> LiveGraph::safe_targets() const {
+  const Graph& graph = *session_.graph();
+  std::vector<std::string> out;
+  for (const int i : graph.sinks()) {
+    const GraphNode& node = graph.nodes[static_cast<std::size_t>(i)];
+    if (!node.type->writes_files) out.push_back(node.path);
+    for (const auto& [port, wires] : node.inputs)
+      for (const auto& w : wires)
+        if (node.type->writes_files) out.push_back(graph.nodes[static_cast<std::size_t>(w.node)].path);
+  }
+  return out;
+}
+
+void LiveGraph::plan() {
+  const auto graph = session_.graph();
+  RunOptions options;
+  options.output_folder = session_.options().output_folder;
+  auto& e = session_.evaluator();
+  apply_plan(states_, *graph, plan_run(*graph, options, e.store(), e.hashes(), session_.history()), false);
+  for (const auto& [path, s] : states_) tell_node(path);
+  events_.add("run", json_text(run_json()));
+}
+
+void LiveGraph::start(const std::vector<std::string>& targets) {
+  const auto graph = session_.graph();
+  RunOptions options;
+  options.targets = target_nodes(*graph, targets);
+  options.output_folder = session_.options().output_folder;
+  auto& e = session_.evaluator();
+  apply_plan(states_, *graph, plan_run(*graph, options, e.store(), e.hashes(), session_.history()), true);
+  for (const auto& r : running_) r->watcher->current = false;
+  std::erase_if(running_, [](const auto& r) { return r->evaluation->done(); });
+  auto next = std::make_unique<Running>();
+  next->watcher = std::make_unique<Watcher>(*this, graph);
+  next->evaluation = session_.evaluate(targets, next->watcher.get());
+  running_.push_back(std::move(next));
+  end_expected_ = true;
+  for (const auto& [path, s] : states_) tell_node(path);
+  events_.add("run", json_text(run_json()));
+}
+
+void LiveGraph::evaluate(const std::vector<std::string>& targets) {
+  const std::lock_guard lock(mutex_);
+  if (!valid_) throw Error("invalid-graph", "the graph has errors", "correct them first");
+  start(targets);
+}
+
+void LiveGraph::cancel(const std::string& node) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& r : running_) {
+    if (node.empty()) r->evaluation->cancel();
+    if (const int i = r->evaluation->graph().find(node); i >= 0) r->evaluation->cancel_node(i);
+  }
+}
+
+void LiveGraph::set_live(bool live) {
+  const std::lock_guard lock(mutex_);
+  live_ = live;
+  events_.add("run", json_text(run_json()));
+  if (live_ && valid_) start(safe_targets());
+}
+
+Value LiveGraph::value(const std::string& hash) {
+  OutputRecord record;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto it = values_.find(hash);
+    if (it == values_.end()) throw Error("unknown-value", "no node of this session made this value");
+    record = it->second;
+  }
+  Value v = session_.evaluator().store().get_value(record);
+  if (!v) throw Error("lost-value", "the value is no longer in the cache", "run the node again");
+  return v;
+}
+
+void LiveGraph::watch() {
+  std::unique_lock lock(mutex_);
+  for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
+    if (end_expected_ && running_.back()->evaluation->done()) {
+      end_expected_ = false;
+      try {
+        const RunResult& r = running_.back()->evaluation->wait();
+        seconds_ = r.seconds, trouble_ = r.trouble;
+      } catch (const std::exception& e) {
+        trouble_ = e.what();
+      }
+      events_.add("run", json_text(run_json()));
+    }
+    if (tick % 20 != 0) continue;  // files: once a second
+    if (document_.changed_on_disk() && !disk_changed_) try {
+        if (document_.saved())
+          document_.reload();
+        else
+          disk_changed_ = true;
+        document_changed();
+      } catch (const Error& e) {
+        disk_changed_ = true;
+        trouble_ = e.diagnostic().message;
+        events_.add("document", json_text(document_json()));
+      }
+    const bool same = std::all_of(inputs_.begin(), inputs_.end(),
+                                  [](const auto& f) { return stamp_of(f.first) == f.second; });
+    if (same || !live_ || !valid_) continue;
+    for (auto& [file, stamp] : inputs_) stamp = stamp_of(file);
+    start(safe_targets());
+  }
+}
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,82 @@
+// A document that is evaluated as it is edited. It knows no HTTP.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <nlohmann/json_fwd.hpp>
+#include <thread>
+
+#include "runtime/session.h"
+#include "runtime/studio/document.h"
+#include "runtime/studio/event_log.h"
+#include "runtime/studio/node_states.h"
+
+namespace terrazzo::studio {
+
+// All methods may be called from any thread. Each change of the document starts an evaluation of all nodes
+// that write no files, if `live`; computations that the change does not affect go on. Every change is
+// reported in events(): "document", "node" {path, …}, "run".
+class LiveGraph {
+ public:
+  LiveGraph(const Registry&, const ValueTypes&, SessionOptions, Document, Overrides = {}, bool live = true);
+  ~LiveGraph();
+
+  // Everything: {number, document, nodes, run}. `number`: the last event that it includes.
+  nlohmann::json state();
+  const EventLog& events() const { return events_; }
+
+  // Changes the document, and reports it. What `apply` throws leaves the document as it was.
+  template <class Change>
+  void change(Change&& apply) {
+    const std::lock_guard lock(mutex_);
+    apply(document_);
+    document_changed();
+  }
+
+  // Evaluates "NODE", "NODE.PORT" or graph outputs; without targets, everything, files included. Throws Error
+  // "unknown-node", "unknown-port", or "invalid-graph" if the document has errors.
+  void evaluate(const std::vector<std::string>& targets);
+  // Cancels one node, or everything for "".
+  void cancel(const std::string& node);
+  void set_live(bool);
+
+  // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
+  // "lost-value".
+  Value value(const std::string& hash);
+
+ private:
+  struct Running;
+  struct Watcher;
+
+  void document_changed();  // with mutex_ held, as all that follow
+  void start(const std::vector<std::string>& targets);
+  void plan();
+  std::vector<std::string> safe_targets() const;
+  nlohmann::json document_json() const;
+  nlohmann::json run_json() const;
+  void tell_node(const std::string& path);
+  void watch();  // the thread: ends of evaluations, files that change
+
+  const Registry& registry_;
+  Session session_;
+  std::mutex mutex_;
+  Document document_;
+  Overrides overrides_;
+  bool live_;
+  EventLog events_;
+  NodeStates states_;
+  Diagnostics found_;
+  bool valid_ = false;         // the session has the document's graph
+  bool disk_changed_ = false;  // another program changed the file, and there are unsaved changes
+  double seconds_ = 0;         // of the last run that ended
+  std::string trouble_;
+  std::map<std::string, OutputRecord> values_;
+  std::vector<std::unique_ptr<Running>> running_;           // the last one is current
+  std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
+  bool end_expected_ = false;  // the end of the current evaluation was not reported yet
+  bool ended_ = false;
+  std::condition_variable wake_;
+  std::thread thread_;
+};
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,35 @@
+// What is known about the evaluation of each node: state, progress, times, reasons, results.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "runtime/explain.h"
+
+namespace terrazzo::studio {
+
+struct NodeState {
+  // "cached", "stale", "waiting", "running", "computed", "failed", "skipped", "canceled"
+  std::string state = "stale";
+  double progress = 0;
+  std::string note;
+  double seconds = 0;                // of the computation, now or when it was cached
+  double expected = 0;               // of the last computation; 0 if unknown
+  std::vector<std::string> reasons;  // why it runs or ran
+  NodeResult result;                 // of the last run; of an earlier graph while the state is not final
+  std::chrono::steady_clock::time_point told{};  // when progress was last reported
+};
+
+// By path, as in Graph::nodes.
+using NodeStates = std::map<std::string, NodeState>;
+
+nlohmann::json json_of(const NodeState&);
+nlohmann::json json_of(const Diagnostic&);
+
+// The states of a plan. Keeps what earlier runs found.
+void apply_plan(NodeStates&, const Graph&, const Plan&, bool running);
+
+}  // namespace terrazzo::studio

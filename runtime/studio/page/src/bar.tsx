@@ -1,0 +1,66 @@
+import { secondsText } from './format';
+import { post, useStore } from './store';
+
+export function Bar() {
+  const doc = useStore(s => s.doc);
+  const run = useStore(s => s.run);
+  const online = useStore(s => s.online);
+  const drawer = useStore(s => s.drawer);
+  const running = useStore(s => Object.values(s.nodes).filter(n => n.state === 'running').length);
+  const waiting = useStore(s => Object.values(s.nodes).filter(n => n.state === 'waiting').length);
+  const failed = useStore(s => Object.values(s.nodes).filter(n => n.state === 'failed').length);
+  const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
+  const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
+  const toggle = (d: 'yaml' | 'messages') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
+  const status = !online ? 'not connected'
+    : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
+    : run.running ? `${running} running, ${waiting} waiting${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
+    : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
+  return (
+    <header className="top">
+      <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
+      <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
+      <div className="group">
+        <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
+        <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
+        <button disabled={!doc || doc.saved} onClick={() => void post('/api/save')} title="Save (Ctrl+S)">Save</button>
+      </div>
+      <div className="space" />
+      <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status">{status}</span>
+      {run.running && <button onClick={() => void post('/api/cancel')}>Cancel</button>}
+      <label className="check" title="Evaluate after every change">
+        <input type="checkbox" checked={run.live} onChange={e => void post('/api/live', { live: e.target.checked })} />Live
+      </label>
+      <button className="primary" disabled={!doc?.valid} onClick={() => void post('/api/run')} title="Evaluate everything and write the output files">Run and write files</button>
+      <div className="group">
+        <button aria-pressed={drawer === 'messages'} onClick={() => toggle('messages')}>Messages{doc?.messages.length ? ` (${doc.messages.length})` : ''}</button>
+        <button aria-pressed={drawer === 'yaml'} onClick={() => toggle('yaml')}>YAML</button>
+      </div>
+    </header>
+  );
+}
+
+// Questions and problems that concern the whole document.
+export function Notices() {
+  const doc = useStore(s => s.doc);
+  const trouble = useStore(s => s.trouble);
+  const runTrouble = useStore(s => s.run.trouble);
+  const dismiss = () => useStore.setState({ trouble: null });
+  return (
+    <div className="notices" aria-live="polite">
+      {doc?.recovered && (
+        <p><b>An earlier session left unsaved changes.</b>
+          <button onClick={() => void post('/api/recover', { use: true })}>Restore them</button>
+          <button onClick={() => void post('/api/recover', { use: false })}>Discard them</button></p>
+      )}
+      {doc?.disk_changed && (
+        <p><b>Another program changed the file.</b> You also have unsaved changes.
+          <button onClick={() => void post('/api/reload')}>Load its version</button>
+          <button onClick={() => void post('/api/save', { overwrite: true })}>Overwrite it</button></p>
+      )}
+      {doc?.trouble && <p>{doc.trouble}</p>}
+      {runTrouble && <p>{runTrouble}</p>}
+      {trouble && <p className="bad"><b>{trouble.message}</b> {trouble.hint}<button onClick={dismiss}>Dismiss</button></p>}
+    </div>
+  );
+}

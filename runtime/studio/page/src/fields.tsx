@@ -1,0 +1,88 @@
+import { useEffect, useRef, useState } from 'react';
+
+import type { Written } from './types';
+
+export interface FieldSpec {
+  name: string; kind: string; unit: string; doc: string; choices: string[]; keywords: string[]; min?: number; max?: number;
+}
+
+const lists = ['ints', 'numbers', 'texts'];
+const textOf = (w: Written) => (Array.isArray(w) ? w.join(', ') : w);
+// What a person typed, as the document's value. A list is written with commas.
+function written(text: string, kind: string): Written {
+  const t = text.trim();
+  if (!lists.includes(kind) && !(kind === 'color' && t.includes(','))) return t;
+  const items = t.replace(/^\[|\]$/g, '').split(',').map(x => x.trim());
+  return items.length > 1 ? items : items[0];
+}
+
+// Sends changes at most every 120 ms while a control moves, and always the last one.
+function useDebounced(send: (v: Written, merge: boolean) => void) {
+  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
+  const moving = useRef(false);
+  return {
+    move(v: Written) {
+      clearTimeout(timer.current);
+      timer.current = setTimeout(() => { send(v, true); moving.current = true; }, 120);
+    },
+    set(v: Written) { clearTimeout(timer.current); send(v, false); },
+  };
+}
+
+export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; send: (v: Written, merge: boolean) => void }) {
+  const [draft, setDraft] = useState<string | null>(null);
+  const debounced = useDebounced(send);
+  const drag = useRef<{ x: number; start: number; step: number } | null>(null);
+  const text = draft ?? textOf(value);
+  useEffect(() => setDraft(null), [value]);
+  const commit = () => {
+    if (draft !== null && draft !== textOf(value)) debounced.set(written(draft, spec.kind));
+    else setDraft(null);
+  };
+  const id = `field-${spec.name}`;
+  const number = (spec.kind === 'int' || spec.kind === 'number') && text.trim() !== '' && Number.isFinite(Number(text));
+  const move = (v: number) => {
+    const lo = spec.min ?? -Infinity, hi = spec.max ?? Infinity;
+    const clamped = Math.min(Math.max(spec.kind === 'int' ? Math.round(v) : Number(v.toPrecision(6)), lo), hi);
+    setDraft(String(clamped));
+    debounced.move(String(clamped));
+  };
+  const label = (
+    <label htmlFor={id} className={number ? 'scrub' : ''} title={`${spec.doc}${number ? '\nDrag to change.' : ''}`}
+      onPointerDown={e => {
+        if (!number || e.button) return;
+        const start = Number(text), range = Number.isFinite(spec.max ?? NaN) && Number.isFinite(spec.min ?? NaN) ? spec.max! - spec.min! : Infinity;
+        const step = Math.max(Math.abs(start) / 100, spec.kind === 'int' ? 0.2 : 0, Math.min(range / 400, 0.01));
+        drag.current = { x: e.clientX, start, step };
+        e.currentTarget.setPointerCapture(e.pointerId);
+      }}
+      onPointerMove={e => { if (drag.current && Math.abs(e.clientX - drag.current.x) > 2) move(drag.current.start + (e.clientX - drag.current.x) * drag.current.step); }}
+      onPointerUp={() => { drag.current = null; }}>
+      {spec.name}{spec.unit && <small> {spec.unit}</small>}
+    </label>
+  );
+  const isReference = text.includes('${');
+  if (spec.kind === 'bool' && !isReference)
+    return <>{label}<input id={id} type="checkbox" checked={text === 'true'} onChange={e => debounced.set(String(e.target.checked))} /></>;
+  if (spec.kind === 'choice' && !isReference)
+    return (
+      <>{label}<select id={id} value={text} onChange={e => debounced.set(e.target.value)}>
+        {[...spec.choices, ...spec.keywords, ...(spec.choices.concat(spec.keywords).includes(text) ? [] : [text])].map(c => <option key={c}>{c}</option>)}
+      </select></>
+    );
+  const slider = number && spec.min !== undefined && spec.max !== undefined && spec.max - spec.min <= 1000;
+  return (
+    <>{label}
+      <span className="control">
+        <input id={id} value={text} list={spec.keywords.length || spec.choices.length ? `${id}-words` : undefined} spellCheck={false}
+          onChange={e => setDraft(e.target.value)} onBlur={commit}
+          onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setDraft(null); }} />
+        {spec.kind === 'color' && /^#[0-9a-f]{6}$/i.test(text) &&
+          <input type="color" value={text} aria-label={`${spec.name}, color`} onChange={e => { setDraft(e.target.value); debounced.move(e.target.value); }} />}
+        {slider && <input type="range" aria-label={`${spec.name}, slider`} min={spec.min} max={spec.max} step={spec.kind === 'int' ? 1 : (spec.max! - spec.min!) / 200}
+          value={Number(text)} onChange={e => move(Number(e.target.value))} />}
+        {(spec.keywords.length > 0 || spec.choices.length > 0) && <datalist id={`${id}-words`}>{[...spec.keywords, ...spec.choices].map(k => <option key={k} value={k} />)}</datalist>}
+      </span>
+    </>
+  );
+}

@@ -1,0 +1,126 @@
+import { useEffect, useState } from 'react';
+
+import { Field } from './fields';
+import { bytesText, numberText, secondsText } from './format';
+import { declarationOf, edit, goToLine, post, stateOf, useStore, valueOf } from './store';
+import type { DocNode, Parameter, Written } from './types';
+
+function defaultText(p: Parameter): Written {
+  const v = p.default;
+  if (v === undefined || v === null) return '';
+  if (Array.isArray(v)) {
+    if (p.kind === 'color' && v.length === 3) {
+      const byte = (x: number) => Math.round(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
+      return '#' + (v as number[]).map(x => Math.min(255, Math.max(0, byte(x))).toString(16).padStart(2, '0')).join('');
+    }
+    return v.map(String);
+  }
+  return String(v);
+}
+
+const escaped = (text: string) => text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
+
+function Name({ node }: { node: DocNode }) {
+  const [name, setName] = useState(node.name);
+  useEffect(() => setName(node.name), [node.name]);
+  const commit = () => {
+    if (name === node.name) return;
+    void edit([{ op: 'rename', node: node.name, to: name }]).then(done => done ? setTimeout(() => useStore.setState({ selected: name }), 50) : setName(node.name));
+  };
+  return <input className="name" value={name} aria-label="Name of the node" spellCheck={false} onChange={e => setName(e.target.value)} onBlur={commit}
+    onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setName(node.name); }} />;
+}
+
+function State({ node }: { node: DocNode }) {
+  const file = useStore(s => s.doc?.file ?? '');
+  const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
+  if (!state) return null;
+  const metrics = Object.entries(state.metrics);
+  return (
+    <div className="state">
+      <p><span><b>{state.state}</b>
+        {state.state === 'running' && ` ${Math.round(100 * state.progress)} %${state.note ? `, ${state.note}` : ''}`}
+        {state.seconds > 0 && state.state !== 'running' && `, ${secondsText(state.seconds)}`}
+        {(state.state === 'stale' || state.state === 'waiting') && state.expected > 0 && `, about ${secondsText(state.expected)}`}</span>
+        {state.state === 'running'
+          ? <button onClick={() => void post('/api/cancel', { node: node.name })}>Cancel</button>
+          : !['cached', 'computed'].includes(state.state) && !node.graph && <button onClick={() => void post('/api/run', { targets: [node.name] })}>Run to here</button>}
+      </p>
+      {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
+        {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
+      {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
+      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
+      {metrics.length > 0 && <details open={metrics.length < 5}><summary>{metrics.length === 1 ? '1 measure' : `${metrics.length} measures`}</summary>
+        <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl></details>}
+      {state.files.length > 0 && <p>Wrote {state.files.join(', ')}</p>}
+    </div>
+  );
+}
+
+function Outputs({ node }: { node: DocNode }) {
+  const declaration = useStore(s => declarationOf(node, s.types));
+  const nodes = useStore(s => s.nodes);
+  return (
+    <dl>{declaration?.outputs.map(p => {
+      const v = valueOf(node, p.name, nodes);
+      return <div key={p.name}><dt title={p.doc}>{p.name}</dt><dd>{p.types[0]}{v && `, ${bytesText(v.bytes)}`}</dd></div>;
+    })}</dl>
+  );
+}
+
+function NodeInspector({ node }: { node: DocNode }) {
+  const declaration = useStore(s => declarationOf(node, s.types));
+  return (
+    <>
+      <div className="title"><Name node={node} /><span>{node.type || node.graph}</span>
+        <button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></div>
+      {declaration && <p className="doc">{declaration.doc}</p>}
+      <State node={node} />
+      {!!declaration?.parameters.length && <h2>Parameters</h2>}
+      <div className="fields">
+        {declaration?.parameters.map(p => {
+          const own = node.params[p.name];
+          return (
+            <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
+              <Field spec={p} value={own ? own.value : defaultText(p)}
+                send={(value, merge) => void edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} />
+              {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
+                onClick={() => void edit([{ op: 'reset', node: node.name, name: p.name }])}>×</button> : <span />}
+            </div>
+          );
+        })}
+      </div>
+      {!!declaration?.outputs.length && <h2>Outputs</h2>}
+      <Outputs node={node} />
+    </>
+  );
+}
+
+function GraphInspector() {
+  const doc = useStore(s => s.doc)!;
+  return (
+    <>
+      <div className="title"><b>{doc.name || 'Graph'}</b></div>
+      {doc.doc && <p className="doc">{doc.doc}</p>}
+      <p className="doc">Select a node to see its parameters and its result.</p>
+      {doc.parameters.length > 0 && <h2>Parameters of the graph</h2>}
+      <div className="fields">
+        {doc.parameters.map(p => (
+          <div key={p.name} className="field own">
+            <Field spec={p} value={p.value} send={(value, merge) => void edit([{ op: 'set_default', name: p.name, value }], merge)} /><span />
+          </div>
+        ))}
+      </div>
+    </>
+  );
+}
+
+export function Inspector() {
+  const node = useStore(s => s.doc?.nodes.find(n => n.name === s.selected));
+  const doc = useStore(s => s.doc);
+  return (
+    <section className="inspector" aria-label="Inspector" tabIndex={0}>
+      {node ? <NodeInspector key={node.name} node={node} /> : doc && <GraphInspector />}
+    </section>
+  );
+}

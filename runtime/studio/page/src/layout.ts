@@ -1,0 +1,41 @@
+import dagre from '@dagrejs/dagre';
+
+import { declarationOf, splitWire } from './store';
+import type { Doc, DocNode, NodeType, Port } from './types';
+
+export const nodeWidth = 172;
+export const rowHeight = 20;
+
+// Optional inputs without a wire appear only while the node is selected or a wire is being drawn.
+export const inputsShown = (node: DocNode, inputs: Port[]) => inputs.filter(p => !p.optional || node.inputs[p.name]);
+
+function sizeOf(inputs: number, outputs: number) {
+  return { width: nodeWidth, height: 44 + rowHeight * Math.max(inputs, outputs, 1) };
+}
+
+export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
+  const d = declarationOf(n, types), all = d?.inputs ?? [], shown = inputsShown(n, all).length;
+  return sizeOf(shown + (shown < all.length ? 1 : 0), d?.outputs.length ?? 0);
+}
+
+export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
+  const g = new dagre.graphlib.Graph();
+  g.setGraph({ rankdir: 'LR', nodesep: 18, ranksep: 46 });
+  g.setDefaultEdgeLabel(() => ({}));
+  for (const n of doc.nodes) {
+    g.setNode(n.name, nodeSize(n, types));
+  }
+  for (const n of doc.nodes)
+    for (const wires of Object.values(n.inputs))
+      for (const w of wires) {
+        const { node } = splitWire(w, doc, types);
+        if (g.hasNode(node)) g.setEdge(node, n.name);
+      }
+  dagre.layout(g);
+  const out: Record<string, { x: number; y: number }> = {};
+  for (const n of doc.nodes) {
+    const at = g.node(n.name);
+    out[n.name] = { x: at.x - at.width / 2, y: at.y - at.height / 2 };
+  }
+  return out;
+}

@@ -1,0 +1,59 @@
+import { Handle, Position, useConnection, type Node, type NodeProps } from '@xyflow/react';
+import { memo } from 'react';
+
+import { secondsText, typeColor } from './format';
+import { inputsShown } from './layout';
+import { declarationOf, stateOf, useStore, valueOf } from './store';
+import type { DocNode, Port } from './types';
+
+export type GraphNode = Node<{ node: DocNode }, 'node'>;
+
+const words: Record<string, string> = {
+  cached: 'cached', computed: 'done', stale: 'stale', waiting: 'waiting', running: 'running', failed: 'failed',
+  skipped: 'skipped', canceled: 'canceled',
+};
+
+function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 'out' }) {
+  const value = useStore(s => (side === 'out' ? valueOf(node, port.name, s.nodes) : undefined));
+  const color = typeColor(port.types[0]);
+  const title = `${port.name}: ${port.types.join(' or ') || 'any'}${port.many ? ', list' : ''}${port.optional ? ', optional' : ''}\n${port.doc}`
+    + (value ? `\n${value.type}` : '');
+  return (
+    <div className={`socket ${side}`} title={title}>
+      <Handle type={side === 'in' ? 'target' : 'source'} id={port.name} position={side === 'in' ? Position.Left : Position.Right}
+        className={`${port.many ? 'many ' : ''}${side === 'in' && port.optional && !node.inputs[port.name] ? 'open' : ''}`}
+        style={{ '--type': color } as React.CSSProperties} />
+      <span>{port.name}<span className="sr">, {side === 'in' ? 'input' : 'output'}, {port.types.join(' or ') || 'any type'}</span></span>
+    </div>
+  );
+}
+
+export const NodeCard = memo(function NodeCard({ data: { node }, selected }: NodeProps<GraphNode>) {
+  const declaration = useStore(s => declarationOf(node, s.types));
+  const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
+  const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split('/')[0] === node.name));
+  const connecting = useConnection(c => c.inProgress);
+  const inputs = declaration?.inputs ?? [];
+  const shown = selected || connecting ? inputs : inputsShown(node, inputs);
+  const word = broken ? 'failed' : state?.state ?? 'stale';
+  const time = state?.state === 'running' ? `${Math.round(100 * state.progress)} %`
+    : state?.seconds ? secondsText(state.seconds) : '';
+  const warnings = state?.warnings.length ?? 0;
+  return (
+    <div className={`card ${word}${selected ? ' selected' : ''}`}>
+      <header>
+        <i className="badge" role="img" aria-label={broken ? 'has errors' : words[word]} title={broken ? 'has errors' : words[word]} />
+        <b>{node.name.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
+        {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
+        <time>{time}</time>
+      </header>
+      <div className="kind">{node.graph ? node.graph.split('/').pop() : node.type}</div>
+      <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
+      <div className="ports">
+        <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}
+          {shown.length < inputs.length && <small title={inputs.filter(p => !shown.includes(p)).map(p => p.name).join(', ')}>{inputs.length - shown.length} more</small>}</div>
+        <div>{declaration?.outputs.map(p => <Socket key={p.name} port={p} node={node} side="out" />)}</div>
+      </div>
+    </div>
+  );
+});

@@ -1,0 +1,61 @@
+import { useCallback, useEffect, useRef, useState, type PointerEvent, type ReactNode, type WheelEvent } from 'react';
+
+export interface Raster { width: number; height: number; sections: number; fullWidth: number; fullHeight: number; data: ArrayBuffer }
+
+export async function fetchRaster(hash: string, as: string, section: number): Promise<Raster> {
+  const answer = await fetch(`/api/value/${hash}?as=${as}&section=${section}`);
+  if (!answer.ok) throw new Error((await answer.json()).message);
+  const bytes = await answer.arrayBuffer();
+  const head = new Uint32Array(bytes, 0, 5);
+  return { width: head[0], height: head[1], sections: head[2], fullWidth: head[3], fullHeight: head[4], data: bytes.slice(20) };
+}
+
+export function Picture({ raster, opacity }: { raster: Raster; opacity?: number }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const c = canvas.current!;
+    c.width = raster.width, c.height = raster.height;
+    c.getContext('2d')!.putImageData(new ImageData(new Uint8ClampedArray(raster.data), raster.width, raster.height), 0, 0);
+  }, [raster]);
+  return <canvas ref={canvas} style={{ opacity }} />;
+}
+
+// Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture.
+export function PanZoom({ width, height, children, hover }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string }) {
+  const box = useRef<HTMLDivElement>(null);
+  const [view, setView] = useState<{ x: number; y: number; k: number } | null>(null);
+  const [note, setNote] = useState('');
+  const drag = useRef<{ x: number; y: number } | null>(null);
+  const fit = useCallback(() => {
+    const b = box.current;
+    if (!b || !width || !b.clientWidth) return;
+    const k = Math.min((b.clientWidth - 16) / width, (b.clientHeight - 16) / height);
+    setView({ k, x: (b.clientWidth - k * width) / 2, y: (b.clientHeight - k * height) / 2 });
+  }, [width, height]);
+  useEffect(fit, [fit]);
+  const wheel = (e: WheelEvent) => {
+    if (!view) return;
+    const r = box.current!.getBoundingClientRect(), px = e.clientX - r.left, py = e.clientY - r.top;
+    const k = Math.min(Math.max(view.k * 2 ** (-e.deltaY / 300), 0.02), 64), q = k / view.k;
+    setView({ k, x: px - (px - view.x) * q, y: py - (py - view.y) * q });
+  };
+  const move = (e: PointerEvent) => {
+    if (!view) return;
+    if (drag.current) {
+      setView({ ...view, x: view.x + e.clientX - drag.current.x, y: view.y + e.clientY - drag.current.y });
+      drag.current = { x: e.clientX, y: e.clientY };
+    }
+    const r = box.current!.getBoundingClientRect();
+    const x = Math.floor((e.clientX - r.left - view.x) / view.k), y = Math.floor((e.clientY - r.top - view.y) / view.k);
+    setNote(hover && x >= 0 && y >= 0 && x < width && y < height ? hover(x, y) : '');
+  };
+  return (
+    <div ref={box} className={`panzoom${view && view.k > 2 ? ' sharp' : ''}`} onWheel={wheel} onDoubleClick={fit} onPointerMove={move} tabIndex={0} role="group" aria-label="Picture: zoom with the wheel, drag to pan, double click to fit"
+      onKeyDown={e => { if (e.key === '0') fit(); }}
+      onPointerDown={e => { drag.current = { x: e.clientX, y: e.clientY }; e.currentTarget.setPointerCapture(e.pointerId); }}
+      onPointerUp={() => { drag.current = null; }} onPointerLeave={() => setNote('')}>
+      {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}</div>}
+      <output className="readout">{note || (view ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
+    </div>
+  );
+}

@@ -1,0 +1,156 @@
+import { create } from 'zustand';
+import type { Doc, DocNode, NodeState, NodeType, OutputValue, Run, State } from './types';
+
+export interface Target { node: string; port: string }
+export interface Trouble { message: string; hint: string; code: string }
+
+interface Store {
+  types: Map<string, NodeType>;
+  doc: Doc | null;
+  nodes: Record<string, NodeState>;
+  run: Run;
+  selected: string | null;
+  port: string | null; // of the selected node, in the viewer
+  pinned: Target | null;
+  online: boolean;
+  trouble: Trouble | null;
+  drawer: 'none' | 'yaml' | 'messages';
+  line: number; // to show in the YAML text; 0: none
+}
+
+export const useStore = create<Store>(() => ({
+  types: new Map(), doc: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
+  run: { running: false, live: true, seconds: 0, expected: 0, trouble: '' }, drawer: 'none', line: 0,
+}));
+const set = useStore.setState;
+
+export const select = (selected: string | null) => set({ selected, port: null });
+export const goToLine = (line: number) => set({ drawer: 'yaml', line });
+
+export async function post(path: string, body: unknown = {}): Promise<boolean> {
+  try {
+    const answer = await fetch(path, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body),
+    });
+    if (answer.ok) {
+      set({ trouble: null });
+      return true;
+    }
+    const { message, hint, code } = await answer.json();
+    set({ trouble: { message, hint, code } });
+  } catch {
+    set({ trouble: { message: 'the server does not answer', hint: 'is terrazzo studio still running?', code: 'offline' } });
+  }
+  return false;
+}
+
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; to?: string };
+export const edit = (edits: Edit[], merge = false) => post('/api/edit', { edits, merge });
+
+// --- events
+
+let pending: Record<string, NodeState> = {};
+let scheduled = false;
+
+// Many nodes change at once, so their events are applied once per frame.
+function later(path: string, state: NodeState) {
+  pending[path] = state;
+  if (scheduled) return;
+  scheduled = true;
+  requestAnimationFrame(() => {
+    scheduled = false;
+    set(s => ({ nodes: { ...s.nodes, ...pending } }));
+    pending = {};
+  });
+}
+
+export async function connect() {
+  const types = await (await fetch('/api/types')).json() as NodeType[];
+  set({ types: new Map(types.map(t => [t.type, t])) });
+  const events = new EventSource('/api/events');
+  const on = <T>(type: string, use: (data: T) => void) =>
+    events.addEventListener(type, e => use(JSON.parse((e as MessageEvent<string>).data) as T));
+  events.onopen = () => set({ online: true });
+  events.onerror = () => {
+    set({ online: false });
+    if (events.readyState === EventSource.CLOSED) // refused: another server, with another token
+      set({ trouble: { message: 'this page belongs to a server that has ended', hint: 'open the address that terrazzo studio printed last', code: 'offline' } });
+  };
+  on<State>('state', s => {
+    pending = {};
+    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true });
+  });
+  on<Doc>('document', doc => set(s => ({
+    doc, selected: doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+    pinned: s.pinned && doc.nodes.some(n => n.name === s.pinned!.node) ? s.pinned : null,
+  })));
+  on<Run>('run', run => set({ run }));
+  on<NodeState & { path: string }>('node', n => later(n.path, n));
+  on<{ path: string; progress: number; note: string }>('progress', p => {
+    const before = pending[p.path] ?? useStore.getState().nodes[p.path];
+    if (before) later(p.path, { ...before, state: 'running', progress: p.progress, note: p.note });
+  });
+}
+
+// --- nodes of the document
+
+export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
+
+const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'canceled', 'waiting', 'running', 'failed'];
+
+// The state of a node of the document. Those of a subgraph's nodes are joined.
+export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
+  if (!node.graph) return nodes[node.name];
+  const inside = Object.entries(nodes).filter(([path]) => path.startsWith(node.name + '/'));
+  if (!inside.length) return undefined;
+  const out: NodeState = {
+    state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, metrics: {}, warnings: [], files: [],
+  };
+  for (const [path, s] of inside) {
+    if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;
+    out.seconds += s.seconds, out.expected += s.expected;
+    out.progress += (s.state === 'running' ? s.progress : s.state === 'waiting' ? 0 : 1) / inside.length;
+    out.reasons.push(...s.reasons.map(r => `${path.slice(node.name.length + 1)}: ${r}`));
+    out.warnings.push(...s.warnings), out.files.push(...s.files);
+    if (s.error && !out.error) out.error = s.error;
+  }
+  return out;
+}
+
+export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
+  if (!node.graph) return nodes[node.name]?.outputs[port];
+  const inner = node.inner?.[port];
+  return inner ? nodes[inner.path]?.outputs[inner.port] : undefined;
+}
+
+export function splitWire(wire: string, doc: Doc, types: Map<string, NodeType>): Target {
+  const dot = wire.lastIndexOf('.');
+  if (dot >= 0) return { node: wire.slice(0, dot), port: wire.slice(dot + 1) };
+  const node = doc.nodes.find(n => n.name === wire);
+  return { node: wire, port: (node && declarationOf(node, types)?.outputs[0]?.name) ?? '' };
+}
+
+// The nearest value of a type, upstream or downstream of a node.
+export function nearest(from: string, type: string, direction: 'up' | 'down', s: Pick<Store, 'doc' | 'types' | 'nodes'>): { target: Target; value: OutputValue } | null {
+  const { doc, types, nodes } = s;
+  if (!doc) return null;
+  const seen = new Set([from]);
+  let front = [from];
+  while (front.length) {
+    const next: string[] = [];
+    for (const name of front) {
+      const around = direction === 'up'
+        ? Object.values(doc.nodes.find(n => n.name === name)?.inputs ?? {}).flat().map(w => splitWire(w, doc, types))
+        : doc.nodes.filter(n => Object.values(n.inputs).flat().some(w => splitWire(w, doc, types).node === name))
+          .flatMap(n => (declarationOf(n, types)?.outputs ?? []).map(p => ({ node: n.name, port: p.name })));
+      for (const target of around) {
+        const node = doc.nodes.find(n => n.name === target.node);
+        const value = node && valueOf(node, target.port, nodes);
+        if (value?.type === type) return { target, value };
+        if (!seen.has(target.node)) seen.add(target.node), next.push(target.node);
+      }
+    }
+    front = next;
+  }
+  return null;
+}

@@ -1,0 +1,41 @@
+// What the server sends: see runtime/studio/studio_server.h.
+export interface Port { name: string; types: string[]; doc: string; optional: boolean; many: boolean }
+export interface Parameter {
+  name: string; kind: string; doc: string; unit: string; required: boolean;
+  choices: string[]; keywords: string[]; default?: unknown; min?: number; max?: number; min_open?: boolean;
+}
+export interface NodeType {
+  type: string; version: number; doc: string; source: string; writes_files: boolean;
+  inputs: Port[]; outputs: Port[]; parameters: Parameter[];
+}
+export type Written = string | string[];
+export interface DocNode {
+  name: string; type: string; graph: string; doc: string; line: number;
+  params: Record<string, { value: Written; line: number }>;
+  inputs: Record<string, string[]>;
+  declaration?: NodeType;
+  inner?: Record<string, { path: string; port: string } | null>;
+}
+export interface Message {
+  severity: 'error' | 'warning' | 'note'; code: string; message: string; hint: string;
+  file: string; line: number; column: number; node: string; parameter: string;
+}
+export interface GraphParameter {
+  name: string; kind: string; doc: string; unit: string; choices: string[]; keywords: string[]; line: number; value: Written;
+}
+export interface Doc {
+  name: string; doc: string; file: string; text: string; nodes: DocNode[];
+  outputs: { name: string; wire: string; line: number }[];
+  parameters: GraphParameter[]; messages: Message[];
+  saved: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
+  disk_changed: boolean; valid: boolean;
+}
+export interface OutputValue { type: string; hash: string; bytes: number }
+export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled';
+export interface NodeState {
+  state: StateWord; progress: number; note: string; seconds: number; expected: number; reasons: string[];
+  outputs: Record<string, OutputValue>; metrics: Record<string, number>; warnings: string[]; files: string[];
+  error?: Message;
+}
+export interface Run { running: boolean; live: boolean; seconds: number; expected: number; trouble: string }
+export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }

@@ -1,0 +1,207 @@
+#include "runtime/studio/studio_server.h"
+
+#include <atomic>
+#include <nlohmann/json.hpp>
+
+#include "graph/describe.h"
+#include "runtime/json_text.h"
+#include "runtime/studio/live_graph.h"
+#include "runtime/studio/studio_bundle.h"
+#include "runtime/studio/value_views.h"
+
+#include "runtime/studio/local_server.h"  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo::studio {
+using nlohmann::json;
+namespace {
+
+constexpr const char* kEvents = "/api/events";
+constexpr int kMostStreams = 32;  // each occupies a thread of the server's 64
+
+WrittenValue written_value(const json& j) {
+  const auto word = [](const json& x) { return x.is_string() ? x.get<std::string>() : json_text(x); };
+  WrittenValue v{j.is_array(), {}, {}};
+  if (!j.is_array()) {
+    v.items.push_back(word(j));
+    return v;
+  }
+  for (const auto& x : j) v.items.push_back(word(x));
+  return v;
+}
+
+Edit edit_of(const json& j) {
+  static const std::map<std::string, Edit::Kind> kinds = {{"set", Edit::Kind::SetParameter},
+                                                          {"reset", Edit::Kind::ResetParameter},
+                                                          {"set_default", Edit::Kind::SetDefault},
+                                                          {"connect", Edit::Kind::Connect},
+                                                          {"add", Edit::Kind::AddNode},
+                                                          {"remove", Edit::Kind::RemoveNode},
+                                                          {"rename", Edit::Kind::RenameNode}};
+  const auto kind = kinds.find(j.at("op").get<std::string>());
+  if (kind == kinds.end())
+    throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
+  Edit e;
+  e.kind = kind->second;
+  e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
+  e.type = j.value("type", ""), e.graph = j.value("graph", "");
+  if (j.contains("value")) e.value = written_value(j["value"]);
+  if (j.contains("wires")) e.wires = j["wires"].get<std::vector<std::string>>();
+  const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::SetDefault;
+  if (needs_value && !j.contains("value")) throw Error("bad-request", "the edit has no value");
+  return e;
+}
+
+std::string event_text(std::uint64_t number, const std::string& type, const std::string& data) {
+  return "id: " + std::to_string(number) + "\nevent: " + type + "\ndata: " + data + "\n\n";
+}
+
+int number_in(const httplib::Request& in, const char* name, int otherwise, int lo, int hi) {
+  if (!in.has_param(name)) return otherwise;
+  const std::string text = in.get_param_value(name);
+  if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
+    throw Error("bad-request", std::string("'") + name + "' is not a number");
+  return std::clamp(std::stoi(text), lo, hi);
+}
+
+}  // namespace
+
+struct StudioServer::Impl {
+  LiveGraph& live;
+  const Registry& registry;
+  LocalServer server{"studio", kEvents, max_graph_bytes + (1 << 20)};
+  std::atomic<int> streams{0};  // now open
+
+  // A stream of events. Sends the whole state first, unless the client names an event that is still kept.
+  void stream(const httplib::Request& in, httplib::Response& out) {
+    if (streams >= kMostStreams)
+      throw Error("too-many-pages", "too many pages show this graph", "close some of them");
+    struct Client {
+      std::atomic<int>& streams;
+      std::uint64_t seen = 0;
+      bool resumed = false;
+      explicit Client(std::atomic<int>& s) : streams(s) { ++streams; }
+      ~Client() { --streams; }
+    };
+    const auto client = std::make_shared<Client>(streams);
+    const std::string last = in.get_header_value("Last-Event-ID");
+    if (!last.empty() && last.size() < 19 && last.find_first_not_of("0123456789") == std::string::npos)
+      client->seen = std::stoull(last), client->resumed = true;
+    out.set_chunked_content_provider(
+        "text/event-stream", [this, client](std::size_t, httplib::DataSink& sink) {
+          if (server.http().ended()) return false;
+          const auto send = [&](const std::string& text) { return sink.write(text.data(), text.size()); };
+          std::optional<std::vector<Event>> events;
+          for (int k = 0; client->resumed && k < 10 && (!events || events->empty()); ++k) {
+            if (!sink.is_writable() || server.http().ended()) return false;
+            events = live.events().after(client->seen, std::chrono::milliseconds(100));
+            if (!events) break;
+          }
+          if (!events) {
+            const json state = live.state();
+            client->seen = state.at("number"), client->resumed = true;
+            return send(event_text(client->seen, "state", json_text(state)));
+          }
+          if (events->empty()) return send(":\n\n");  // finds out whether the client is still there
+          std::string text;
+          for (const auto& e : *events) text += event_text(e.number, e.type, e.data);
+          client->seen = events->back().number;
+          return send(text);
+        });
+  }
+
+  void value(const httplib::Request& in, httplib::Response& out) {
+    const std::string hash = in.matches[1], as = in.get_param_value("as");
+    const int section = number_in(in, "section", 0, 0, 1 << 20);
+    const int most = number_in(in, "most", 2048, 16, 8192);
+    const std::string tag =
+        "\"" + hash + "." + as + "." + std::to_string(section) + "." + std::to_string(most) + "\"";
+    out.headers.erase("Cache-Control");
+    out.set_header("Cache-Control", "private, max-age=31536000, immutable");
+    out.set_header("ETag", tag);
+    if (in.get_header_value("If-None-Match") == tag) {
+      out.status = 304;
+      return;
+    }
+    ValueView v;
+    try {
+      v = view_of(live.value(hash), as, section, most);
+    } catch (...) {
+      out.headers.erase("Cache-Control"), out.headers.erase("ETag");
+      out.set_header("Cache-Control", "no-store");
+      throw;
+    }
+    out.set_content(v.body, v.type.c_str());
+  }
+
+  json types() const {
+    json list = json::array();
+    for (const NodeType* type : registry.all()) list.push_back(describe_json(*type));
+    return list;
+  }
+
+  void routes() {
+    using In = httplib::Request;
+    using Out = httplib::Response;
+    auto& http = server.http();
+    server.add_page("/", "studio.html");
+    http.Get("/studio.js", [](const In&, Out& out) {
+      out.set_header("Content-Encoding", "gzip");
+      out.set_content(studio_bundle().data(), studio_bundle().size(), "text/javascript; charset=utf-8");
+    });
+    http.Get("/api/types",
+             server.handler([this](const In&, const json&, Out& out) { LocalServer::answer(out, types()); }));
+    http.Get("/api/state", server.handler([this](const In&, const json&, Out& out) {
+      LocalServer::answer(out, live.state());
+    }));
+    http.Get(kEvents, server.handler([this](const In& in, const json&, Out& out) { stream(in, out); }));
+    http.Get("/api/value/([0-9a-f]{8,64})",
+             server.handler([this](const In& in, const json&, Out& out) { value(in, out); }));
+    const auto post = [&](const char* path, auto act) {
+      http.Post(path, server.handler([this, act](const In&, const json& body, Out& out) {
+        act(body);
+        LocalServer::answer(out, {{"number", live.events().last()}});
+      }));
+    };
+    const auto change = [&](const char* path, auto act) {
+      post(path, [this, act](const json& body) { live.change([&](Document& d) { act(d, body); }); });
+    };
+    change("/api/edit", [](Document& d, const json& body) {
+      std::vector<Edit> edits;
+      for (const auto& e : body.at("edits")) edits.push_back(edit_of(e));
+      d.edit(edits, body.value("merge", false));
+    });
+    change("/api/text", [](Document& d, const json& body) { d.replace(body.at("text").get<std::string>()); });
+    change("/api/undo", [](Document& d, const json&) {
+      if (!d.undo()) throw Error("nothing-to-undo", "there is nothing to undo");
+    });
+    change("/api/redo", [](Document& d, const json&) {
+      if (!d.redo()) throw Error("nothing-to-redo", "there is nothing to redo");
+    });
+    change("/api/save", [](Document& d, const json& body) { d.save(body.value("overwrite", false)); });
+    change("/api/reload", [](Document& d, const json&) { d.reload(); });
+    change("/api/recover", [](Document& d, const json& body) { d.recover(body.at("use").get<bool>()); });
+    post("/api/run",
+         [this](const json& body) { live.evaluate(body.value("targets", std::vector<std::string>{})); });
+    post("/api/cancel", [this](const json& body) { live.cancel(body.value("node", "")); });
+    post("/api/live", [this](const json& body) { live.set_live(body.at("live").get<bool>()); });
+  }
+};
+
+StudioServer::StudioServer(LiveGraph& live, const Registry& registry)
+    : impl_(new Impl{.live = live, .registry = registry}) {
+  impl_->routes();
+}
+
+StudioServer::~StudioServer() = default;
+
+int StudioServer::bind(int port) { return impl_->server.bind(port); }
+
+std::string StudioServer::address() const { return impl_->server.address(); }
+
+void StudioServer::serve() { impl_->server.http().listen_after_bind(); }
+
+void StudioServer::stop() { impl_->server.http().end(); }
+
+bool has_studio_page() { return !studio_bundle().empty(); }
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,151 @@
+#include "runtime/studio/value_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "nodes/data/profiles.h"
+#include "runtime/json_text.h"
+
+namespace terrazzo::studio {
+using nlohmann::json;
+namespace {
+
+constexpr std::size_t kShown = 200;          // entries of a list in a summary
+constexpr std::size_t kMostJson = 48 << 20;  // bytes
+
+// Cuts long lists. Numbers stay together, so that curves are complete up to a limit.
+void reduce(json& j) {
+  if (j.is_array() && j.size() > kShown) {
+    const bool numbers = j[0].is_number() && j.size() <= 20 * kShown;
+    if (!numbers) {
+      const std::size_t all = j.size();
+      j.erase(j.begin() + kShown, j.end());
+      for (auto& x : j) reduce(x);
+      j = {{"shown", j}, {"of", all}};
+      return;
+    }
+  }
+  if (j.is_structured())
+    for (auto& x : j) reduce(x);
+}
+
+struct Raster {
+  int width, height, sections, section, factor;
+  Raster(int width, int height, int sections, int section, int most)
+      : width(width),
+        height(height),
+        sections(sections),
+        section(std::clamp(section, 0, std::max(sections - 1, 0))),
+        factor(std::max(1, (std::max(width, height) + most - 1) / std::max(most, 1))) {
+    if (width <= 0 || height <= 0 || sections <= 0) throw Error("empty-image", "the picture has no pixels");
+  }
+  int w() const { return (width + factor - 1) / factor; }
+  int h() const { return (height + factor - 1) / factor; }
+
+  // The head, then `pixel(x, y)` as four bytes for each pixel that is shown.
+  template <class Pixel>
+  ValueView view(Pixel&& pixel) const {
+    std::string out;
+    out.reserve(20 + std::size_t{4} * w() * h());
+    for (const int v : {w(), h(), sections, width, height}) append(out, static_cast<std::uint32_t>(v));
+    for (int y = 0; y < height; y += factor)
+      for (int x = 0; x < width; x += factor) append(out, pixel(x, y));
+    return {"application/octet-stream", std::move(out)};
+  }
+
+ private:
+  static void append(std::string& out, std::uint32_t v) {
+    char bytes[4];
+    std::memcpy(bytes, &v, 4);
+    out.append(bytes, 4);
+  }
+};
+
+std::uint32_t rgba(const Vec3f& linear) {
+  const Vec3f c = linear_to_srgb(linear);
+  std::uint32_t out = 0xff000000u;
+  for (int k = 0; k < 3; ++k) {
+    const float v = std::isfinite(c[k]) ? std::clamp(c[k], 0.0f, 1.0f) : 0.0f;
+    out |= static_cast<std::uint32_t>(std::lround(255 * v)) << (8 * k);
+  }
+  return out;
+}
+
+// A color for a profile number: neighbors in number differ.
+std::uint32_t color_of(std::int32_t id) {
+  if (id <= 0) return 0xff201c1au;
+  const double hue = std::fmod(static_cast<double>(id) * 0.61803398875, 1.0) * 6;
+  const double light = 0.55 + 0.35 * std::fmod(static_cast<double>(id) * 0.7548776662, 1.0);
+  std::uint32_t out = 0xff000000u;
+  for (int k = 0; k < 3; ++k) {
+    const double v = std::clamp(std::abs(std::fmod(hue + 6 - 2 * k, 6.0) - 3) - 1, 0.0, 1.0);
+    out |= static_cast<std::uint32_t>(std::lround(255 * light * (0.45 + 0.55 * v))) << (8 * k);
+  }
+  return out;
+}
+
+ValueView json_view(const json& j) {
+  std::string text = json_text(j);
+  if (text.size() > kMostJson)
+    throw Error("too-large", fmt::format("the value has {} MB as JSON", text.size() / 1'000'000),
+                "write it to a file with terrazzo show -o");
+  return {"application/json", std::move(text)};
+}
+
+json outlines(const Profiles& p, int section) {
+  json list = json::array();
+  for (std::size_t k = 0; k < p.profiles.size(); ++k) {
+    const Profile& q = p.profiles[k];
+    if (q.section != section) continue;
+    json points = json::array();
+    for (const auto& v : q.contour) points.push_back({v.x(), v.y()});
+    list.push_back({{"index", k},
+                    {"area", q.area},
+                    {"class", q.cls},
+                    {"border", q.touches_border},
+                    {"center", {q.centroid.x(), q.centroid.y()}},
+                    {"points", points},
+                    {"color", rgba(q.color) & 0xffffffu}});
+  }
+  return {{"window", {p.window.x(), p.window.y()}},
+          {"sections", p.sections},
+          {"area_fraction", p.area_fraction},
+          {"binder", rgba(p.binder_color) & 0xffffffu},
+          {"profiles", list}};
+}
+
+}  // namespace
+
+ValueView view_of(const Value& value, const std::string& as, int section, int most) {
+  if (as == "json") return json_view(value.type().describe(value.data()));
+  if (as == "summary") {
+    json j = value.type().describe(value.data());
+    reduce(j);
+    return json_view(j);
+  }
+  if (as == "pixels" && value.is<Image>()) {
+    const auto& image = value.as<Image>();
+    const Raster r(image.width, image.height, image.sections, section, most);
+    return r.view([&](int x, int y) { return rgba(image.at(x, y, r.section)); });
+  }
+  if ((as == "pixels" || as == "ids") && value.is<Labels>()) {
+    const auto& labels = value.as<Labels>();
+    const Raster r(labels.width, labels.height, labels.sections, section, most);
+    return r.view([&](int x, int y) {
+      const std::int32_t id = labels.ids[labels.index(x, y, r.section)];
+      return as == "ids" ? static_cast<std::uint32_t>(id) : color_of(id);
+    });
+  }
+  if (as == "outlines" && value.is<Profiles>()) return json_view(outlines(value.as<Profiles>(), section));
+  throw Error("bad-request", fmt::format("a value of type {} has no view '{}'", value.type().name, as),
+              "use summary or json");
+}
+
+}  // namespace terrazzo::studio

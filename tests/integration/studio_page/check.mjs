@@ -1,0 +1,114 @@
+// node check.mjs TERRAZZO GRAPH CHROMIUM: works on GRAPH like a user: looks, edits, wires, undoes, saves. Prints the observed
+// states as one JSON object.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { chromium } from 'playwright-core';
+
+const [, , program, graph, executablePath] = process.argv;
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const server = spawn(program, ['studio', graph, '--no-browser', '--no-cache'], { stdio: ['ignore', 'pipe', 'inherit'] });
+const [first] = await once(server.stdout, 'data');
+const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
+const result = { errors: [], violations: [] };
+try {
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
+  page.on('pageerror', e => result.errors.push(e.message));
+  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  await page.goto(String(first).trim());
+  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
+  const settled = () => page.waitForFunction(() => {
+    const at = document.querySelector('.status')?.textContent ?? '';
+    return document.querySelector('.card') && !/running|not connected/.test(at) && !document.querySelector('.card.waiting, .card.running');
+  });
+  const size = () => page.textContent('.readout');
+  const text = () => page.evaluate(async () => (await (await fetch('/api/state')).json()).document.text);
+  const check = async where => {
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
+    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
+  };
+
+  await settled();
+  const before = await text();
+  result.address = page.url();
+  result.cards = await page.locator('.card').count();
+  await card('sheet').click();
+  await page.waitForSelector('.panzoom canvas');
+  result.size_before = await size();
+
+  // A parameter changes the result and its own line.
+  await page.fill('#field-cell', '100');
+  await page.press('#field-cell', 'Enter');
+  await page.waitForFunction(old => document.querySelector('.readout')?.textContent !== old, result.size_before);
+  result.size_after = await size();
+  result.text_after = await text();
+  await check('inspector, dark');
+
+  // A message leads to its line.
+  await page.click('text=YAML');
+  await page.click('.title .link');
+  result.line = await page.evaluate(() => { const a = document.querySelector('textarea'); return a.value.slice(a.selectionStart, a.selectionEnd); });
+  const area = page.locator('.yaml textarea');
+  await area.fill((await area.inputValue()).replace('ContactSheet', 'ContactSheat'));
+  await area.press('Control+Enter');
+  await page.waitForSelector('.card.failed');
+  result.broken_status = await page.textContent('.status');
+  await page.click('button:has-text("Messages")');
+  result.message = await page.textContent('.messages li.error');
+  await page.emulateMedia({ colorScheme: 'light' });
+  await check('messages, light');
+
+  // Undo goes back to the first text.
+  for (let k = 0; k < 2; ++k) await page.click('button:has-text("Undo")'), await settled();
+  result.undone = (await text()) === before;
+
+  // A node is added, wired by dragging, and saved.
+  await page.click('.react-flow__pane', { position: { x: 500, y: 40 } });
+  await page.click('button:has-text("Add node")');
+  await page.keyboard.type('Export');
+  await page.keyboard.press('Enter');
+  await card('export').waitFor();
+  await page.click('button:has-text("Arrange")');
+  await page.click('button:has-text("Fit")');
+  await page.waitForTimeout(400);
+  await card('export').click();
+  await page.waitForTimeout(200);
+  const center = async locator => { const b = await locator.boundingBox(); return [b.x + b.width / 2, b.y + b.height / 2]; };
+  const from = await center(card('sheet').locator('.react-flow__handle[data-handleid="image"]'));
+  const to = await center(card('export').locator('.react-flow__handle[data-handleid="image"]'));
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, { steps: 4 });
+  await page.mouse.move(...to, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.text.includes('image: sheet.image'));
+  // A wire dropped on the background offers the nodes that accept it.
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  await page.mouse.move(from[0] - 60, from[1] - 150, { steps: 5 });
+  await page.mouse.up();
+  result.offered = await page.getAttribute('.search input', 'placeholder');
+  await check('search');
+  await page.keyboard.press('Escape');
+  await page.locator('.search').waitFor({ state: 'detached' });
+  await page.keyboard.press('Control+s');
+  await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.saved);
+  result.saved = readFileSync(graph, 'utf8');
+  await card('export').click();
+  await page.keyboard.press('Delete');
+  await card('export').waitFor({ state: 'detached' });
+  result.removed = (await text()) === before;
+  result.errors_before_end = [...result.errors];
+
+  server.kill('SIGKILL');
+  await page.waitForFunction(() => document.querySelector('.status').textContent === 'not connected');
+  result.offline = true;
+} catch (e) {
+  result.errors_before_end = [...result.errors, String(e)];
+} finally {
+  await browser.close();
+  server.kill();
+}
+console.log(JSON.stringify(result));

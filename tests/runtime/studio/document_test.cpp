@@ -1,0 +1,125 @@
+// The document of the Studio: undo, saving, and what is left beside the file.
+#include "runtime/studio/document.h"
+
+#include <gtest/gtest.h>
+
+#include "runtime/files.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using studio::Document;
+
+const std::string kDocumentText = "# kept\nterrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}\n";
+
+Edit value(const std::string& v) { return {Edit::Kind::SetParameter, "a", "value", {false, {v}, {}}}; }
+
+class StudioDocument : public ::testing::Test {
+ protected:
+  StudioDocument() { write_text_atomically(file, kDocumentText); }
+  std::string beside() const { return read_file(file.parent_path() / ".graph.yaml.unsaved").value_or(""); }
+  const fs::path file = test::temporary_folder() / "graph.yaml";
+};
+
+TEST_F(StudioDocument, UndoGoesBackToTheFirstTextAndForward) {
+  Document d(file);
+  std::vector<std::string> texts{d.text()};
+  for (int k = 0; k < 50; ++k) {
+    d.edit({value(std::to_string(k))});
+    texts.push_back(d.text());
+  }
+  for (std::size_t k = texts.size() - 1; k-- > 0;) {
+    EXPECT_TRUE(d.undo());
+    EXPECT_EQ(d.text(), texts[k]);
+  }
+  EXPECT_FALSE(d.undo());
+  EXPECT_TRUE(d.saved());
+  while (d.redo()) {
+  }
+  EXPECT_EQ(d.text(), texts.back());
+}
+
+TEST_F(StudioDocument, AMovingSliderIsOneStep) {
+  Document d(file);
+  d.edit({value("6")});
+  for (const char* v : {"7", "8", "9"}) d.edit({value(v)}, true);
+  EXPECT_TRUE(d.undo());
+  EXPECT_NE(d.text().find("value: 6"), std::string::npos);
+}
+
+TEST_F(StudioDocument, SeveralEditsAreOneStepOrNone) {
+  Document d(file);
+  EXPECT_EQ(test::code_of([&] {
+              d.edit({value("6"), {Edit::Kind::RemoveNode, "nothing"}});
+            }),
+            "unknown-node");
+  EXPECT_EQ(d.text(), kDocumentText);
+  EXPECT_FALSE(d.can_undo());
+}
+
+TEST_F(StudioDocument, UnsavedTextIsKeptBesideTheFile) {
+  std::string edited;
+  {
+    Document d(file);
+    d.edit({value("6")});
+    edited = d.text();
+    EXPECT_EQ(beside(), edited);
+  }  // as if the program had been killed
+  Document d(file);
+  EXPECT_EQ(d.text(), kDocumentText);
+  EXPECT_EQ(d.recovered(), edited);
+  d.recover(true);
+  EXPECT_EQ(d.text(), edited);
+  d.save(false);
+  EXPECT_EQ(*read_file(file), edited);
+  EXPECT_FALSE(fs::exists(file.parent_path() / ".graph.yaml.unsaved"));
+  EXPECT_TRUE(d.undo());
+  EXPECT_FALSE(d.saved());
+  EXPECT_EQ(beside(), kDocumentText);
+}
+
+TEST_F(StudioDocument, AnEditBeforeTheQuestionIsAnsweredLosesNothing) {
+  {
+    Document d(file);
+    d.edit({value("6")});
+  }
+  const std::string left = beside();
+  Document d(file);
+  d.edit({value("7")});
+  EXPECT_EQ(beside(), left);
+  d.recover(false);
+  EXPECT_EQ(beside(), d.text());
+}
+
+TEST_F(StudioDocument, AFileThatChangedOnDiskIsNotOverwritten) {
+  Document d(file);
+  d.edit({value("6")});
+  write_text_atomically(file, kDocumentText + "# by another program\n");
+  EXPECT_TRUE(d.changed_on_disk());
+  EXPECT_EQ(test::code_of([&] { d.save(false); }), "file-changed");
+  EXPECT_EQ(*read_file(file), kDocumentText + "# by another program\n");
+  const std::string mine = d.text();
+  d.reload();
+  EXPECT_EQ(d.text(), kDocumentText + "# by another program\n");
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.text(), mine);
+  d.save(true);
+  EXPECT_EQ(*read_file(file), mine);
+}
+
+TEST_F(StudioDocument, BadTextAndBadFilesAreRefused) {
+  Document d(file);
+  EXPECT_EQ(test::code_of([&] { d.replace("\xff"); }), "not-utf8");
+  EXPECT_EQ(test::code_of([&] { d.replace(std::string(max_graph_bytes + 1, ' ')); }), "too-large");
+  EXPECT_EQ(d.text(), kDocumentText);
+  EXPECT_EQ(test::code_of([&] { Document(file.parent_path() / "none.yaml"); }), "no-file");
+  Document given(file, true);
+  given.edit({value("6")});
+  EXPECT_EQ(beside(), "");
+  EXPECT_EQ(test::code_of([&] { given.save(false); }), "read-only");
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,202 @@
+// A document that is evaluated while it is edited.
+#include "runtime/studio/live_graph.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "nodes/data/table.h"
+#include "runtime/files.h"
+#include "tests/support/arithmetic.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using studio::Document;
+using studio::LiveGraph;
+
+const std::string kLiveText =
+    "terrazzo: 1\n"
+    "nodes:\n"
+    "  a: {type: Constant, params: {value: 5}}\n"
+    "  b: {type: Constant, params: {value: 2}}\n"
+    "  clamp: {type: Clamp, inputs: {in: a.out}, params: {low: 0, high: 3}}\n"
+    "  sum: {type: Add, inputs: {a: clamp.out, b: b.out}}\n"
+    "  write: {type: Write, inputs: {in: sum.out}, params: {path: sum.txt}}\n";
+
+class LiveGraphTest : public ::testing::Test {
+ protected:
+  void open(const std::string& text = kLiveText, bool automatic = true) {
+    write_text_atomically(file, text);
+    live =
+        std::make_unique<LiveGraph>(test::arithmetic(), test::value_types(),
+                                    SessionOptions{.cache_folder = folder / "cache", .output_folder = folder},
+                                    Document(file), Overrides{}, automatic);
+  }
+  void set(const std::string& node, const std::string& name, const std::string& value) {
+    live->change([&](Document& d) {
+      d.edit({{Edit::Kind::SetParameter, node, name, {false, {value}, {}}}});
+    });
+  }
+  // The state once `ready` holds. Fails after 20 s.
+  json when(const std::function<bool(const json&)>& ready) {
+    for (int k = 0; k < 2000; ++k) {
+      const json s = live->state();
+      if (ready(s)) return s;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    ADD_FAILURE() << live->state().dump(1);
+    return live->state();
+  }
+  json settled() {
+    return when([](const json& s) {
+      for (const auto& [path, n] : s["nodes"].items())
+        if (n["state"] == "waiting" || n["state"] == "running") return false;
+      return !s["run"]["running"].get<bool>();
+    });
+  }
+  double number(const json& state, const std::string& node) {
+    return test::number_of(live->value(state["nodes"][node]["outputs"]["out"]["hash"]));
+  }
+
+  const fs::path folder = test::temporary_folder(), file = folder / "live.yaml";
+  std::unique_ptr<LiveGraph> live;
+};
+
+TEST_F(LiveGraphTest, EvaluatesWhatAnEditAffects) {
+  open();
+  json s = settled();
+  EXPECT_EQ(number(s, "sum"), 5);
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "computed");
+  set("b", "value", "7");
+  s = settled();
+  EXPECT_EQ(number(s, "sum"), 10);
+  EXPECT_EQ(s["nodes"]["clamp"]["state"], "cached");
+  EXPECT_EQ(s["nodes"]["b"]["state"], "computed");
+  EXPECT_NE(s["nodes"]["b"]["reasons"][0].get<std::string>().find("2 → 7"), std::string::npos);
+  live->change([](Document& d) { d.undo(); });
+  s = settled();
+  EXPECT_EQ(s["document"]["text"], kLiveText);
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "cached");
+}
+
+TEST_F(LiveGraphTest, WritesFilesOnlyOnDemand) {
+  open();
+  settled();
+  EXPECT_FALSE(fs::exists(folder / "sum.txt"));
+  live->evaluate({});
+  const json s = settled();
+  EXPECT_EQ(*read_file(folder / "sum.txt"), "5");
+  EXPECT_EQ(s["nodes"]["write"]["files"], json::array({"sum.txt"}));
+}
+
+TEST_F(LiveGraphTest, OnDemandOnlyPlans) {
+  open(kLiveText, false);
+  json s = live->state();
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "stale");
+  EXPECT_FALSE(s["run"]["running"]);
+  live->evaluate({"clamp"});
+  s = settled();
+  EXPECT_EQ(number(s, "clamp"), 3);
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "stale");
+  EXPECT_EQ(test::code_of([&] { live->evaluate({"nothing"}); }), "unknown-node");
+}
+
+TEST_F(LiveGraphTest, AGraphWithErrorsOpens) {
+  open("terrazzo: 1\nnodes:\n  a: {type: Constnat}\n  b: {type: Constant}\n");
+  json s = live->state();
+  EXPECT_FALSE(s["document"]["valid"]);
+  EXPECT_EQ(s["document"]["nodes"].size(), 2u);
+  EXPECT_EQ(s["document"]["messages"][0]["line"], 3);
+  EXPECT_EQ(s["document"]["messages"][0]["node"], "a");
+  EXPECT_EQ(test::code_of([&] { live->evaluate({}); }), "invalid-graph");
+  live->change([](Document& d) { d.replace("terrazzo: 1\nnodes: [\n"); });  // no YAML at all
+  EXPECT_EQ(live->state()["document"]["messages"][0]["code"], "yaml");
+  live->change([](Document& d) { d.replace(kLiveText); });
+  EXPECT_EQ(number(settled(), "sum"), 5);
+}
+
+TEST_F(LiveGraphTest, FailuresAndTheirConsequencesAreShown) {
+  open(
+      "terrazzo: 1\nnodes:\n  f: {type: Fail}\n  c: {type: Clamp, inputs: {in: f.out}}\n  d: {type: "
+      "Constant}\n");
+  const json s = settled();
+  EXPECT_EQ(s["nodes"]["f"]["state"], "failed");
+  EXPECT_EQ(s["nodes"]["f"]["error"]["code"], "no-luck");
+  EXPECT_EQ(s["nodes"]["c"]["state"], "skipped");
+  EXPECT_EQ(s["nodes"]["d"]["state"], "computed");
+}
+
+TEST_F(LiveGraphTest, OneNodeIsCanceled) {
+  open("terrazzo: 1\nnodes:\n  e: {type: Endless}\n  d: {type: Constant}\n");
+  when([](const json& s) { return s["nodes"]["e"]["state"] == "running"; });
+  live->cancel("e");
+  const json s = settled();
+  EXPECT_EQ(s["nodes"]["e"]["state"], "canceled");
+  EXPECT_EQ(s["nodes"]["d"]["state"], "computed");
+}
+
+// An edit elsewhere neither stops a computation nor hides that it goes on.
+TEST_F(LiveGraphTest, WhatAnEditDoesNotAffectGoesOn) {
+  open("terrazzo: 1\nnodes:\n  e: {type: Endless}\n  d: {type: Constant, params: {value: 1}}\n");
+  when([](const json& s) { return s["nodes"]["e"]["state"] == "running"; });
+  set("d", "value", "2");
+  const json s = when([](const json& s) { return s["nodes"]["d"]["state"] == "computed"; });
+  EXPECT_EQ(number(s, "d"), 2);
+  EXPECT_TRUE(s["run"]["running"]);
+  live->cancel("");
+  EXPECT_EQ(settled()["nodes"]["e"]["state"], "canceled");
+}
+
+TEST_F(LiveGraphTest, AFileThatChangesIsReadAgain) {
+  open();
+  settled();
+  std::string other = kLiveText;
+  other.replace(other.find("value: 2"), 8, "value: 4");
+  write_text_atomically(file, other);
+  when([](const json& s) { return s["document"]["text"] != kLiveText; });
+  EXPECT_EQ(number(settled(), "sum"), 7);
+  set("b", "value", "9");
+  write_text_atomically(file, kLiveText);  // now there are unsaved changes
+  const json s = when([](const json& s) { return s["document"]["disk_changed"].get<bool>(); });
+  EXPECT_NE(s["document"]["text"], kLiveText);
+}
+
+// A run that finds everything in the cache ends before anyone looks.
+TEST_F(LiveGraphTest, TheEndOfEveryRunIsReported) {
+  open();
+  std::uint64_t seen = settled()["number"];
+  for (int k = 0; k < 6; ++k) {
+    set("b", "value", k % 2 ? "2" : "3");
+    json last;
+    for (int tries = 0; tries < 100 && (last.is_null() || last["running"].get<bool>()); ++tries) {
+      const auto events = live->events().after(seen, std::chrono::milliseconds(200));
+      ASSERT_TRUE(events);
+      for (const auto& e : *events) {
+        if (e.type == "run") last = json::parse(e.data);
+        seen = e.number;
+      }
+    }
+    EXPECT_EQ(last["running"], false) << k;
+  }
+}
+
+TEST_F(LiveGraphTest, EventsResume) {
+  open();
+  const json s = settled();
+  const std::uint64_t number = s["number"];
+  set("b", "value", "3");
+  const auto events = live->events().after(number, std::chrono::milliseconds(0));
+  ASSERT_TRUE(events && !events->empty());
+  EXPECT_EQ(events->front().number, number + 1);
+  EXPECT_EQ(events->front().type, "document");
+  EXPECT_FALSE(live->events().after(number + 100000, std::chrono::milliseconds(0)));  // of another session
+  EXPECT_EQ(test::code_of([&] { live->value("0123"); }), "unknown-value");
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,198 @@
+// The HTTP interface of the Studio, as a page and as others use it.
+#include "runtime/studio/studio_server.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "runtime/files.h"
+#include "runtime/studio/live_graph.h"
+#include "runtime/studio/value_views.h"
+#include "tests/support/arithmetic.h"
+#include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
+
+#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Studio : public ::testing::Test {
+ protected:
+  Studio() {
+    write_text_atomically(file, "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}  # kept\n");
+    live = std::make_unique<studio::LiveGraph>(test::arithmetic(), test::value_types(), SessionOptions{},
+                                               studio::Document(file));
+    server = std::make_unique<studio::StudioServer>(*live, test::arithmetic());
+    port = server->bind(0);
+    token = server->address().substr(server->address().find("token=") + 6);
+    thread = std::thread([this] { server->serve(); });
+  }
+  ~Studio() override {
+    server->stop();
+    thread.join();
+  }
+  httplib::Client client() const {
+    httplib::Client c("127.0.0.1", port);
+    c.set_default_headers({{"Cookie", "terrazzo_studio_" + std::to_string(port) + "=" + token}});
+    c.set_read_timeout(20);
+    return c;
+  }
+  json get(const std::string& path) const { return json::parse(client().Get(path.c_str())->body); }
+  int post(const std::string& path, const json& body, json* answer = nullptr) const {
+    const auto r = client().Post(path.c_str(), body.dump(), "application/json");
+    if (answer) *answer = json::parse(r->body);
+    return r->status;
+  }
+  // The first `count` events of the stream.
+  std::vector<std::string> events(std::size_t count, const httplib::Headers& headers = {}) const {
+    std::string text;
+    const auto seen = [&] {
+      std::vector<std::string> out;
+      for (std::size_t at = 0, end; (end = text.find("\n\n", at)) != std::string::npos; at = end + 2)
+        if (text.compare(at, 1, ":") != 0) out.push_back(text.substr(at, end - at));
+      return out;
+    };
+    client().Get("/api/events", headers, [&](const char* data, std::size_t n) {
+      text.append(data, n);
+      return seen().size() < count;
+    });
+    auto out = seen();
+    out.resize(std::min(count, out.size()));
+    return out;
+  }
+
+  const fs::path file = test::temporary_folder() / "graph.yaml";
+  std::unique_ptr<studio::LiveGraph> live;
+  std::unique_ptr<studio::StudioServer> server;
+  int port = 0;
+  std::string token;
+  std::thread thread;
+};
+
+const json kSet = {{"edits", {{{"op", "set"}, {"node", "a"}, {"name", "value"}, {"value", "6"}}}}};
+
+TEST_F(Studio, EditsUndoesAndSaves) {
+  EXPECT_EQ(get("/api/types").size(), test::arithmetic().all().size());
+  EXPECT_EQ(post("/api/edit", kSet), 200);
+  json s = get("/api/state");
+  EXPECT_EQ(s["document"]["text"],
+            "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 6}}  # kept\n");
+  EXPECT_FALSE(s["document"]["saved"]);
+  EXPECT_EQ(post("/api/undo", {}), 200);
+  json answer;
+  EXPECT_EQ(post("/api/undo", {}, &answer), 400);
+  EXPECT_EQ(answer["code"], "nothing-to-undo");
+  EXPECT_EQ(post("/api/redo", {}), 200);
+  EXPECT_EQ(post("/api/save", json::object()), 200);
+  EXPECT_EQ(*read_file(file), s["document"]["text"]);
+  EXPECT_EQ(post("/api/text", {{"text", "terrazzo: 1\nnodes: {b: {type: Constant}}\n"}}), 200);
+  EXPECT_EQ(get("/api/state")["document"]["nodes"][0]["name"], "b");
+}
+
+TEST_F(Studio, ValuesHaveAnETag) {
+  json s = get("/api/state");
+  for (int k = 0; k < 500 && s["nodes"]["a"]["outputs"].empty(); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    s = get("/api/state");
+  }
+  const std::string path =
+      "/api/value/" + s["nodes"]["a"]["outputs"]["out"]["hash"].get<std::string>() + "?as=json";
+  const auto first = client().Get(path.c_str());
+  EXPECT_EQ(json::parse(first->body)["rows"], json::parse("[[5.0]]"));
+  EXPECT_EQ(first->get_header_value_count("Cache-Control"), 1u);
+  const auto again = client().Get(path.c_str(), {{"If-None-Match", first->get_header_value("ETag")}});
+  EXPECT_EQ(again->status, 304);
+  const auto wrong = client().Get((path.substr(0, path.find('?')) + "?as=pixels").c_str());
+  EXPECT_EQ(wrong->status, 400);
+  EXPECT_EQ(wrong->get_header_value("Cache-Control"), "no-store");
+  EXPECT_EQ(client().Get("/api/value/0123456789abcdef?as=json")->status, 400);
+}
+
+TEST_F(Studio, TheStreamStartsWithTheStateAndResumes) {
+  const auto first = events(1);
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_NE(first[0].find("event: state\n"), std::string::npos);
+  const std::string number = std::to_string(live->events().last());
+  EXPECT_EQ(post("/api/edit", kSet), 200);
+  const auto more = events(1, {{"Last-Event-ID", number}});
+  ASSERT_EQ(more.size(), 1u);
+  EXPECT_EQ(more[0].rfind("id: " + std::to_string(std::stoull(number) + 1) + "\n", 0), 0u)
+      << more[0].substr(0, 60);
+  EXPECT_NE(events(1, {{"Last-Event-ID", "99999999"}})[0].find("event: state\n"), std::string::npos);
+}
+
+TEST_F(Studio, TwelveClientsSeeAnEdit) {
+  std::atomic<int> seen{0};
+  std::vector<std::thread> all;
+  for (int k = 0; k < 12; ++k)
+    all.emplace_back([&] {
+      const auto got = events(2);
+      seen += got.size() == 2;
+    });
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(post("/api/edit", kSet), 200);
+  for (auto& t : all) t.join();
+  EXPECT_EQ(seen, 12);
+  // Clients that left hold no stream, once the server has noticed.
+  for (int k = 0, tries = 0; k < 100 && tries < 1000; ++tries) {
+    if (!events(1).empty())
+      ++k;
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_LT(tries, 999) << k;
+  }
+}
+
+TEST_F(Studio, StrangersGetNothing) {
+  const auto status = [&](const httplib::Headers& headers, const char* path = "/api/state") {
+    return client().Get(path, headers)->status;
+  };
+  const std::string here = "127.0.0.1:" + std::to_string(port);
+  EXPECT_EQ(status({{"Host", "127.0.0.1:1"}}), 200);  // a forwarded port
+  EXPECT_EQ(status({{"Origin", "http://" + here}}), 200);
+  EXPECT_EQ(status({{"Origin", "http://127.0.0.1:1"}}), 403);
+  EXPECT_EQ(status({{"Host", "evil.example"}, {"Origin", "http://evil.example"}}), 403);  // rebinding
+  EXPECT_EQ(status({{"Host", "127.0.0.1.evil.example"}}), 403);
+  EXPECT_EQ(status({{"Host", "localhost:80x"}}), 403);
+  EXPECT_EQ(status({{"Sec-Fetch-Site", "cross-site"}}), 403);
+  const httplib::Headers opened = {
+      {"Sec-Fetch-Site", "cross-site"}, {"Sec-Fetch-Mode", "navigate"}, {"Sec-Fetch-Dest", "document"}};
+  EXPECT_EQ(status(opened, "/"), 200);  // a link in a mail
+  EXPECT_EQ(status(opened), 403);
+  httplib::Client stranger("127.0.0.1", port);
+  for (const char* path :
+       {"/", "/studio.js", "/api/state", "/api/types", "/api/events", "/api/value/0123456789ab"})
+    EXPECT_EQ(stranger.Get(path)->status, 403) << path;
+  EXPECT_EQ(client().Post("/api/save", "{}", "text/plain")->status, 400);
+  EXPECT_EQ(client().Post("/api/text", std::string(20 << 20, ' '), "application/json")->status, 413);
+  EXPECT_EQ(post("/api/edit", {{"edits", {{{"op", "format"}}}}}), 400);
+  EXPECT_EQ(post("/api/edit", json::array()), 400);
+  EXPECT_EQ(client().Get("/../../etc/passwd")->status, 404);
+}
+
+TEST(StudioViews, PicturesAreReducedByAWholeFactor) {
+  Image image(100, 50, 2, 1, Vec3f(1, 0, 0));
+  image.at(3, 0, 1) = Vec3f(0, 1, 0);
+  const auto view = studio::view_of(Value::of(image), "pixels", 1, 40);
+  std::uint32_t head[5];
+  std::memcpy(head, view.body.data(), sizeof head);
+  EXPECT_EQ(head[0], 34u);
+  EXPECT_EQ(head[1], 17u);
+  EXPECT_EQ(head[2], 2u);
+  EXPECT_EQ(head[3], 100u);
+  EXPECT_EQ(view.body.size(), 20u + 34 * 17 * 4);
+  EXPECT_EQ(view.body.substr(20, 8), std::string("\xff\x00\x00\xff\x00\xff\x00\xff", 8));
+  EXPECT_EQ(test::code_of([] { studio::view_of(Value::of(Image{}), "pixels"); }), "empty-image");
+  EXPECT_EQ(test::code_of([&] { studio::view_of(Value::of(image), "ids"); }), "bad-request");
+}
+
+}  // namespace
+}  // namespace terrazzo
