@@ -20,9 +20,11 @@ struct Accepted {
 };
 
 // Accepts instances in order of their scores, unless more than 0.4 of one is already covered by accepted
-// ones; the rest of it is kept if it stays in one piece of at least `min_area` pixels. Returns labels from 1
-// with their scores.
-Accepted accept_instances(std::vector<Instance> instances, int width, int height, double min_area,
-                          double min_score, const Work&);
+// ones; the rest of it is kept if it stays in one piece of at least `min_area` pixels. Then an accepted
+// instance gives way to others that lie in it, if these are worth more together: a mound of soil between
+// stones often looks more like a particle than each stone that sticks out of it. An instance is worth
+// `worth(score) - worth(min_score)`. Returns labels from 1, best score first, with their scores.
+Accepted accept_instances(const std::vector<Instance>& instances, int width, int height, double min_area,
+                          double min_score, double (*worth)(double score), const Work&);
 
 }  // namespace terrazzo::segment

@@ -1,5 +1,7 @@
 #include "nodes/segment/judge.h"
 
+#include <cstring>
+
 #include "nodes/segment/model_pool.h"
 
 // The model's bytes, in the read-only data of the library.
@@ -25,12 +27,18 @@ Judge::Judge(std::string bytes)
 Judge::~Judge() = default;
 
 std::vector<float> Judge::operator()(std::span<const Evidence> regions) const {
-  if (regions.empty()) return {};
-  const auto count = static_cast<int>(regions.size());
-  const cv::Mat blob(count, kEvidence, CV_32F, const_cast<float*>(regions.front().data()));
-  const cv::Mat out = model_->run(blob);
-  if (static_cast<int>(out.total()) != count) model_->refuse("its output does not have one value per region");
-  return {out.ptr<float>(), out.ptr<float>() + count};
+  constexpr int kTogether = 64;  // blobs of one shape share a copy of the model
+  std::vector<float> scores;
+  cv::Mat blob(kTogether, kEvidence, CV_32F);
+  for (std::size_t first = 0; first < regions.size(); first += kTogether) {
+    const auto part = regions.subspan(first, std::min<std::size_t>(kTogether, regions.size() - first));
+    blob.setTo(0);
+    std::memcpy(blob.data, part.data(), part.size_bytes());
+    const cv::Mat out = model_->run(blob);
+    if (out.total() != kTogether) model_->refuse("its output does not have one value per region");
+    scores.insert(scores.end(), out.ptr<float>(), out.ptr<float>() + part.size());
+  }
+  return scores;
 }
 
 const Judge& built_in_judge() {

@@ -9,7 +9,9 @@
 
 namespace terrazzo::segment {
 
-// OpenCV's networks keep buffers, so every thread needs its own. They are reused.
+// OpenCV's networks keep buffers, so every thread needs its own. They are reused for blobs of the same shape
+// only: after a change of shape, OpenCV 4.6 computes instance normalization with the factors of the former
+// shape.
 class ModelPool {
  public:
   // Throws Error "bad-model" with the reason and `hint`.
@@ -19,11 +21,16 @@ class ModelPool {
   [[noreturn]] void refuse(const std::string& why) const;
 
  private:
-  std::unique_ptr<cv::dnn::Net> take();
+  struct Copy {
+    cv::dnn::Net net;
+    std::vector<int> shape;  // of the blobs that it has seen; empty: none yet
+  };
+  std::unique_ptr<Copy> read() const;
+  std::unique_ptr<Copy> take(const std::vector<int>& shape);
 
   std::string bytes_, hint_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<cv::dnn::Net>> free_;
+  std::vector<std::unique_ptr<Copy>> free_;
 };
 
 }  // namespace terrazzo::segment

@@ -24,10 +24,10 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
 
 }  // namespace
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(5.02 - 9.47 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(4.91 - 9.56 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, const Network& network, const Work& work) {
-  constexpr std::array<double, 4> scales{1, 0.7, 0.5, 1.4};
+  constexpr std::array<double, 4> scales{1, 0.7, 0.5, 0.35};
   // Below this the network would only see the mirrored margin.
   constexpr double kSmallest = 96;
   std::vector<double> useful;
@@ -96,8 +96,8 @@ std::vector<Instance> NetworkView::instances(const NetworkOptions& options, cons
 NetworkView::Found NetworkView::choose(std::vector<Instance> instances, const NetworkOptions& options,
                                        const Work& work) const {
   const NetworkMaps& own = scales_.front().maps();
-  Accepted accepted = accept_instances(std::move(instances), own.width, own.height, options.min_area,
-                                       options.min_score, work);
+  Accepted accepted = accept_instances(instances, own.width, own.height, options.min_area, options.min_score,
+                                       confidence_of_score, work);
   Found found;
   found.scores = std::move(accepted.scores), found.from = std::move(accepted.from);
   Particles2D& out = found.particles;

@@ -71,7 +71,7 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
   }
   const bool outdoors = where == Surroundings::Outdoors;
   // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
-  vivid_ = r.uniform() < (outdoors ? 0.08 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
+  vivid_ = r.uniform() < (outdoors ? 0.04 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
   hue_ = outdoors ? r.uniform(0.03, 0.25) : 0.3;
   chroma_ = outdoors ? r.uniform(0.004, 0.022) : r.uniform(0.008, 0.035);
   ground_ = natural(r, 0.25 * vivid_);
@@ -83,7 +83,7 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
   for (int i = 0; i < kinds; ++i) kinds_.push_back(natural(r, vivid_));
   spread_ = r.uniform(0.01, 0.12);
   liveliness_ = r.uniform() * r.uniform(0.2, 1.0);
-  near_ground_ = r.uniform() < (outdoors ? 0.45 : 0.65) ? r.uniform(0, outdoors ? 0.7 : 0.9) : 0;
+  near_ground_ = r.uniform() < 0.65 ? r.uniform(0, outdoors ? 0.8 : 0.9) : 0;
   // One kind alone must be told from the ground.
   if (kinds == 1 && (linear_to_oklab(kinds_[0]) - linear_to_oklab(ground_)).norm() < 0.12f) {
     Vec3f lab = linear_to_oklab(ground_);

@@ -90,7 +90,7 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
                  const Work& work) {
   make_soil(c, palette, r, work);
   const StoneFamily family(r);
-  if (r.uniform() < 0.4) scatter_clods(c, r, work);
+  if (r.uniform() < 0.12) scatter_clods(c, r, work);
   const double area = static_cast<double>(c.width) * c.height, side = std::sqrt(area);
   const double smallest = r.uniform(5, 17);
   const double largest =
@@ -135,7 +135,7 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
     draw(c, stone, at, &texture, static_cast<float>(wet * r.uniform(0.5, 1)), ++c.particles, mud,
          palette.ground_color(), r.bits());
   }
-  if (r.uniform() < (options.heap ? 0.15 : 0.4)) spread_clay(c, palette, r, work);
+  if (r.uniform() < (options.heap ? 0.1 : 0.15)) spread_clay(c, palette, r, work);
 }
 
 }  // namespace terrazzo::synthetic_photo

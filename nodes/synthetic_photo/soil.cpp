@@ -53,7 +53,7 @@ class Cracks {
  public:
   Cracks(Random& r, double side)
       : seed_(r.bits()),
-        depth_(r.uniform() < 0.35 ? r.uniform(4, 30) : 0),
+        depth_(r.uniform() < 0.15 ? r.uniform(4, 30) : 0),
         size_(side * r.uniform(0.08, 0.4)),
         stretch_(r.uniform(1, 3)),
         width_(r.uniform(0.015, 0.06)),
@@ -151,7 +151,7 @@ void make_soil(Canvas& c, const PhotoPalette& palette, Random& r, const Work& wo
   const double grain = r.uniform(0, 2.2), grain_size = r.uniform(2, 6);
   const double shaded = r.uniform(0, 0.4), damp = r.uniform() < 0.5 ? r.uniform(0, 0.5) : 0,
                damp_size = r.uniform(40, 300);
-  const double even_size = r.uniform(40, 300), even_share = r.uniform() < 0.5 ? r.uniform(-0.3, 0.4) : -9;
+  const double even_size = r.uniform(40, 300), even_share = r.uniform() < 0.2 ? r.uniform(-0.3, 0.4) : -9;
   const std::uint64_t seed = r.bits();
   constexpr double kSplit = 24;  // the larger octaves are smooth
   Field hills(c), wet(c), smooth(c);

@@ -9,8 +9,8 @@
 namespace terrazzo::synthetic_photo {
 
 StoneFamily::StoneFamily(Random& r) {
-  angular = r.uniform() < 0.4 ? 0 : r.uniform();
-  bumps = r.uniform(0, 0.12);
+  angular = r.uniform() < 0.6 ? 0.15 * r.uniform() : r.uniform();
+  bumps = r.uniform() < 0.65 ? r.uniform(0, 0.04) : r.uniform(0.03, 0.12);
   elongation = r.uniform(1.1, 2.6);
   flat_low = r.uniform(0.25, 0.6), flat_high = r.uniform(0.6, 1);
   aligned = r.uniform() < 0.3, turn = r.uniform(0, 3.1416);

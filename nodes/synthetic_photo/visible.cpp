@@ -27,7 +27,10 @@ std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
 // Spots of mud and pits within a particle belong to it, as a person would draw it.
 void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
   constexpr std::int64_t kLargest = 60;  // pixels
+  constexpr double kShare = 0.3;         // of the particle around it
   std::vector<std::int32_t> empty(label.size());
+  std::vector<std::int64_t> areas(*std::max_element(label.begin(), label.end()) + 1, 0);
+  for (const auto id : label) ++areas[id];
   for (std::size_t i = 0; i < label.size(); ++i) empty[i] = label[i] == 0;
   const Components holes = connected_components(empty, w, h, false);
   // The one particle around each hole; −1: several, or the picture's border.
@@ -48,8 +51,11 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
       meet(x - 1, y), meet(x + 1, y), meet(x, y - 1), meet(x, y + 1);
     }
   for (std::size_t i = 0; i < label.size(); ++i)
-    if (const auto hole = holes.ids[i]; hole > 0 && around[hole] > 0 && holes.sizes[hole - 1] <= kLargest)
-      label[i] = around[hole];
+    if (const auto hole = holes.ids[i]; hole > 0 && around[hole] > 0) {
+      const auto size = holes.sizes[hole - 1];
+      if (size <= kLargest || static_cast<double>(size) <= kShare * static_cast<double>(areas[around[hole]]))
+        label[i] = around[hole];
+    }
 }
 
 }  // namespace

@@ -1,15 +1,32 @@
-"""The network of Segment: an encoder and decoder with skip connections (U-Net, Ronneberger et al. 2015)."""
+"""The network of Segment: an encoder and decoder with skip connections (U-Net, Ronneberger et al. 2015). At the four finest
+levels, half of the channels are normalized within each picture (IBN-Net, Pan et al. 2018)."""
 import torch
 from torch import nn
 
 CHANNELS = (16, 32, 48, 64, 96, 96)  # at 1, 1/2, ... 1/32 of the resolution
 OUTPUTS = ("inside", "border", "distance", "not_material")
+ADAPTIVE_LEVELS = 4  # whose first convolution normalizes within the picture
 
 
-def convolution(inputs, outputs, size=3):
+class HalfInstance(nn.Module):
+    """Normalizes the first half of the channels within each picture, the others by the training pictures.
+
+    Light, contrast and color differ between synthetic pictures and photographs. Half of the features don't see them."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.half = channels // 2
+        self.instance = nn.InstanceNorm2d(self.half, affine=True)
+        self.batch = nn.BatchNorm2d(channels - self.half)
+
+    def forward(self, x):
+        return torch.cat([self.instance(x[:, :self.half]), self.batch(x[:, self.half:])], 1)
+
+
+def convolution(inputs, outputs, size=3, adaptive=False):
     return nn.Sequential(
         nn.Conv2d(inputs, outputs, size, padding=size // 2, bias=False),
-        nn.BatchNorm2d(outputs),
+        HalfInstance(outputs) if adaptive else nn.BatchNorm2d(outputs),
         nn.ReLU(inplace=True),
     )
 
@@ -26,7 +43,7 @@ class Network(nn.Module):
         self.down, self.narrow, self.up = nn.ModuleList(), nn.ModuleList(), nn.ModuleList()
         previous = 3
         for level, width in enumerate(CHANNELS):
-            layers = [convolution(previous, width)]
+            layers = [convolution(previous, width, adaptive=level < ADAPTIVE_LEVELS)]
             if level > 0:
                 layers.append(convolution(width, width))
             self.down.append(nn.Sequential(*layers))

@@ -13,6 +13,7 @@ import time
 import numpy as np
 import torch
 
+from looks import change_looks
 from network import OUTPUTS, Network
 from pictures import Pictures
 
@@ -118,6 +119,7 @@ def main():
     while step < last and not stop:
         random = np.random.default_rng([a.seed, step])
         x, target = batch_of(training, random, a.batch, a.size)
+        x = change_looks(x, random)
         done = step / a.steps
         rate = a.rate * min(1, (step + 1) / 100) * (1 if done < 0.5 else max(0.01, 2 * (1 - done)))
         for group in optimizer.param_groups:

@@ -180,6 +180,60 @@ TEST(Judge, OtherFilesAreRefused) {
   EXPECT_EQ(test::code_of([&] { network(std::vector<Evidence>(3)); }), "bad-model");
 }
 
+double as_it_is(double score) { return score; }
+
+Instance rectangle(int x0, int x1, int y0, int y1, int width, double score) {
+  Instance out;
+  out.score = score;
+  for (std::int32_t y = y0; y < y1; ++y)
+    for (std::int32_t x = x0; x < x1; ++x) out.pixels.push_back(y * width + x);
+  return out;
+}
+
+TEST(NetworkInstances, AMoundGivesWayToTheStonesInIt) {
+  const int w = 40, h = 20;
+  const Instance mound = rectangle(0, 30, 0, 20, w, 0.9), left = rectangle(2, 10, 2, 10, w, 0.8),
+                 right = rectangle(15, 25, 5, 15, w, 0.8), far = rectangle(32, 38, 2, 8, w, 0.6);
+  const Accepted stones = accept_instances({mound, left, far, right}, w, h, 1, 0.45, as_it_is, {});
+  EXPECT_EQ(stones.from, (std::vector<std::size_t>{1, 3, 2}));  // together worth 0.7, the mound 0.45
+  EXPECT_EQ(stones.labels[5 * w + 5], 1);
+  EXPECT_EQ(stones.labels[10 * w + 20], 2);
+  EXPECT_EQ(stones.labels[0], 0);
+  EXPECT_EQ(std::count(stones.labels.begin(), stones.labels.end(), 1), 64);
+  // One part is worth less than the whole.
+  const Accepted whole = accept_instances({mound, left, far}, w, h, 1, 0.45, as_it_is, {});
+  EXPECT_EQ(whole.from, (std::vector<std::size_t>{0, 2}));
+  EXPECT_EQ(std::count(whole.labels.begin(), whole.labels.end(), 1), 600);
+}
+
+TEST(NetworkInstances, ManyShapesOverlapNowhereAndKeepTheirOrder) {
+  const int w = 64, h = 48;
+  for (int seed = 1; seed <= 20; ++seed) {
+    Random r(seed, 7, 0);
+    std::vector<Instance> all;
+    for (int k = 0; k < 60; ++k) {
+      const int x = static_cast<int>(r.below(50)), y = static_cast<int>(r.below(36));
+      all.push_back(rectangle(x, x + 2 + static_cast<int>(r.below(12)), y,
+                              y + 2 + static_cast<int>(r.below(10)), w, r.uniform(0.3, 1)));
+    }
+    const Accepted a = accept_instances(all, w, h, 4, 0.5, as_it_is, {});
+    ASSERT_EQ(a.scores.size(), a.from.size());
+    EXPECT_TRUE(std::is_sorted(a.scores.rbegin(), a.scores.rend()));
+    for (std::size_t k = 0; k < a.from.size(); ++k) {
+      const auto& pixels = all[a.from[k]].pixels;
+      EXPECT_EQ(a.scores[k], all[a.from[k]].score);
+      EXPECT_GE(a.scores[k], 0.5);
+      std::size_t own = 0;
+      for (std::size_t i = 0; i < a.labels.size(); ++i)
+        if (a.labels[i] == static_cast<std::int32_t>(k + 1)) {
+          ++own;
+          EXPECT_TRUE(std::binary_search(pixels.begin(), pixels.end(), static_cast<std::int32_t>(i)));
+        }
+      EXPECT_GE(own, 4u);
+    }
+  }
+}
+
 TEST(NetworkInstances, TheBetterOfTwoOverlappingOnesIsKept) {
   const int w = 30, h = 10;
   Instance good, poor, apart;
@@ -190,12 +244,12 @@ TEST(NetworkInstances, TheBetterOfTwoOverlappingOnesIsKept) {
       if (x >= 9 && x < 20) apart.pixels.push_back(y * w + x);
     }
   good.score = 0.9, poor.score = 0.8, apart.score = 0.7;
-  const Accepted a = accept_instances({apart, poor, good}, w, h, 1, 0, {});
+  const Accepted a = accept_instances({apart, poor, good}, w, h, 1, 0, as_it_is, {});
   ASSERT_EQ(a.scores, (std::vector<double>{0.9, 0.7}));
   EXPECT_EQ(a.labels[9], 1);   // the better one keeps the column that both want
   EXPECT_EQ(a.labels[10], 2);  // poor is covered by more than 0.4
-  EXPECT_EQ(accept_instances({good}, w, h, 101, 0, {}).scores.size(), 0u);
-  EXPECT_EQ(accept_instances({good}, w, h, 1, 0.95, {}).scores.size(), 0u);
+  EXPECT_EQ(accept_instances({good}, w, h, 101, 0, as_it_is, {}).scores.size(), 0u);
+  EXPECT_EQ(accept_instances({good}, w, h, 1, 0.95, as_it_is, {}).scores.size(), 0u);
 }
 
 Image noise_image(int width, int height) {

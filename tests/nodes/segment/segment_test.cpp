@@ -79,6 +79,7 @@ TEST(Segment, TouchingDiscsArePartedAtTheirNeck) {
   for (const auto& d : {a, b, other}) test::draw(image, d, {0.1f, 0.08f, 0.05f});
   SegmentOptions whole;
   whole.split.strength = 0;
+  whole.method = segment::Method::Clusters;  // the network has no such parameter
   EXPECT_EQ(segment::segment(image, whole, {}).profiles.profiles.size(), 2u);
   const Segmentation s = segment::segment(image, {}, {});
   ASSERT_EQ(s.profiles.profiles.size(), 3u);
