@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "nodes/common/texture/color.h"
@@ -64,16 +65,30 @@ Source usable(const Profiles& profiles, ColorReport& report) {
   return s;
 }
 
-// Weights profiles by how well they fit a size.
-Draw draw_by_size(const Source& s, const std::vector<std::size_t>& by_size, double size) {
+// Indices of the profiles of a class.
+struct Group {
+  std::vector<std::size_t> members, by_size;
+
+  // Class −1: all profiles.
+  Group(const Source& s, int cls) {
+    for (std::size_t i = 0; i < s.count(); ++i)
+      if (cls < 0 || s.cls[i] == cls) members.push_back(i);
+    by_size = members;
+    std::stable_sort(by_size.begin(), by_size.end(), [&](auto a, auto b) { return s.size[a] < s.size[b]; });
+  }
+};
+
+// Weights the profiles of a group by how well they fit a size.
+Draw draw_by_size(const Source& s, const Group& group, double size) {
+  const std::vector<std::size_t>& by_size = group.by_size;
   Draw draw;
-  for (std::size_t i = 0; i < s.count(); ++i) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size));
+  for (const std::size_t i : group.members) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size));
   if (draw.empty()) {
     // No profile is between the particle's size and 0.95 of it, or all are larger: use the nearest below, or
     // else the smallest.
     const auto above = std::upper_bound(by_size.begin(), by_size.end(), size,
                                         [&](double v, std::size_t i) { return v < s.size[i]; });
-    const std::size_t n = std::max<std::size_t>(1, s.count() / 10);
+    const std::size_t n = std::max<std::size_t>(1, by_size.size() / 10);
     const std::size_t end = std::max<std::size_t>(above - by_size.begin(), n);
     for (std::size_t i = end - n; i < end; ++i) draw.add(by_size[i], s.weight[by_size[i]]);
   }
@@ -100,10 +115,14 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
   for (std::size_t i = 0; i < n; ++i)
     if (!(particles.size[i] > 0) || !std::isfinite(particles.size[i]))
       throw Error("bad-particle", "particle " + std::to_string(i) + " has no size");
-  std::vector<std::size_t> by_size(source.count());
-  for (std::size_t i = 0; i < by_size.size(); ++i) by_size[i] = i;
-  std::stable_sort(by_size.begin(), by_size.end(),
-                   [&](auto a, auto b) { return source.size[a] < source.size[b]; });
+  bool classed = false;
+  for (std::size_t i = 0; i < n; ++i) classed = classed || (particles.cls[i] != 0 && !particles.is_void(i));
+  // Invalid if no complete profile has the class of a particle.
+  const auto require_class = [&](int c, bool known) {
+    if (known) return;
+    throw Error("no-class", "no complete profile has the class " + std::to_string(c) + " of a particle",
+                "set mode: random, or use particles and profiles of the same segmentation");
+  };
 
   const auto pick_all = [&](auto&& pick) {
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
@@ -119,14 +138,21 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     return report;
   }
   if (choice.mode == ColorMode::BySize) {
-    pick_all(
-        [&](std::size_t i, double u) { return draw_by_size(source, by_size, particles.size[i]).pick(u); });
+    std::map<int, Group> groups;  // of each class of particles, or of −1
+    const bool own = classed && profiles.classes > 1;
+    for (std::size_t i = 0; i < n; ++i) {
+      const int c = own ? particles.cls[i] : -1;
+      if (particles.is_void(i) || groups.contains(c)) continue;
+      require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
+    }
+    pick_all([&](std::size_t i, double u) {
+      return draw_by_size(source, groups.at(own ? particles.cls[i] : -1), particles.size[i]).pick(u);
+    });
     return report;
   }
 
-  bool classed = false;
-  for (std::size_t i = 0; i < n; ++i) classed = classed || (particles.cls[i] != 0 && !particles.is_void(i));
   if (!classed) {
+    const Group all(source, -1);
     if (profiles.classes <= 1) {
       std::vector<Vec3> lab;
       for (const auto& c : source.color) lab.push_back(linear_to_oklab(c).cast<double>());
@@ -139,7 +165,7 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (!particles.is_void(i))
-          particles.cls[i] = source.cls[draw_by_size(source, by_size, particles.size[i])
+          particles.cls[i] = source.cls[draw_by_size(source, all, particles.size[i])
                                             .pick(Random(choice.seed, kClass, i).uniform())];
     });
   }
@@ -151,10 +177,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     draws[source.cls[i]].add(i, source.weight[i]);
   }
   for (std::size_t i = 0; i < n; ++i)
-    if (const int c = particles.cls[i];
-        !particles.is_void(i) && (c < 0 || c >= static_cast<int>(draws.size()) || draws[c].empty()))
-      throw Error("no-class", "no complete profile has the class " + std::to_string(c) + " of a particle",
-                  "set mode: random or by_size, or use particles and profiles of the same segmentation");
+    if (const int c = particles.cls[i]; !particles.is_void(i))
+      require_class(c, c >= 0 && c < static_cast<int>(draws.size()) && !draws[c].empty());
   pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
   return report;
 }

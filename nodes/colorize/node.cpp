@@ -39,7 +39,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType colorize_node() {
-  return NodeType("Colorize", 2)
+  return NodeType("Colorize", 3)
       .doc_(
           "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
           "color. Voids stay black.")
@@ -52,7 +52,8 @@ NodeType colorize_node() {
           Parameter::choice("mode", "random", {"random", "by_size", "classes"})
               .doc_(
                   "random: any profile, unbiased if color does not depend on size. by_size: profiles that a "
-                  "section of a particle of this size may show. classes: profiles of the particle's class; "
+                  "section of a particle of this size may show, of the particle's class if there are "
+                  "several. classes: profiles of the particle's class; "
                   "particles without classes get the profiles' classes by size, or classes from k-means."))
       .parameter(Parameter::optional_integer("clusters", "auto")
                      .range(1, 64)

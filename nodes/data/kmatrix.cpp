@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/class_codec.h"
+
 namespace terrazzo {
 namespace {
 
@@ -15,6 +17,7 @@ void encode(const KMatrix& v, Writer& w) {
             static_cast<std::size_t>(e.K.size()) * sizeof(double));  // classes² numbers, column by column
     w.array(e.cdf);
   }
+  encode_classes(v.shapes, w);
 }
 
 KMatrix decode_kmatrix(Reader& r) {
@@ -29,6 +32,7 @@ KMatrix decode_kmatrix(Reader& r) {
     r.bytes(e.K.data(), static_cast<std::size_t>(e.K.size()) * sizeof(double));
     e.cdf = r.array<double>();
   }
+  decode_classes(v.shapes, r);
   return v;
 }
 
@@ -42,6 +46,7 @@ nlohmann::json describe(const KMatrix& v) {
       rows.push_back(std::move(row));
     }
     list.push_back({{"probability", e.probability},
+                    {"class", e.cls},
                     {"mean_caliper", e.mean_caliper},
                     {"max_section_area", e.max_section_area},
                     {"volume", e.volume},

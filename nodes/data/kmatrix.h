@@ -14,6 +14,7 @@ namespace terrazzo {
 struct KMatrix {
   struct Entry {
     double probability = 1;       // fraction of all particles, by number
+    int cls = -1;                 // color or particle class whose particles have this shape; −1: any
     double mean_caliper = 0;      // mm, at scale 1
     double max_section_area = 0;  // mm², at scale 1
     double volume = 0;            // mm³, at scale 1

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "nodes/data/class_codec.h"
+
 namespace terrazzo {
 
 double Shape::size() const { return std::sqrt(4 * max_section_area / std::numbers::pi); }
@@ -19,6 +21,7 @@ void encode(const Shapes& v, Writer& w) {
     w.pod<std::uint8_t>(s.smooth);
     w.raw_array(s.mesh.vertices), w.raw_array(s.mesh.triangles);
   }
+  encode_classes(v.shapes, w);
 }
 
 Shapes decode_shapes(Reader& r) {
@@ -35,6 +38,7 @@ Shapes decode_shapes(Reader& r) {
         if (i < 0 || static_cast<std::size_t>(i) >= s.mesh.vertices.size())
           throw Error("damaged", "a stored triangle refers to a missing vertex");
   }
+  decode_classes(v.shapes, r);
   return v;
 }
 
@@ -50,7 +54,8 @@ nlohmann::json describe(const Shapes& v) {
                     {"mean_caliper", s.mean_caliper},
                     {"max_section_area", s.max_section_area},
                     {"size", s.size()},
-                    {"smooth", s.smooth}});
+                    {"smooth", s.smooth},
+                    {"class", s.cls}});
   return {{"shapes", std::move(list)}};
 }
 

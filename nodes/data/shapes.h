@@ -23,6 +23,7 @@ struct Mesh {
 struct Shape {
   std::string name;
   double probability = 1;       // by number; the probabilities of a set sum to 1
+  int cls = -1;                 // color or particle class whose particles have this shape; −1: any
   Mesh mesh;                    // centroid at the origin
   double volume = 0;            // mm³
   double surface_area = 0;      // mm²

@@ -46,7 +46,7 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
             ? stencil_statistics(shape, options.classes, options.orientations, options.device, part)
             : slice_statistics(shape, options.classes, options.orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();
-    e.probability = shape.probability / total;
+    e.probability = shape.probability / total, e.cls = shape.cls;
     e.mean_caliper = s.mean_caliper, e.max_section_area = s.max_section_area, e.volume = s.volume;
     e.profiles_per_caliper = s.profiles_per_caliper;
     e.cdf = s.cdf;

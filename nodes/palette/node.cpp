@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "graph/node_parameters.h"
@@ -16,6 +17,11 @@ void check(const NodeParameters& p) {
     throw Error("bad-shares", "there are " + std::to_string(colors.size()) + " colors but " +
                                   std::to_string(shares) + " shares")
         .parameter("shares");
+  const std::size_t classes = p.ints("classes").size();
+  if (classes != 1 && classes != colors.size())
+    throw Error("bad-classes", "there are " + std::to_string(colors.size()) + " colors but " +
+                                   std::to_string(classes) + " classes")
+        .parameter("classes");
   for (const auto& color : colors) parse_color(color);
 }
 
@@ -23,6 +29,8 @@ void compute(Context& c) {
   const auto colors = c.texts("colors");
   auto shares = c.numbers("shares");
   if (shares.size() == 1) shares.assign(colors.size(), 1.0);
+  auto classes = c.ints("classes");
+  if (classes.size() == 1) classes.assign(colors.size(), classes[0]);
   Profiles out;
   const auto binder = c.numbers("binder");
   out.binder_color =
@@ -32,6 +40,8 @@ void compute(Context& c) {
     p.area = 1;
     p.weight = shares[i];
     p.color = parse_color(colors[i]);
+    p.cls = static_cast<int>(classes[i]);
+    out.classes = std::max(out.classes, p.cls + 1);
     out.profiles.push_back(p);
   }
   c.output("profiles", std::move(out));
@@ -51,6 +61,11 @@ NodeType palette_node() {
                      .above(0)
                      .count(1, 256)
                      .doc_("Relative frequency of each color. A single number makes all equal."))
+      .parameter(Parameter::ints("classes", {0})
+                     .range(0, 255)
+                     .count(1, 256)
+                     .doc_("Particle class of each color, for Colorize with mode: classes. A single number "
+                           "makes all equal."))
       .parameter(Parameter::color("binder", 0.75, 0.72, 0.66).doc_("Binder color"))
       .check_(check)
       .compute_(compute);

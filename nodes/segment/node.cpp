@@ -197,7 +197,8 @@ NodeType segment_node() {
                      .keyword("auto")
                      .range(1, 32)
                      .doc_("Number of profile classes by mean color (k-means), the most frequent class "
-                           "first. auto: 2 to 8, chosen by silhouette."))
+                           "first. auto: as many as the colors show and the profiles bear out by different "
+                           "sizes or circularities, 1 to 8."))
       .parameter(
           Parameter::choice("method", "auto", {"auto", "clusters", "network", "scribbles"})
               .word_was("regions", "network")

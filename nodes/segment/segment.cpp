@@ -6,6 +6,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/segment/color_classes.h"
 #include "nodes/segment/coverage.h"
 #include "nodes/segment/delight.h"
 #include "nodes/segment/find.h"
@@ -34,29 +35,12 @@ void check_image(const Image& image) {
                   "replace those pixels before segmenting the image");
 }
 
-// Classifies profiles by k-means on their mean colors. Classes are numbered by decreasing number of profiles.
 void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
-  auto& profiles = s.profiles.profiles;
-  std::vector<Vec3f> colors;
-  for (const auto& p : profiles) colors.push_back(patch_color_of_linear(p.color));
-  Clusters clusters;
-  if (k > 0) {
-    clusters = k_means(colors, k, seed, work);
-  } else {
-    for (int n = 2; n <= 8; ++n)
-      if (Clusters c = k_means(colors, n, seed, work); n == 2 || c.silhouette > clusters.silhouette + 0.005)
-        clusters = std::move(c);
-  }
-  std::vector<int> order(clusters.centers.size()), cls(order.size());
-  for (std::size_t c = 0; c < order.size(); ++c) order[c] = static_cast<int>(c);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return clusters.weights[a] > clusters.weights[b]; });
-  for (std::size_t c = 0; c < order.size(); ++c) cls[order[c]] = static_cast<int>(c);
+  const std::vector<int> classes = color_classes(s.profiles, k, seed, work);
   s.profiles.classes = 1;
-  for (std::size_t i = 0; i < profiles.size(); ++i) {
-    profiles[i].cls = cls[clusters.nearest(colors[i])];
-    s.labels.classes[i] = profiles[i].cls;
-    s.profiles.classes = std::max(s.profiles.classes, profiles[i].cls + 1);
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    s.profiles.profiles[i].cls = s.labels.classes[i] = classes[i];
+    s.profiles.classes = std::max(s.profiles.classes, classes[i] + 1);
   }
 }
 

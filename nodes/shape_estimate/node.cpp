@@ -1,15 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "graph/node_type.h"
-#include "nodes/common/geometry/mesh.h"
-#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/profiles.h"
-#include "nodes/shape_estimate/choose.h"
-#include "nodes/shape_estimate/fit.h"
+#include "nodes/shape_estimate/estimate_class.h"
 #include "nodes/shape_estimate/method.h"
-#include "nodes/shape_estimate/self_intersections.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
@@ -17,11 +14,6 @@ namespace terrazzo {
 namespace {
 
 using namespace shape_estimate;  // not in terrazzo itself, because other nodes have an Outline too
-
-const EstimateMethod& method_of(const std::string& name) {
-  const auto& all = estimate_methods();
-  return *std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
-}
 
 CandidateOptions candidate_options(const Context& c) {
   CandidateOptions options;
@@ -31,198 +23,66 @@ CandidateOptions candidate_options(const Context& c) {
   return options;
 }
 
-struct Chosen {
-  std::vector<std::vector<Outline>> shapes;  // profiles of each shape
-  std::vector<Outline> all;
-  bool by_id = false;
-  bool same = false;  // every shape uses the same profiles
-};
-
-constexpr std::size_t kFitHands = 4, kFitLeast = 12, kFitEnough = 24;
-
-// The method that the parameter names; with auto, fit if there are enough profiles.
-const EstimateMethod& chosen_method(Context& c, const Profiles& profiles) {
-  const std::string name = c.text("method");
-  if (name != "auto") return method_of(name);
-  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
-  const std::size_t usable = candidates_of(profiles, candidate_options(c), c.work()).outlines.size();
-  return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
-}
-
-[[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
-  const bool no_outlines =
-      !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
-  throw Error("too-few-profiles",
-              fmt::format("a shape needs {} profiles; of the {} given: {}", each, profiles.profiles.size(),
-                          candidates.text()),
-              no_outlines
-                  ? "these profiles are areas without outlines: connect profiles from Segment or Section"
-                  : "use a larger or sharper image, lower smallest, or choose profiles by their ids")
-      .parameter("profiles");
-}
-
-Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method) {
-  // The method that estimates all shapes together starts from several groups of profiles.
-  const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
-  auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
-  if (method.most) each = std::min(each, method.most);
-  const double crease = c.number("crease");
-  Chosen out;
-  auto candidates = candidates_of(profiles, candidate_options(c), c.work());
-  c.metric("usable_profiles", static_cast<double>(candidates.outlines.size()));
-  const std::string rule = c.keyword("profiles");
-  if (!rule.empty()) {
-    if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
-    if (method.run && candidates.outlines.size() < shapes * each)
-      c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
-                         candidates.outlines.size()));
-    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each, c.seed(), c.work());
-    for (const auto& hand : hands) {
-      out.shapes.emplace_back();
-      for (const int i : hand) out.shapes.back().push_back(candidates.outlines[i]);
+// Shapes of every class with enough profiles. The others get the shapes of all profiles together.
+std::vector<ClassEstimate> estimate_classes(Context& c, const Profiles& profiles) {
+  CandidateOptions options = candidate_options(c);
+  std::vector<std::size_t> of_class(profiles.classes, 0);
+  for (const Profile& p : profiles.profiles) {
+    if (p.cls < 0 || p.cls >= profiles.classes)
+      throw Error("bad-profile", fmt::format("a profile has the class {}, but there are only {} classes",
+                                             p.cls, profiles.classes))
+          .parameter("class");
+    ++of_class[p.cls];
+  }
+  std::vector<int> own, shared;
+  for (options.cls = 0; options.cls < profiles.classes; ++options.cls) {
+    if (of_class[options.cls] == 0) continue;
+    const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
+    (usable >= kFitLeast ? own : shared).push_back(options.cls);
+  }
+  std::vector<ClassEstimate> out;
+  const double parts = static_cast<double>(own.size()) + (shared.empty() ? 0 : 1);
+  const auto add = [&](const std::vector<int>& classes) {
+    const double at = static_cast<double>(out.size());
+    const Work part = c.work().part(std::min(1.0, at / parts), std::min(1.0, (at + 1) / parts));
+    ClassEstimate made = estimate_class(c, profiles, options, part);
+    for (const int cls : classes) {
+      ClassEstimate& e = out.emplace_back(made);
+      for (Shape& s : e.shapes) {
+        s.cls = cls, s.name = fmt::format("class {}: {}", cls, s.name);
+        s.probability *= static_cast<double>(of_class[cls]) / static_cast<double>(profiles.profiles.size());
+      }
     }
-    out.all = std::move(candidates.outlines);
-    return out;
-  }
-  const auto ids = c.ints("profiles");
-  std::vector<Outline> outlines;
-  try {
-    outlines = outlines_by_id(profiles, ids, crease);
-  } catch (Error& e) {
-    throw e.parameter("profiles");
-  }
-  if (ids.size() < method.least)
-    throw Error("too-few-profiles",
-                fmt::format("a shape needs at least {} profiles; {} {} given", method.least, ids.size(),
-                            ids.size() == 1 ? "is" : "are"),
-                "list more profiles, or repeat one of them")
-        .parameter("profiles");
-  for (const auto id : ids)
-    if (profiles.profiles[static_cast<std::size_t>(id) - 1].touches_border)
-      c.warn(fmt::format("profile {} is cut by the border, so its outline is incomplete", id));
-  out.by_id = true;
-  out.same = outlines.size() < shapes * each || shapes == 1;
-  for (std::size_t s = 0; s < shapes; ++s) {
-    const auto from = outlines.begin() + static_cast<std::ptrdiff_t>(s * each);
-    out.shapes.push_back(out.same ? outlines
-                                  : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
-  }
-  if (!out.same && outlines.size() > shapes * each)
-    c.warn(fmt::format("the last {} of the {} profiles are not used", outlines.size() - shapes * each,
-                       outlines.size()));
-  out.all = std::move(candidates.outlines);
+  };
+  for (const int cls : own) options.cls = cls, add({cls});
+  options.cls = -1;
+  if (!shared.empty()) add(shared);
+  c.metric("classes_with_shapes_of_all", static_cast<double>(shared.size()));
   return out;
-}
-
-struct Made {
-  Estimate estimate;
-  std::int64_t self_intersections = 0;
-};
-
-// Builds the shape as requested. If it intersects itself, tries other base curves with the same profiles.
-Made make(const EstimateMethod& method, EstimateRequest request, bool any_base, const Work& work) {
-  Made best;
-  const int n = static_cast<int>(request.chosen.size()), first = request.base;
-  for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
-    request.base = (first + turn) % n;
-    Made made{method.run(request, work)};
-    made.self_intersections = self_intersections(made.estimate.mesh, work);
-    if (mesh_volume(made.estimate.mesh) <= 0)
-      made.self_intersections += static_cast<std::int64_t>(made.estimate.mesh.triangles.size());
-    if (turn == 0 || made.self_intersections < best.self_intersections) best = std::move(made);
-    if (best.self_intersections == 0) break;
-  }
-  return best;
-}
-
-void compute_fit(Context& c, const Chosen& chosen) {
-  if (chosen.all.size() < kFitLeast)
-    throw Error(
-        "too-few-profiles",
-        fmt::format("fit needs at least {} usable profiles; there are {}", kFitLeast, chosen.all.size()),
-        "use a larger image or several sections, lower smallest, or use another method")
-        .parameter("method");
-  if (chosen.all.size() < 60)
-    c.warn(fmt::format("only {} profiles: the shapes will also fit sampling noise", chosen.all.size()));
-  FitRequest request;
-  request.hands = chosen.shapes;
-  request.all = &chosen.all;
-  request.count = static_cast<int>(c.integer("count"));
-  request.smallest = c.number("smallest");
-  request.one_size = c.text("sizes") == "equal";
-  request.rounds = static_cast<int>(c.integer("rounds"));
-  request.seed = c.seed();
-  Fit fit = fit_bodies(request, c.work().part(0, 0.95));
-  Shapes shapes;
-  double triangles = 0, crossings = 0;
-  for (auto& body : fit.bodies) {
-    const auto crossing = static_cast<double>(self_intersections(body.mesh, c.work()));
-    const std::string name = fmt::format("fit {} from {}", shapes.shapes.size() + 1, body.from);
-    if (crossing > 0) c.warn(fmt::format("{} intersects itself ({} pairs of triangles)", name, crossing));
-    crossings += crossing;
-    triangles += static_cast<double>(body.mesh.triangles.size());
-    Shape shape = measure_shape(name, std::move(body.mesh), body.probability, c.work().part(0.95, 1));
-    shape.smooth = body.smooth;
-    shapes.shapes.push_back(std::move(shape));
-  }
-  c.metric("shapes", static_cast<double>(shapes.shapes.size()));
-  c.metric("triangles", triangles);
-  c.metric("self_intersections", crossings);
-  c.metric("start_distance", fit.start);
-  c.metric("distance", fit.distance);
-  c.output("shapes", std::move(shapes));
 }
 
 void compute(Context& c) {
   const auto& profiles = c.input<Profiles>("profiles");
-  const auto& method = chosen_method(c, profiles);
-  const std::string axis = c.text("axis");
-  const Chosen chosen = choose(c, profiles, method);
-  if (!method.run) return compute_fit(c, chosen);
-
+  std::vector<ClassEstimate> classes;
+  if (c.keyword("class") == "each" && profiles.classes > 1 && !c.keyword("profiles").empty())
+    classes = estimate_classes(c, profiles);
+  else
+    classes.push_back(estimate_class(c, profiles, candidate_options(c), c.work()));
   Shapes shapes;
-  double triangles = 0, crossings = 0, deviation = -1;
-  const std::size_t count = chosen.shapes.size();
-  for (std::size_t s = 0; s < count; ++s) {
-    const Work work = c.work().part(static_cast<double>(s) / count, (s + 1.0) / count);
-    EstimateRequest request;
-    request.chosen = chosen.shapes[s];
-    request.all = &chosen.all;
-    request.index = static_cast<int>(s);
-    request.seed = c.seed();
-    request.subdivision = static_cast<int>(c.integer("subdivision"));
-    request.control = static_cast<int>(c.optional_integer("control").value_or(0));
-    request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
-    // If the profiles are the same again, use another one of them as the base.
-    const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
-    request.base = chosen.same ? static_cast<int>(s % permutations) : 0;
-    Made made = make(method, request, !chosen.same, work);
-    std::string name;
-    for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
-    if (made.self_intersections > 0)
-      c.warn(fmt::format("the shape of {} intersects itself ({} pairs of triangles)", name,
-                         made.self_intersections));
-    const Mesh& mesh = made.estimate.mesh;
-    if (const auto handles = 1 - (static_cast<std::int64_t>(mesh.vertices.size()) -
-                                  static_cast<std::int64_t>(mesh.triangles.size()) / 2) /
-                                     2;
-        handles > 0)
-      c.warn(fmt::format("the shape of {} has {} handle{}", name, handles, handles == 1 ? "" : "s"));
-    if (method.silhouettes && made.estimate.deviation > 0.01)
-      c.warn(fmt::format(
-          "the silhouettes of {} cut each other: they are reproduced only to {:.1f} % of their diameter",
-          name, 100 * made.estimate.deviation));
-    Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
-    shape.smooth = made.estimate.smooth;
-    triangles += shape.mesh.triangles.size();
-    crossings += static_cast<double>(made.self_intersections);
-    deviation = std::max(deviation, made.estimate.deviation);
-    shapes.shapes.push_back(std::move(shape));
+  ClassEstimate all;
+  for (ClassEstimate& e : classes) {
+    std::move(e.shapes.begin(), e.shapes.end(), std::back_inserter(shapes.shapes));
+    all.usable += e.usable, all.triangles += e.triangles, all.self_intersections += e.self_intersections;
+    all.deviation = std::max(all.deviation, e.deviation);
+    all.start_distance = std::max(all.start_distance, e.start_distance);
+    all.distance = std::max(all.distance, e.distance);
   }
-  c.metric("shapes", static_cast<double>(count));
-  c.metric("triangles", triangles);
-  c.metric("self_intersections", crossings);
-  if (deviation >= 0) c.metric("deviation", deviation);
+  c.metric("usable_profiles", static_cast<double>(all.usable));
+  c.metric("shapes", static_cast<double>(shapes.shapes.size()));
+  c.metric("triangles", all.triangles);
+  c.metric("self_intersections", all.self_intersections);
+  if (all.deviation >= 0) c.metric("deviation", all.deviation);
+  if (all.distance >= 0) c.metric("start_distance", all.start_distance), c.metric("distance", all.distance);
   c.output("shapes", std::move(shapes));
 }
 
@@ -246,7 +106,7 @@ Parameter method_parameter() {
 }  // namespace
 
 NodeType shape_estimate_node() {
-  return NodeType("ShapeEstimate", 8)
+  return NodeType("ShapeEstimate", 9)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
           "of different particles are arranged in space is unknown; each method makes a different "
@@ -308,8 +168,11 @@ NodeType shape_estimate_node() {
                      .range(1, 60)
                      .doc_("Number of search rounds per shape, for method fit"))
       .parameter(Parameter::optional_integer("class", "any")
+                     .keyword("each")
                      .range(0, 1e6)
-                     .doc_("Color or particle class whose profiles are used"))
+                     .doc_("Color or particle class whose profiles are used. any: all together. each: every "
+                           "class gets `count` shapes of its own; those with fewer than 12 usable profiles "
+                           "get the shapes of all profiles."))
       .parameter(Parameter::seed().doc_("Random seed of the choice of profiles and of random shapes"))
       .compute_(compute);
 }

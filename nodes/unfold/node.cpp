@@ -185,9 +185,10 @@ NodeType unfold_node() {
                            "in the profiles. 0: use that of the profiles, if known."))
       .parameter(
           Parameter::choice("types", "mixed", {"mixed", "by_class"})
-              .doc_(
-                  "Shapes of the particles of a color class. mixed: all shapes by their probabilities (eq. "
-                  "10 to 12). by_class: class 0 has the first shape, class 1 the second, and so on (eq. 9)."))
+              .doc_("Shapes of the particles of a color class. mixed: the shapes of the class, such as "
+                    "ShapeEstimate makes with class: each, and all shapes without a class, by their "
+                    "probabilities (eq. 10 to 12). by_class: class 0 has the first shape, class 1 the "
+                    "second, and so on (eq. 9)."))
       .parameter(
           Parameter::integer("bootstrap", 100)
               .range(0, 100000)

@@ -32,7 +32,7 @@ double estimate_d_max(const Observations& o, const KMatrix& k, Types types, int 
       const Observation& q = o.classes[i];
       if (q.size.empty()) continue;
       work.check();
-      if (m.size() == 0 || types == Types::ByClass)
+      if (m.size() == 0 || depends_on_class(k, types))
         m = model_matrix(own[i], fine, sizes, model.upper_edge) * o.area;
       const Counts n = count(q.size, q.weight, fine);
       // Weighted profiles carry less information, by the factor Σw²/Σw.

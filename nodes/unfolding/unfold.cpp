@@ -172,7 +172,8 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   for (std::size_t c = 0; c < o.classes.size(); ++c) {
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
     const KMatrix own = kmatrix_of(k, options.types, c);
-    const UnfoldModel model = options.types == Types::ByClass ? make_model(own, classes, d_max, visible) : m;
+    const UnfoldModel model =
+        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible) : m;
     const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
     const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
@@ -197,9 +198,27 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
 
 KMatrix kmatrix_of(const KMatrix& k, Types types, std::size_t cls) {
   KMatrix own = k;
-  if (types == Types::ByClass)
+  if (types == Types::ByClass) {
     for (std::size_t s = 0; s < own.shapes.size(); ++s) own.shapes[s].probability = s == cls;
+    return own;
+  }
+  double all = 0;
+  for (auto& e : own.shapes) {
+    if (e.cls >= 0 && e.cls != static_cast<int>(cls)) e.probability = 0;
+    all += e.probability;
+  }
+  if (!(all > 0) && depends_on_class(k, types))
+    throw Error("no-shape-of-class", fmt::format("no shape is for the particles of class {}", cls),
+                "estimate shapes with class: each from the same profiles, or with class: any")
+        .parameter("types");
+  if (depends_on_class(k, types))
+    for (auto& e : own.shapes) e.probability /= all;
   return own;
+}
+
+bool depends_on_class(const KMatrix& k, Types types) {
+  return types == Types::ByClass ||
+         std::any_of(k.shapes.begin(), k.shapes.end(), [](const auto& e) { return e.cls >= 0; });
 }
 
 int classes_for(std::size_t profiles) {

@@ -21,7 +21,7 @@ inline constexpr double kFractionError = 0.005;
 enum class Method { Em, Nnls, Inverse };
 
 enum class Types {
-  Mixed,   // every color class has all shapes by probability
+  Mixed,   // every color class has its own shapes and those without a class, by probability
   ByClass  // color class c has only shape c (eq. 9)
 };
 
@@ -58,8 +58,12 @@ struct UnfoldResult {
 // Number of classes that n profiles support: 2·n^⅓ (Terrell and Scott 1985).
 int classes_for(std::size_t profiles);
 
-// The K matrix of a color class: all shapes by probability, or only the class's own shape (eq. 9).
+// The K matrix of a color class: the class's shapes and those without a class by probability, or only the
+// class's own shape (eq. 9). Throws Error "no-shape-of-class".
 KMatrix kmatrix_of(const KMatrix&, Types, std::size_t cls);
+
+// Whether color classes have different K matrices.
+bool depends_on_class(const KMatrix&, Types);
 
 // Maximum-likelihood size of the largest particle of all color classes, over multiples of the largest profile
 // from 1 to 1.6 in steps of 2 %. The largest profile itself underestimates it (errata 3 in docs/errata.md,

@@ -47,6 +47,25 @@ TEST(Colorize, RandomDrawsByWeightAndNeverABorderProfile) {
   EXPECT_EQ(p.binder_color, seen.binder_color);
 }
 
+TEST(Colorize, BySizeDrawsFromTheParticlesClass) {
+  Profiles seen;
+  seen.classes = 2;
+  seen.profiles = {profile(1, {1, 0, 0}, 1, 0), profile(1, {0, 1, 0}, 1, 1), profile(5, {0, 0, 1}, 1, 1)};
+  Particles p = particles(300, 1, 0);
+  for (std::size_t i = 0; i < 100; ++i) p.cls[i] = 1;
+  for (std::size_t i = 50; i < 100; ++i) p.size[i] = 5.1;
+  colorize::colorize(p, seen, {ColorMode::BySize, 3});
+  for (std::size_t i = 0; i < 300; ++i) {
+    EXPECT_EQ(p.color[i].x(), i < 100 ? 0 : 1) << i;
+    if (i < 50) EXPECT_EQ(p.color[i].y(), 1) << i;  // the other profile of class 1 is larger
+  }
+  p.cls[7] = 2;
+  EXPECT_EQ(code_of([&] { colorize::colorize(p, seen, {ColorMode::BySize, 3}); }), "no-class");
+  seen.classes = 1;  // profiles without classes color every particle
+  for (Profile& q : seen.profiles) q.cls = 0;
+  colorize::colorize(p, seen, {ColorMode::BySize, 3});
+}
+
 TEST(Colorize, SectionsOfASphereHaveTheirClosedFormLikelihood) {
   double total = 0, mean = 0;  // bins of 0.1 of the diameter tile [0, 1]
   for (int i = 0; i < 10; ++i) {

@@ -157,8 +157,6 @@ TEST(Segment, ColorClasses) {
       EXPECT_EQ(p->cls, cls);
     }
   }
-  options.color_classes = 0;
-  EXPECT_EQ(segment::segment(image, options, {}).profiles.classes, 4);
   EXPECT_EQ(segment::segment(image, {}, {}).profiles.classes, 1);
 }
 

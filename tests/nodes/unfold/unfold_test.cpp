@@ -284,6 +284,17 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
       EXPECT_NEAR(r.distribution.shapes[s].N_V[j], expected[j], 1e-8 + 1e-3 * expected[j]);
   }
   EXPECT_THROW(unfolding::unfold(p, test::spheres<10>(), o, {}), Error);  // two classes, one shape
+
+  // Shapes that name their class say the same.
+  o.types = unfolding::Types::Mixed;
+  for (int s = 0; s < 2; ++s) k.shapes[s].cls = s, k.shapes[s].probability = s == 0 ? 0.9 : 0.1;
+  const UnfoldResult named = unfolding::unfold(p, k, o, {});
+  ASSERT_EQ(named.distribution.shapes.size(), 2u);
+  for (int s = 0; s < 2; ++s) {
+    EXPECT_EQ(named.distribution.shapes[s].cls, s);
+    EXPECT_EQ(named.distribution.shapes[s].N_V, r.distribution.shapes[s].N_V);
+  }
+  EXPECT_NEAR(named.distribution.volume_fraction, r.distribution.volume_fraction, 1e-12);
 }
 
 // Equation 9: the other classes' shapes say nothing about the largest particle of this one.
