@@ -10,7 +10,7 @@ namespace {
 
 void encode(const Detail& v, Writer& w) {
   w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
-  w.raw_array(v.profile_color), w.array(v.profile_contrast);
+  w.raw_array(v.profile_color), w.array(v.profile_size), w.raw_array(v.profile_contrast);
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
@@ -22,8 +22,9 @@ Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
   v.gray = r.pod<std::uint8_t>() != 0;
-  v.profile_color = r.raw_array<Vec3f>(), v.profile_contrast = r.array<float>();
-  if (v.profile_color.size() != v.profile_contrast.size())
+  v.profile_color = r.raw_array<Vec3f>(), v.profile_size = r.array<float>();
+  v.profile_contrast = r.raw_array<Eigen::Vector2f>();
+  if (v.profile_color.size() != v.profile_contrast.size() || v.profile_color.size() != v.profile_size.size())
     throw Error("damaged", "the stored detail has lists of different length");
   v.phases.resize(r.count(40));
   const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);

@@ -8,8 +8,12 @@
 
 namespace terrazzo {
 
-// All offsets are added to sRGB-encoded colors.
+// Offsets are added to sRGB-encoded colors. Those of particles are multiplied by particle_scale() first, so
+// that shading keeps the hue of particles of any color.
 struct Detail {
+  // `encoded`: the particle's sRGB-encoded color. The constant limits the detail of dark particles.
+  static Vec3f particle_scale(const Vec3f& encoded) { return encoded.cwiseMax(0.0f).array() + 0.15f; }
+
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
@@ -24,10 +28,12 @@ struct Detail {
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles
-  // Mean color of profiles, scene-linear, and the deviation of their offsets relative to their group's. A
-  // particle has the contrast of the profile with the nearest color.
+  // Mean color of profiles, scene-linear; their size √(4A/π), mm; and the deviation of their offsets relative
+  // to their group's: that of the mean of the three channels (x), and that of the rest (y). A particle has
+  // the contrast of the profile that is most like it in color and size.
   std::vector<Vec3f> profile_color;
-  std::vector<float> profile_contrast;
+  std::vector<float> profile_size;
+  std::vector<Eigen::Vector2f> profile_contrast;
   bool gray = false;    // the photograph has no color, and neither have the offsets
   double softness = 0;  // standard deviation of the blur of outlines, pixels
 };

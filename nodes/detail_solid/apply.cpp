@@ -80,7 +80,7 @@ Volume add_detail(const Volume& volume, const Detail& detail, const Work& work) 
     throw Error("not-periodic", "the volume is not periodic", "connect Voxelize.volume");
   const double voxel = color->transform().voxelSize()[0];
   const Particles particles = particles_of(*id, *color, density.get(), size, voxel, work);
-  const residual::ResidualField field(detail, particles, voxel, work.part(0, 0.1));
+  const residual::ResidualField field(detail, particles, voxel, residual::Keep::Values, work.part(0, 0.1));
   const std::size_t nx = static_cast<std::size_t>(size.x()), plane = nx * static_cast<std::size_t>(size.y());
   std::vector<Vec3f> out(plane * static_cast<std::size_t>(size.z()));
   work.part(0.1, 0.9).parallel(

@@ -90,6 +90,7 @@ void compute(Context& c) {
   }
   split_gains(phases, labels, detail);
   split_contrasts(phases, image, labels, detail);
+  keep_deep_pixels(phases, labels);
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
   const bool apply = c.has("volume");
   std::vector<PartialPicture> exemplars;
@@ -105,7 +106,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType detail_solid_node() {
-  return NodeType("DetailSolid", 3)
+  return NodeType("DetailSolid", 4)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

@@ -13,7 +13,7 @@ namespace terrazzo::detail_solid {
 // Pixels are ordered as in Image.
 struct Phases {
   int width = 0, height = 0, sections = 1;
-  std::vector<Vec3f> offset;        // from the flat color, sRGB-encoded
+  std::vector<Vec3f> offset;        // from the flat color, as in Detail
   std::vector<std::int8_t> phase;   // −1: not used, 0: binder, g: group of particles
   std::vector<Vec3f> group_color;   // of groups 1, 2 …; mean of their particles, scene-linear
   std::vector<std::size_t> pixels;  // used pixels of each phase

@@ -16,7 +16,10 @@ namespace {
 constexpr int kBins = 16;             // pixels from the outline
 constexpr double kLeastBin = 200;     // pixels in a bin
 constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and contrast count
-constexpr int kStep = 8;              // pixels on each side of an outline
+constexpr int kDeep = 4;              // pixels from the outline
+constexpr std::size_t kEnoughDeep = 4000;
+constexpr double kLeastContrast = 0.03;
+constexpr int kStep = 8;  // pixels on each side of an outline
 
 struct Bins {
   std::array<Vec3, kBins> sum;
@@ -97,31 +100,59 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
 
 void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail) {
   struct Sum {
-    double count = 0, square = 0;
+    double count = 0;
+    Vec2 square = Vec2::Zero();  // of the mean of the channels, and of the rest
     Vec3 color = Vec3::Zero();
     std::size_t group = 0;
   };
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
+  std::vector<double> area(profile.size(), 0.0);  // pixels
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (labels.ids[i] > 0) ++area[static_cast<std::size_t>(labels.ids[i]) - 1];
     if (p.phase[i] <= 0) continue;
     Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
     Sum& g = group[static_cast<std::size_t>(p.phase[i]) - 1];
-    const double v = p.offset[i].squaredNorm();
+    const double mean = p.offset[i].mean();
+    const Vec2 v(3 * mean * mean, std::max(0.0, p.offset[i].squaredNorm() - 3 * mean * mean));
     s.group = static_cast<std::size_t>(p.phase[i]) - 1;
     ++s.count, s.square += v, s.color += image.pixels[i].cast<double>();
     ++g.count, g.square += v;
   }
-  std::vector<float> contrast(profile.size(), 1.0f);
+  std::vector<Eigen::Vector2f> contrast(profile.size(), Eigen::Vector2f(1, 1));
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const Sum &s = profile[k], &g = group[s.group];
-    if (s.count < kLeastProfile || !(g.square > 0)) continue;
-    contrast[k] =
-        static_cast<float>(std::clamp(std::sqrt(s.square / s.count / (g.square / g.count)), 0.3, 3.0));
+    if (s.count < kLeastProfile || !(g.square.sum() > 0)) continue;
+    for (int a = 0; a < 2; ++a)
+      if (g.square[a] > 1e-9 * g.square.sum())
+        contrast[k][a] = static_cast<float>(
+            std::clamp(std::sqrt(s.square[a] / s.count / (g.square[a] / g.count)), kLeastContrast, 3.0));
     detail.profile_color.push_back((s.color / s.count).cast<float>());
     detail.profile_contrast.push_back(contrast[k]);
+    detail.profile_size.push_back(static_cast<float>(std::sqrt(4 * area[k] / M_PI) * image.pixel_size));
   }
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    if (p.phase[i] > 0) p.offset[i] /= contrast[static_cast<std::size_t>(labels.ids[i]) - 1];
+    if (p.phase[i] > 0) {
+      const Eigen::Vector2f& by = contrast[static_cast<std::size_t>(labels.ids[i]) - 1];
+      const Vec3f gray = Vec3f::Constant(p.offset[i].mean());
+      p.offset[i] = gray / by.x() + (p.offset[i] - gray) / by.y();
+    }
+}
+
+void keep_deep_pixels(Phases& p, const Labels& labels) {
+  const std::vector<float> depth = depths_of(p, labels);
+  std::vector<std::array<std::size_t, kDeep + 1>> left(p.pixels.size());  // pixels at least as deep
+  for (auto& l : left) l.fill(0);
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    for (int d = 0; p.phase[i] >= 0 && d <= kDeep && depth[i] >= static_cast<float>(d); ++d)
+      ++left[static_cast<std::size_t>(p.phase[i])][static_cast<std::size_t>(d)];
+  std::vector<int> least(left.size(), kDeep);
+  for (std::size_t k = 0; k < left.size(); ++k) {
+    while (least[k] > 0 && left[k][static_cast<std::size_t>(least[k])] < kEnoughDeep) --least[k];
+    if (least[k] > 0) p.pixels[k] = left[k][static_cast<std::size_t>(least[k])];
+  }
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] >= 0 && depth[i] < static_cast<float>(least[static_cast<std::size_t>(p.phase[i])]))
+      p.phase[i] = -1;
 }
 
 std::vector<double> split_slopes(Phases& p, const Labels& labels) {

@@ -19,9 +19,14 @@ void split_rims(Phases&, const Labels&, Detail&);
 // offsets by them and stores them in the detail.
 void split_gains(Phases&, const Labels&, Detail&);
 
-// Deviation of each profile's offsets relative to its group's. Divides the offsets by it and stores it with
-// the profile's color in the detail. `image`: the photograph. Small profiles are left as they are.
+// Deviation of each profile's offsets relative to its group's, of gray and of chroma. Divides the offsets by
+// it and stores it with the profile's color in the detail. `image`: the photograph. Small profiles are left
+// as they are.
 void split_contrasts(Phases&, const Image&, const Labels&, Detail&);
+
+// Leaves out what is close to outlines, where blur, sharpening and compression change the grain: of each
+// phase, the pixels within as many as 4 pixels of an outline, as long as 4,000 others remain.
+void keep_deep_pixels(Phases&, const Labels&);
 
 // Fits to each profile a plane in lightness, subtracts it and returns, for each group, the standard deviation
 // along an axis of the slope times the profile's radius √(A/π). Small profiles are left as they are.

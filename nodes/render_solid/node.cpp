@@ -68,7 +68,8 @@ struct Material {
 void take_residual(Context& c, Material& m) {
   const auto& particles = c.input<Particles>("particles");
   if (const auto* detail = c.optional<Detail>("detail"))
-    m.residual = std::make_unique<residual::ResidualField>(*detail, particles, 0, c.work().part(0, 0.05));
+    m.residual = std::make_unique<residual::ResidualField>(*detail, particles, 0, residual::Keep::Values,
+                                                           c.work().part(0, 0.05));
   const auto* volume = c.optional<Volume>("detail");
   if (!volume) return;
   m.residual = std::make_unique<residual::ResidualField>(*volume, particles.box, c.work().part(0, 0.05));

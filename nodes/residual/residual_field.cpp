@@ -19,8 +19,11 @@ namespace {
 constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332, layer_stream = 0x72657333,
                         turn_stream = 0x72657334, cell_stream = 0x72657335, seed_stream = 0x72657336,
                         slope_stream = 0x72657337;
-constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
-constexpr float kBlend = 10;   // width in voxels over which cells blend
+constexpr float kCell = 0.7f;   // edge of the binder's cells, in tiles
+constexpr float kShown = 0.8f;  // mean size of a sphere's profiles, relative to its own
+// Differences in Oklab and in the logarithm of the size that count equally.
+constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
+constexpr float kBlend = 10;  // width in voxels over which cells blend
 
 // Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {
@@ -93,13 +96,13 @@ T rim_at(const std::vector<T>& rim, float bins, const T& none) {
 
 }  // namespace
 
-void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint,
+void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep keep,
                              const Work& work) {
   if (footprint > 1) widen_footprint(values, size, footprint, work.quiet());
   Vec3 sum = Vec3::Zero();
   for (const Vec3f& v : values) sum += v.cast<double>();
   const auto mean = (sum / static_cast<double>(values.size())).cast<float>();
-  tiles_.push_back({SplineTile(std::move(values), size, work.quiet()), mean, {}, {}});
+  tiles_.push_back({SplineTile(std::move(values), size, keep, work.quiet()), mean, {}, {}});
 }
 
 ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& work)
@@ -120,10 +123,10 @@ ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& 
     periods_[a] = fit.periods, scale_[a] = fit.scale;
     voxels_per_mm_[a] = static_cast<float>(fit.periods * size[a] / box[a]);
   }
-  add_tile(values_of(*grid, size, work), size, 1, work);
+  add_tile(values_of(*grid, size, work), size, 1, Keep::Values, work);
 }
 
-ResidualField::ResidualField(const Detail& detail, const Particles& particles, double footprint,
+ResidualField::ResidualField(const Detail& detail, const Particles& particles, double footprint, Keep keep,
                              const Work& work)
     : box_(particles.box.cast<float>()),
       phases_(true),
@@ -133,7 +136,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     throw Error("bad-detail", "the detail is empty", "connect DetailSolid.detail");
   voxels_per_mm_.setConstant(static_cast<float>(1 / detail.pixel_size));
   for (const Detail::Phase& phase : detail.phases) {
-    add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, work);
+    add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, keep, work);
     tiles_.back().rim = phase.rim, tiles_.back().gain = phase.gain;
   }
   place_particles(detail, particles);
@@ -151,10 +154,15 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     std::size_t best = 0;
     for (std::size_t g = 1; g < colors.size(); ++g)
       if ((colors[g] - color).squaredNorm() < (colors[best] - color).squaredNorm()) best = g;
+    const float shown = kShown * static_cast<float>(particles.size[p]);
+    const auto unlike = [&](std::size_t k) {
+      const float size = shown > 0 ? std::log(detail.profile_size[k] / shown) / kSizeSpread : 0;
+      return (samples[k] - color).squaredNorm() / (kColorSpread * kColorSpread) + size * size;
+    };
     std::size_t nearest = 0;
     for (std::size_t k = 1; k < samples.size(); ++k)
-      if ((samples[k] - color).squaredNorm() < (samples[nearest] - color).squaredNorm()) nearest = k;
-    contrast_.push_back(samples.empty() ? 1.0f : detail.profile_contrast[nearest]);
+      if (unlike(k) < unlike(nearest)) nearest = k;
+    contrast_.push_back(samples.empty() ? Eigen::Vector2f(1, 1) : detail.profile_contrast[nearest]);
     // Without groups, particles have no detail of their own; they show the binder's.
     group_.push_back(colors.empty() ? 0 : static_cast<int>(best) + 1);
     Place place = random_place(particle_stream, p, particles.position[p].cast<float>());
@@ -165,6 +173,9 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
         place.slope[a] = static_cast<float>(
             random.normal() * detail.phases[static_cast<std::size_t>(group_.back())].slope / radius);
     places_.push_back(place);
+    // Without groups, offsets are the binder's.
+    const Vec3f none = Vec3f::Ones();
+    scales_.push_back(colors.empty() ? none : Detail::particle_scale(linear_to_srgb(particles.color[p])));
   }
 }
 
@@ -289,7 +300,10 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const 
   const Vec3f none = Vec3f::Zero(), rim = rim_at(tile.rim, bins, none);
   if (particle < 0) return gain * binder(mm) + rim;
   const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));
-  return contrast_[p] * gain * placed(tile, places_[p], mm) + rim + Vec3f::Constant(slope);
+  const Vec3f offset = gain * placed(tile, places_[p], mm), gray = Vec3f::Constant(offset.mean());
+  const Vec3f relative =
+      contrast_[p].x() * gray + contrast_[p].y() * (offset - gray) + rim + Vec3f::Constant(slope);
+  return relative.cwiseProduct(scales_[p]);
 }
 
 }  // namespace terrazzo::residual

@@ -26,7 +26,7 @@ class ResidualField {
   // in Oklab, turned and shifted at random about its center, and a slope of its own. The binder consists of
   // cells, each with its own turn and shift, that blend where they meet. `footprint`: edge of the pixels or
   // voxels that will show the field, mm; tiles are smoothed for it. Throws Error "bad-detail".
-  ResidualField(const Detail&, const Particles&, double footprint, const Work& = {});
+  ResidualField(const Detail&, const Particles&, double footprint, Keep = Keep::Values, const Work& = {});
 
   // The offset at a point in mm, within a particle or, if that is −1, within the binder. Each is a function
   // of space with the box's period. If a tile of ResidualSynth repeats in the box, every particle uses its
@@ -57,7 +57,7 @@ class ResidualField {
   Vec3f by_phase(const Vec3f& mm, int particle, float depth) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
-  void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, const Work&);
+  void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep, const Work&);
   void place_particles(const Detail&, const Particles&);
   void place_cells(int size, double voxel);
   Place random_place(std::uint64_t stream, std::uint64_t item, const Vec3f& center) const;
@@ -69,9 +69,10 @@ class ResidualField {
   Vec3f box_, voxels_per_mm_;
   std::vector<Tile> tiles_;  // the binder's, then the groups'
   bool phases_ = false, gray_ = false;
-  std::vector<int> group_;       // tile of each particle
-  std::vector<Place> places_;    // of each particle
-  std::vector<float> contrast_;  // of each particle
+  std::vector<int> group_;                 // tile of each particle
+  std::vector<Place> places_;              // of each particle
+  std::vector<Vec3f> scales_;              // of the offsets of each particle
+  std::vector<Eigen::Vector2f> contrast_;  // of each particle, as in Detail
   Vec3i cells_ = Vec3i::Ones();
   std::vector<Place> cell_;  // of each of the binder's cells, x fastest
   float rims_per_mm_ = 1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/geometry/floor_of.h"
 #include "nodes/common/geometry/periodic.h"
@@ -29,6 +30,23 @@ void spline_coefficients(std::vector<Vec3f>& line) {
     next = z * (next - line[static_cast<std::size_t>(i)]);
     line[static_cast<std::size_t>(i)] = 6 * next;
   }
+}
+
+// Converts samples to the coefficients of the cubic spline that has their mean power at any frequency, by
+// convolution: the integral of a spline's square weights its coefficients with the B-spline of order 7.
+std::vector<float> power_kernel() {
+  constexpr int kReach = 20, kSteps = 512;  // the kernel falls below 10⁻⁶ of its middle
+  std::vector<float> kernel;
+  for (int n = -kReach; n <= kReach; ++n) {
+    double sum = 0;
+    for (int k = 0; k < kSteps; ++k) {
+      const double w = 2 * std::numbers::pi * (k + 0.5) / kSteps;
+      const double power = (2416 + 2382 * std::cos(w) + 240 * std::cos(2 * w) + 2 * std::cos(3 * w)) / 5040;
+      sum += std::cos(w * n) / std::sqrt(power);
+    }
+    kernel.push_back(static_cast<float>(sum / kSteps));
+  }
+  return kernel;
 }
 
 void weights(float t, float w[4]) {
@@ -119,9 +137,15 @@ void widen_footprint(std::vector<Vec3f>& values, const Vec3i& size, double footp
   values = std::move(all);
 }
 
-SplineTile::SplineTile(std::vector<Vec3f> values, const Vec3i& size, const Work& work) : size_(size) {
+SplineTile::SplineTile(std::vector<Vec3f> values, const Vec3i& size, Keep keep, const Work& work)
+    : size_(size) {
+  const std::vector<float> kernel = keep == Keep::Power ? power_kernel() : std::vector<float>();
   for (int a = 0; a < 3; ++a)
-    each_line(values, size, a, work.quiet(), [](std::vector<Vec3f>& line) { spline_coefficients(line); });
+    each_line(values, size, a, work.quiet(), [&](std::vector<Vec3f>& line) {
+      if (kernel.empty()) return spline_coefficients(line);
+      thread_local std::vector<Vec3f> buffer;
+      smooth_line(line, kernel, buffer);
+    });
   float most = 1e-6f;
   for (const Vec3f& v : values) most = std::max(most, v.cwiseAbs().maxCoeff());
   unit_ = most / 32767;

@@ -9,12 +9,19 @@
 
 namespace terrazzo::residual {
 
+// What a spline keeps.
+enum class Keep {
+  Values,  // passes through the voxels; between them, fine grain loses up to half of its deviation
+  Power  // mean power of any frequency over all places between the voxels, for planes that cut them anywhere
+};
+
 class SplineTile {
  public:
   SplineTile() = default;
-  // `values`: one period, x fastest; size.prod() of them. Coefficients of the periodic cubic spline through
-  // the voxels are kept in 16 bits. The spline keeps grain that local kernels blur.
-  SplineTile(std::vector<Vec3f> values, const Vec3i& size, const Work& = {});
+  // `values`: one period, x fastest; size.prod() of them. Coefficients of a periodic cubic spline are kept in
+  // 16 bits: the one through the voxels (Unser 1999), or with the voxels as coefficients of orthonormal
+  // splines (Battle 1987, Lemarié 1988), whose power is theirs.
+  SplineTile(std::vector<Vec3f> values, const Vec3i& size, Keep = Keep::Values, const Work& = {});
 
   // The offset at `p`, in voxels: voxel (i, j, k) has its center at (i, j, k). The tile repeats.
   Vec3f at(const Vec3f& p) const;

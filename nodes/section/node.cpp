@@ -54,6 +54,15 @@ SectionChoice with_picture(Context& c, SectionChoice choice) {
   return choice;
 }
 
+// Whether the pixels lie on the lattice of the detail's voxels, which then are shown as they are.
+bool on_lattice(const SectionLayout& layout, double voxel) {
+  bool axes = true;
+  for (const SectionPlane& plane : layout.planes)
+    axes = axes && plane.frame.cwiseAbs().colwise().maxCoeff().minCoeff() > 1 - 1e-9;
+  return axes && std::abs(layout.width / layout.pixels_x / voxel - 1) < 1e-6 &&
+         std::abs(layout.height / layout.pixels_y / voxel - 1) < 1e-6;
+}
+
 Section section_of_particles(Context& c) {
   const Particles* particles = c.optional<Particles>("particles");
   const Shapes* shapes = c.optional<Shapes>("shapes");
@@ -68,7 +77,10 @@ Section section_of_particles(Context& c) {
       choose_planes(with_picture(c, choice_of(c)), particles->box, true, particles->box.maxCoeff() / 512);
   std::optional<residual::ResidualField> detail;
   const Detail* given = c.optional<Detail>("detail");
-  if (given) detail.emplace(*given, *particles, layout.pixel_size, c.work().part(0, 0.1));
+  if (given)
+    detail.emplace(*given, *particles, layout.pixel_size,
+                   on_lattice(layout, given->pixel_size) ? residual::Keep::Values : residual::Keep::Power,
+                   c.work().part(0, 0.1));
   Section section = cut_section(*particles, *shapes, layout, c.work().part(0.1, 1),
                                 detail ? &*detail : nullptr, given ? given->softness * given->pixel_size : 0);
   if (section.overlap > 1e-4)
@@ -114,7 +126,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType section_node() {
-  return NodeType("Section", 4)
+  return NodeType("Section", 5)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")

@@ -183,7 +183,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   const LatticeResidual grain =
       residual ? LatticeResidual(*residual, lattice, work.part(0, 0.1)) : LatticeResidual();
   std::optional<residual::ResidualField> field;
-  if (detail) field.emplace(*detail, particles, voxel, work.part(0, 0.1));
+  if (detail) field.emplace(*detail, particles, voxel, residual::Keep::Values, work.part(0, 0.1));
   const Sdfs sdfs(particles, shapes, voxel, work.part(0.1, 0.3));
   report.detail_periods = grain.periods(), report.detail_scale = grain.scale();
 

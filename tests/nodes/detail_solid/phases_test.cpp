@@ -103,12 +103,13 @@ TEST(DetailRims, SlopesAndContrastsAreMeasured) {
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   const auto slopes = split_slopes(p, drawn.labels);
   ASSERT_EQ(slopes.size(), 1u);
-  EXPECT_NEAR(slopes[0], 0.1 / std::sqrt(2.0), 0.01);  // along one axis, half of the square
+  // Along one axis, half of the square; relative to the color as Detail says.
+  EXPECT_NEAR(slopes[0], 0.1 / 0.55 / std::sqrt(2.0), 0.015);
   Detail d;
   split_contrasts(p, drawn.image, drawn.labels, d);
   ASSERT_EQ(d.profile_contrast.size(), 16u);
-  EXPECT_NEAR(d.profile_contrast[0] / d.profile_contrast[1], 2, 0.1);
-  EXPECT_NEAR(d.profile_contrast[2] / d.profile_contrast[3], 2, 0.1);
+  EXPECT_NEAR(d.profile_contrast[0].x() / d.profile_contrast[1].x(), 2, 0.1);
+  EXPECT_NEAR(d.profile_contrast[2].x() / d.profile_contrast[3].x(), 2, 0.1);
 }
 
 TEST(DetailRims, SoftnessIsThatOfTheBlur) {
@@ -170,6 +171,89 @@ TEST(DetailSpectrum, SlicesGetThePhotographsCovariance) {
   EXPECT_NEAR(std::sqrt(square / tile.size()), 0.02, 0.003);
   EXPECT_NEAR(next / square, 0.5, 0.08);
   EXPECT_NEAR(diagonal / square, 0.25, 0.1);
+}
+
+TEST(DetailSpectrum, ChromaGetsASpectrumOfItsOwn) {
+  // White lightness, and chroma averaged over 4 × 4 pixels, as in a compressed photograph.
+  const auto drawn = test::draw_disks(256, 128, 1, [](int x, int y, int) {
+    const float light = 0.03f * noise(x, y, 9), chroma = 0.02f * noise(x / 4, y / 4, 11);
+    return Vec3f(Vec3f::Constant(0.5f + light) + chroma * Vec3f(1, 0, -1));
+  });
+  const Phases p = find_phases(drawn.image, drawn.labels, {});
+  constexpr int n = 48;
+  std::vector<Vec3f> tile;
+  for (std::uint64_t i = 0; i < n * n * n; ++i) {
+    Random r(5, 5, i);
+    const double x = r.normal(), y = r.normal(), z = r.normal();
+    tile.push_back(0.05f * Vec3(x, y, z).cast<float>());
+  }
+  match_spectrum(tile, n, p, 0);
+  double light = 0, light_next = 0, chroma = 0, chroma_next = 0;
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x) {
+        const Vec3f &a = tile[static_cast<std::size_t>(z * n + y) * n + x],
+                    &b = tile[static_cast<std::size_t>(z * n + y) * n + (x + 1) % n];
+        light += a.mean() * a.mean(), light_next += a.mean() * b.mean();
+        chroma += (a.x() - a.z()) * (a.x() - a.z()), chroma_next += (a.x() - a.z()) * (b.x() - b.z());
+      }
+  EXPECT_NEAR(std::sqrt(light / tile.size()), 0.03, 0.004);
+  EXPECT_NEAR(std::sqrt(chroma / tile.size()), 0.04, 0.006);
+  EXPECT_NEAR(light_next / light, 0, 0.1);
+  EXPECT_NEAR(chroma_next / chroma, 0.75, 0.12);
+}
+
+TEST(DetailRims, ChromaAndGrayHaveContrastsOfTheirOwn) {
+  const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
+    if (id == 0) return Vec3f(0.5f, 0.5f, 0.5f);
+    const float hue = (id % 2 ? 0.04f : 0.01f) * noise(x, y, 5);
+    return Vec3f(Vec3f::Constant(0.4f + 0.02f * noise(x, y, 6)) + hue * Vec3f(1, 0, -1));
+  });
+  PhaseChoice choice;
+  choice.groups = 1;
+  Phases p = find_phases(drawn.image, drawn.labels, choice);
+  Detail d;
+  split_contrasts(p, drawn.image, drawn.labels, d);
+  ASSERT_EQ(d.profile_contrast.size(), 16u);
+  EXPECT_NEAR(d.profile_contrast[0].y() / d.profile_contrast[1].y(), 4, 0.3);
+  EXPECT_NEAR(d.profile_contrast[0].x() / d.profile_contrast[1].x(), 1, 0.1);
+  EXPECT_NEAR(d.profile_size[0], 60 * 0.1, 0.05);
+}
+
+TEST(DetailRims, GrayPicturesHaveNoChromaToDivideBy) {
+  const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
+    return Vec3f(Vec3f::Constant((id ? 0.4f : 0.7f) + 0.02f * noise(x, y, 5)));
+  });
+  Phases p = find_phases(drawn.image, drawn.labels, {});
+  Detail d;
+  split_contrasts(p, drawn.image, drawn.labels, d);
+  for (const auto& c : d.profile_contrast) EXPECT_TRUE(c.allFinite());
+  for (const Vec3f& v : p.offset) ASSERT_TRUE(v.allFinite());
+}
+
+TEST(DetailRims, PixelsNearOutlinesAreLeftOutWhileEnoughRemain) {
+  const auto large = test::draw_disks(320, 80, 30, two_colors),
+             small = test::draw_disks(160, 40, 12, two_colors);
+  for (const auto* drawn : {&large, &small}) {
+    PhaseChoice choice;
+    choice.groups = 1;
+    Phases p = find_phases(drawn->image, drawn->labels, choice);
+    const Phases before = p;
+    keep_deep_pixels(p, drawn->labels);
+    std::vector<std::size_t> left(p.pixels.size(), 0);
+    for (std::size_t i = 0; i < p.phase.size(); ++i) {
+      EXPECT_TRUE(p.phase[i] == -1 || p.phase[i] == before.phase[i]);
+      if (p.phase[i] >= 0) ++left[static_cast<std::size_t>(p.phase[i])];
+    }
+    EXPECT_EQ(left, p.pixels);
+    for (std::size_t k = 0; k < left.size(); ++k)
+      EXPECT_GE(left[k], std::min<std::size_t>(4000, before.pixels[k]));
+    if (drawn == &large) {
+      EXPECT_LT(left[1], before.pixels[1]);
+      EXPECT_EQ(p.phase[40 * 320 + 40], 1);        // a disk's middle
+      EXPECT_EQ(p.phase[40 * 320 + 40 + 28], -1);  // 2 pixels from its outline
+    }
+  }
 }
 
 // A strip narrower than a patch, and a picture of one color, have no grain; neither is an error.

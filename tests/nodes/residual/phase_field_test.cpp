@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/particles.h"
 #include "nodes/residual/outline_depth.h"
@@ -56,8 +57,11 @@ TEST(PhaseField, EveryPhaseHasItsOwnTileAndTheBoxsPeriod) {
   // Between voxels the spline of white noise has less than its deviation at voxels.
   const double binder = deviation(field, -1, Vec3(11, 12, 13)), dark = deviation(field, 0, p.position[0]),
                light = deviation(field, 1, p.position[1]);
-  EXPECT_NEAR(dark / binder, 2, 0.25);
-  EXPECT_NEAR(light / binder, 4, 0.5);
+  const auto scale = [](float linear) {
+    return Detail::particle_scale(linear_to_srgb(Vec3f::Constant(linear))).x();
+  };
+  EXPECT_NEAR(dark / binder, 2 * scale(0.15f), 0.25 * scale(0.15f));
+  EXPECT_NEAR(light / binder, 4 * scale(0.7f), 0.5 * scale(0.7f));
   for (std::uint64_t k = 0; k < 300; ++k) {
     Random r(3, 3, k);
     const Vec3f at(float(r.uniform(0, 30)), float(r.uniform(0, 24)), float(r.uniform(0, 27)));
@@ -91,8 +95,9 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   d.phases[0].rim = {Vec3f::Constant(-0.2f), Vec3f::Zero()};
   const Vec3f at = p.position[0].cast<float>();
   const ResidualField rims(d, p, 0);
-  EXPECT_NEAR(rims.at(at, 0, 0.25f).x(), 0.3f, 1e-5f);  // half a pixel deep
-  EXPECT_NEAR(rims.at(at, 0, 0.5f).x(), 0.2f, 1e-5f);   // between two bins
+  const float dark = Detail::particle_scale(linear_to_srgb(p.color[0])).x();
+  EXPECT_NEAR(rims.at(at, 0, 0.25f).x(), 0.3f * dark, 1e-5f);  // half a pixel deep
+  EXPECT_NEAR(rims.at(at, 0, 0.5f).x(), 0.2f * dark, 1e-5f);   // between two bins
   EXPECT_NEAR(rims.at(at, 0, 100).x(), 0, 1e-5f);
   EXPECT_NEAR(rims.at(at, -1, 0.25f).x(), -0.2f, 1e-5f);
   for (auto& phase : d.phases) phase.rim.clear();
@@ -104,9 +109,63 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   EXPECT_NEAR(up - down, 2 * (slopes.at(at + Vec3f(2, 1, 0), 0).x() - slopes.at(at, 0).x()), 1e-4f);
   Detail loud = noise_detail();
   loud.profile_color = {Vec3f::Constant(0.15f), Vec3f::Constant(0.7f)};
-  loud.profile_contrast = {3, 1};
+  loud.profile_size = {1, 1};
+  loud.profile_contrast = {{3, 3}, {1, 1}};
   const double plain = deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]);
   EXPECT_NEAR(deviation(ResidualField(loud, p, 0), 0, p.position[0]) / plain, 3, 1e-3);
+}
+
+TEST(PhaseField, ChromaHasAContrastOfItsOwn) {
+  const Particles p = two_particles();
+  Detail d = noise_detail();
+  for (std::uint64_t i = 0; i < d.phases[1].tile.size(); ++i)
+    d.phases[1].tile[i] += Vec3f(1, 0, -1) * static_cast<float>(0.1 * Random(1, 9, i).normal());
+  d.profile_color = {p.color[0]}, d.profile_size = {8}, d.profile_contrast = {{1, 0.25f}};
+  const ResidualField field(d, p, 0);
+  d.profile_contrast = {{1, 1}};
+  const ResidualField plain(d, p, 0);
+  for (int k = 0; k < 20; ++k) {
+    const Vec3f at = (p.position[0] + Vec3(0.1 * k, 0.3, 0)).cast<float>();
+    const Vec3f a = field.at(at, 0), b = plain.at(at, 0);
+    EXPECT_NEAR(a.mean(), b.mean(), 1e-5f);
+    EXPECT_NEAR((a - Vec3f::Constant(a.mean())).norm(), 0.25f * (b - Vec3f::Constant(b.mean())).norm(),
+                1e-5f);
+  }
+}
+
+TEST(PhaseField, ASimilarProfileHasTheSizeToo) {
+  Particles p = two_particles();
+  Detail d = noise_detail();
+  d.profile_color = {p.color[0], p.color[0]}, d.profile_size = {1, 8}, d.profile_contrast = {{3, 3}, {1, 1}};
+  const double plain = deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]);
+  EXPECT_NEAR(deviation(ResidualField(d, p, 0), 0, p.position[0]) / plain, 1, 1e-3);
+  p.size[0] = 1.2;
+  EXPECT_GT(deviation(ResidualField(d, p, 0), 0, p.position[0]) / plain, 2.5);
+}
+
+TEST(SplineTile, EitherValuesOrTheirPowerAreKept) {
+  constexpr int n = 24;
+  std::vector<Vec3f> values;
+  double given = 0;
+  for (std::uint64_t i = 0; i < n * n * n; ++i) {
+    values.push_back(Vec3f::Constant(static_cast<float>(Random(1, 4, i).normal())));
+    given += values.back().x() * values.back().x() / (n * n * n);
+  }
+  const residual::SplineTile through(values, Vec3i::Constant(n), residual::Keep::Values),
+      strong(values, Vec3i::Constant(n), residual::Keep::Power);
+  for (int k = 0; k < n; ++k)
+    EXPECT_NEAR(through.at(Vec3f(k, 3, 7)).x(), values[static_cast<std::size_t>((7 * n + 3) * n + k)].x(),
+                2e-3f);
+  double a = 0, b = 0;
+  constexpr int kPlaces = 60000;
+  for (std::uint64_t k = 0; k < kPlaces; ++k) {
+    Random r(3, 5, k);
+    const Vec3f at = Vec3(r.uniform(0, n), r.uniform(0, n), r.uniform(0, n)).cast<float>();
+    a += through.at(at).x() * through.at(at).x() / kPlaces,
+        b += strong.at(at).x() * strong.at(at).x() / kPlaces;
+  }
+  EXPECT_LT(a / given, 0.7);
+  EXPECT_NEAR(b / given, 1, 0.03);
 }
 
 TEST(PhaseField, CoarseVoxelsKeepTheContrastOfReducedPictures) {
