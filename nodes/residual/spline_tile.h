@@ -11,7 +11,7 @@ namespace terrazzo::residual {
 
 // What a spline keeps.
 enum class Keep {
-  Values,  // passes through the voxels; between them, fine grain loses up to half of its deviation
+  Values,  // passes through the voxels; between them, white noise has 2/3 of its variance
   Power  // mean power of any frequency over all places between the voxels, for planes that cut them anywhere
 };
 
