@@ -16,6 +16,7 @@ struct LiveGraph::Watcher : Observer {
   LiveGraph& owner;
   std::shared_ptr<const Graph> graph;
   bool current = true;  // with owner.mutex_ held
+  bool left = false;    // the document was closed
 
   Watcher(LiveGraph& owner, std::shared_ptr<const Graph> graph) : owner(owner), graph(std::move(graph)) {}
 
@@ -23,6 +24,7 @@ struct LiveGraph::Watcher : Observer {
 
   // The node's state, or null if it no longer awaits a result.
   NodeState* pending(int node) {
+    if (left) return nullptr;
     const auto it = owner.states_.find(path(node));
     if (it == owner.states_.end()) return nullptr;
     const bool done = it->second.state != "waiting" && it->second.state != "running";
@@ -106,7 +108,7 @@ json LiveGraph::document_json() const {
   for (const auto& d : found_) messages.push_back(json_of(d));
   out["file"] = document_.file().string();
   out["text"] = document_.text();
-  out["saved"] = document_.saved();
+  out["saved"] = document_.saved(), out["read_only"] = document_.read_only();
   out["can_undo"] = document_.can_undo(), out["can_redo"] = document_.can_redo();
   out["recovered"] = document_.recovered();
   out["trouble"] = document_.trouble();
@@ -157,6 +159,28 @@ void LiveGraph::document_changed() {
     start(safe_targets());
   else
     plan();
+}
+
+void LiveGraph::require_saved() {
+  const std::lock_guard lock(mutex_);
+  if (!document_.saved())
+    throw Error("unsaved-changes", "the graph has unsaved changes",
+                "save it first, or open the other one anyway");
+}
+
+void LiveGraph::open(Document document, bool discard, std::optional<bool> live) {
+  if (!discard) require_saved();
+  const std::lock_guard lock(mutex_);
+  for (const auto& r : running_) {
+    r->watcher->current = false, r->watcher->left = true;
+    r->evaluation->cancel();
+  }
+  document_ = std::move(document);
+  overrides_ = {};  // they belong to the graph of the command line
+  states_.clear();
+  disk_changed_ = false, seconds_ = 0, trouble_.clear();
+  if (live) live_ = *live;
+  document_changed();
 }
 
 // Everything that a run without targets evaluates, but not the nodes that write files.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <thread>
 
 #include "runtime/session.h"
@@ -32,6 +33,12 @@ class LiveGraph {
     apply(document_);
     document_changed();
   }
+
+  // Shows another document, and evaluates it if `live`, by default as before. Throws Error "unsaved-changes",
+  // unless `discard`; unsaved text of a file stays beside it.
+  void open(Document, bool discard, std::optional<bool> live = {});
+  // Throws Error "unsaved-changes" if there are any.
+  void require_saved();
 
   // Evaluates "NODE", "NODE.PORT" or graph outputs; without targets, everything, files included. Throws Error
   // "unknown-node", "unknown-port", or "invalid-graph" if the document has errors.
