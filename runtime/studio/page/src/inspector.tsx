@@ -68,6 +68,19 @@ function Outputs({ node }: { node: DocNode }) {
   );
 }
 
+// A list of texts, such as edits. Items are changed in the YAML text.
+function Items({ node, spec, items }: { node: DocNode; spec: Parameter; items: string[] }) {
+  return (
+    <>
+      <h2 title={spec.doc}>{spec.name}{spec.unit && `, ${spec.unit}`}</h2>
+      <ol className="items">{items.map((text, k) => (
+        <li key={k}><span>{text}</span><button className="reset" title="Remove" aria-label={`Remove ${text}`}
+          onClick={() => void edit([{ op: 'remove_item', node: node.name, name: spec.name, index: k }])}>×</button></li>
+      ))}</ol>
+    </>
+  );
+}
+
 function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
   return (
@@ -80,6 +93,7 @@ function NodeInspector({ node }: { node: DocNode }) {
       <div className="fields">
         {declaration?.parameters.map(p => {
           const own = node.params[p.name];
+          if (p.kind === 'texts' && Array.isArray(own?.value)) return <Items key={`${node.name}.${p.name}`} node={node} spec={p} items={own.value} />;
           return (
             <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
               <Field spec={p} value={own ? own.value : defaultText(p)}

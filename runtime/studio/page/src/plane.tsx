@@ -20,7 +20,16 @@ function useBox(node: DocNode): number[] | null {
   return grid ? axes.map((_, k) => (grid.bounding_box[1][k] - grid.bounding_box[0][k] + 1) * grid.voxel_size) : null;
 }
 
-// Moves the plane of a Section along its axis. While it moves, changes are sent ten times a second.
+// Waits until the node has its new result, but not for long.
+async function settled(node: string) {
+  for (let k = 0; k < 30; ++k) {
+    await new Promise(done => setTimeout(done, 60));
+    if (!['waiting', 'running'].includes(useStore.getState().nodes[node]?.state)) return;
+  }
+}
+
+// Moves the plane of a Section along its axis. While it moves, the next position is sent when the last one is shown, because a
+// new one cancels what is computed for the last one.
 export function PlaneBar({ node }: { node: DocNode }) {
   const types = useStore(s => s.types);
   const box = useBox(node);
@@ -48,7 +57,7 @@ export function PlaneBar({ node }: { node: DocNode }) {
       const now = offsets.map((o, k) => String(Number((k === at ? s.next! : o).toFixed(3))));
       s.next = null;
       await edit([{ op: 'set', node: node.name, name: 'offsets', value: now.length === 1 ? now[0] : now }], true);
-      await new Promise(done => setTimeout(done, 100));
+      await settled(node.name);
     }
     s.busy = false;
   };

@@ -6,7 +6,7 @@ export interface Tool { name: string; title: string; hint: string; key: string; 
 
 const clicks = { least: 2, most: 1e9, freehand: false };
 export const tools: Tool[] = [
-  { name: 'binder', title: 'Binder', key: 'b', hint: 'Click the binder, the material between the particles.', pen: { least: 1, most: 1, freehand: false, shape: 'points' } },
+  { name: 'binder', title: 'Pick binder', key: 'b', hint: 'Click the binder, the material between the particles.', pen: { least: 1, most: 1, freehand: false, shape: 'points' } },
   { name: 'merge', title: 'Merge', key: 'm', hint: 'Click two parts of one particle, or drag from one to the other.', pen: { least: 2, most: 2, freehand: false, shape: 'line' } },
   { name: 'split', title: 'Split', key: 's', hint: 'Drag a line across a particle; or click points and press Enter.', pen: { ...clicks, shape: 'line' } },
   { name: 'delete', title: 'Delete', key: 'd', hint: 'Click a particle that is binder.', pen: { least: 1, most: 1, freehand: false, shape: 'points' } },
