@@ -46,6 +46,7 @@ try {
   await page.fill('.new input >> nth=0', '0.2');
   await check('new material');
   await page.click('text=Create the material');
+  await until('the graph is open', s => s.document.file.endsWith('stones.yaml'));
   await card('segment').waitFor();
   // Small sizes, so that this takes seconds.
   await page.evaluate(async () => {

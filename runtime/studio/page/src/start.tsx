@@ -25,7 +25,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
         onError={e => { e.currentTarget.hidden = true; }} />
       <div>
         <h2>{picture.name}{size && `, ${size.w} × ${size.h} pixels`}</h2>
-        <label>Size of a pixel <input value={pixel} inputMode="decimal" aria-describedby="extent" onChange={e => setPixel(e.target.value)} autoFocus /> mm</label>
+        <label>{'Size of a pixel '}<input value={pixel} inputMode="decimal" aria-describedby="extent" onChange={e => setPixel(e.target.value)} autoFocus />{' mm'}</label>
         <p id="extent" className="doc">{size && mm > 0 ? `The photograph shows ${(size.w * mm).toPrecision(3)} × ${(size.h * mm).toPrecision(3)} mm of the material.` : 'The edge of a pixel on the material’s surface.'}</p>
         <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
         <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
@@ -47,7 +47,7 @@ export function Start() {
   return (
     <section className="start" role="dialog" aria-label="Start" tabIndex={-1} ref={box} onKeyDown={e => { if (e.key === 'Escape') close(); }}>
       <div>
-        <header><h2>New material from a photograph</h2><button onClick={close}>{info?.welcome ? 'Skip' : 'Close'}</button></header>
+        <div className="head"><h2>New material from a photograph</h2><button onClick={close}>{info?.welcome ? 'Skip' : 'Close'}</button></div>
         {picture && info ? <NewMaterial picture={picture} folder={info.folder} /> : (
           <div className="drop">
             <p>Drop a photograph of a cut surface here, or</p>
