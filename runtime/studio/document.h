@@ -25,8 +25,8 @@ class Document {
   // Why the unsaved text cannot be kept beside the file; "" if it can.
   const std::string& trouble() const { return trouble_; }
 
-  // Applies all edits as one step of undo, or none of them. Throws what edit_document() throws. Edits with the
-  // same `group` continue one step, as a slider does while it moves; "": none.
+  // Applies all edits as one step of undo, or none of them. Throws what edit_document() throws. Edits with
+  // the same `group` continue one step, as a slider does while it moves; "": none.
   void edit(const std::vector<Edit>&, const std::string& group = {});
   // Replaces the text, as one step. Throws Error "too-large" or "not-utf8".
   void replace(std::string text);
