@@ -187,6 +187,7 @@ struct StudioServer::Impl {
     add_start_routes(server, live, registry, start);
     post("/api/run",
          [this](const json& body) { live.evaluate(body.value("targets", std::vector<std::string>{})); });
+    post("/api/view", [this](const json& body) { live.show(body.at("node").get<std::string>()); });
     post("/api/cancel", [this](const json& body) { live.cancel(body.value("node", "")); });
     post("/api/live", [this](const json& body) { live.set_live(body.at("live").get<bool>()); });
   }

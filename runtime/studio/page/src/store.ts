@@ -120,6 +120,16 @@ export async function connect() {
   });
 }
 
+// The server computes first what is shown.
+let shown = '';
+useStore.subscribe(s => {
+  const name = s.pinned?.node ?? s.selected ?? '', node = s.doc?.nodes.find(n => n.name === name);
+  const path = (node?.graph ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
+  if (path === shown || !s.doc) return;
+  shown = path;
+  void fetch('/api/view', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ node: path }) }).catch(() => {});
+});
+
 // --- nodes of the document
 
 export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
