@@ -5,7 +5,6 @@
 
 #include "runtime/files.h"
 #include "runtime/json_text.h"
-#include "runtime/studio/document_json.h"
 
 namespace terrazzo::studio {
 using nlohmann::json;
@@ -105,23 +104,6 @@ LiveGraph::~LiveGraph() {
   running_.clear();  // waits, without the lock that the watchers need
 }
 
-json LiveGraph::document_json() const {
-  Diagnostics ignored;
-  json out = json_of(read_document(document_.text(), document_.file(), ignored), registry_);
-  json messages = json::array();
-  for (const auto& d : found_) messages.push_back(json_of(d));
-  out["file"] = document_.file().string();
-  out["text"] = document_.text();
-  out["saved"] = document_.saved(), out["read_only"] = document_.read_only();
-  out["can_undo"] = document_.can_undo(), out["can_redo"] = document_.can_redo();
-  out["recovered"] = document_.recovered();
-  out["trouble"] = document_.trouble();
-  out["disk_changed"] = disk_changed_;
-  out["valid"] = valid_;
-  out["messages"] = messages;
-  return out;
-}
-
 json LiveGraph::run_json() const {
   const bool running = !then_.empty() || (!running_.empty() && !running_.back()->evaluation->done());
   double expected = 0;
@@ -132,19 +114,6 @@ json LiveGraph::run_json() const {
           {"seconds", seconds_},
           {"expected", expected},
           {"trouble", trouble_}};
-}
-
-json LiveGraph::state() {
-  const std::lock_guard lock(mutex_);
-  json nodes = json::object();
-  for (const auto& [path, s] : states_) nodes[path] = json_of(s);
-  return {{"number", events_.last()}, {"document", document_json()}, {"nodes", nodes}, {"run", run_json()}};
-}
-
-void LiveGraph::tell_node(const std::string& path) {
-  json j = json_of(states_[path]);
-  j["path"] = path;
-  events_.add("node", json_text(j));
 }
 
 void LiveGraph::document_changed() {

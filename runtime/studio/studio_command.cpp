@@ -49,10 +49,11 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
   if (file.empty())
     throw Error("usage", "no graph is given, and the default graph is not installed with this program",
                 "name a graph file: terrazzo studio GRAPH");
-  // The default material waits until the page says that it is wanted.
+  // Without a word about the default material, it waits until the page says that it is wanted.
+  const bool welcome = is_default && o.set.empty() && o.parameters.empty();
   LiveGraph live(nodes.registry, nodes.types, cli::session_options(o), Document(file, is_default), overrides,
-                 !o.no_live && !is_default);
-  StudioServer server(live, nodes.registry, {.welcome = is_default, .live = !o.no_live});
+                 !o.no_live && !welcome);
+  StudioServer server(live, nodes.registry, {.welcome = welcome, .live = !o.no_live});
   server.bind(o.port);
   std::cout << server.address() << std::endl;
   std::cerr << "Open this address in a browser to work on " << file.string() << ". Files go to " << o.out

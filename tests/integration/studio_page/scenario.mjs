@@ -56,7 +56,7 @@ try {
   });
   await page.keyboard.press('Control+s');
   result.before = (await until('it is saved', s => s.document.saved)).document.text;
-  await page.check('.check input');
+  await page.click('.check input');
   await card('segment').click();
   result.binder_before = await table(await until('there are labels', s => done(s)('segment')), 'segment', 'binder');
 

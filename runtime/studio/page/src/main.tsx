@@ -90,10 +90,12 @@ function App() {
     <div className="app">
       <Bar />
       <Notices />
-      {starting && <Start />}
-      <div className="body" inert={starting}>
-        <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
-        <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
+      <div className="below">
+        {starting && <Start />}
+        <div className="body" inert={starting}>
+          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
+          <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
+        </div>
       </div>
     </div>
   );

@@ -1,4 +1,4 @@
-import { nearest, select, splitWire, useStore, edit, type Edit } from './store';
+import { select, splitWire, useStore, edit, type Edit } from './store';
 import type { Pen, Point } from './pen';
 import type { Doc, DocNode } from './types';
 
@@ -85,6 +85,3 @@ export async function setBinder(node: DocNode, color: string): Promise<void> {
   await edit([shared && doc.parameters.some(p => p.name === shared) ? { op: 'set_default', name: shared, value: color }
     : { op: 'set', node: segment.name, name: 'binder', value: color }]);
 }
-
-// The photograph that labels belong to.
-export const photographOf = (node: DocNode) => nearest(node.name, 'Image', 'up', useStore.getState());
