@@ -49,7 +49,7 @@ function State({ node }: { node: DocNode }) {
       {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
-      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
+      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r} title={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
       {metrics.length > 0 && <details open={metrics.length < 5}><summary>{metrics.length === 1 ? '1 measure' : `${metrics.length} measures`}</summary>
         <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl></details>}
       {state.files.length > 0 && <p>Wrote {state.files.join(', ')}</p>}

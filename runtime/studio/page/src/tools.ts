@@ -65,11 +65,24 @@ function insert(doc: Doc, segment: DocNode, text: string): { name: string; edits
   };
 }
 
+// The points of a drawn line that matter by more than half a pixel (Douglas and Peucker 1973).
+function simplified(points: Point[]): Point[] {
+  if (points.length < 3) return points;
+  const [a, b] = [points[0], points[points.length - 1]], dx = b[0] - a[0], dy = b[1] - a[1], length = Math.hypot(dx, dy);
+  let far = 0, most = 0.5;
+  for (let k = 1; k + 1 < points.length; ++k) {
+    const [x, y] = [points[k][0] - a[0], points[k][1] - a[1]];
+    const off = length > 0 ? Math.abs(x * dy - y * dx) / length : Math.hypot(x, y);
+    if (off > most) far = k, most = off;
+  }
+  return far ? [...simplified(points.slice(0, far + 1)).slice(0, -1), ...simplified(points.slice(far))] : [a, b];
+}
+
 // Adds a correction, as one step of undo.
 export async function correct(node: DocNode, tool: string, points: Point[], section: number): Promise<void> {
   const { doc } = useStore.getState();
   const number = (v: number) => String(Number(v.toFixed(1)));
-  const text = `${section ? `${section}: ` : ''}${tool} ${points.flat().map(number).join(' ')}`;
+  const text = `${section ? `${section}: ` : ''}${tool} ${(tool === 'outline' ? simplified(points) : points).flat().map(number).join(' ')}`;
   const editor = editLabelsOf(node), segment = segmentOf(node);
   if (!doc || (!editor && !segment)) return;
   const { name, edits } = editor ? { name: editor.name, edits: [{ op: 'append', node: editor.name, name: 'edits', value: text }] } : insert(doc, segment!, text);
