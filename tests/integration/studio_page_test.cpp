@@ -119,6 +119,7 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
   EXPECT_GT(std::abs(r["binder_before"][3].get<double>() - share), 0.15) << share;
   EXPECT_NEAR(r["binder_after"][3].get<double>(), share, 0.05);
   EXPECT_EQ(r["split_by_mouse"], 1);
+  EXPECT_EQ(r["undone"], true);
   EXPECT_EQ(r["split_by_keys"], 1);
   EXPECT_EQ(r["failed"], nlohmann::json::array());
   EXPECT_EQ(r["ran"], nlohmann::json({"block", "colorize", "compare", "observer", "pack", "section",

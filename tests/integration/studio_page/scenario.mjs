@@ -79,6 +79,12 @@ try {
   s = await until('a stone is split', s => done(s)('measure'));
   result.split_by_mouse = s.nodes.measure.metrics.profiles - stones;
   await page.waitForFunction(() => document.querySelector('.tabs b')?.textContent === 'edit_labels');
+  await page.click('button:has-text("Undo")');
+  result.undone = (await until('the correction is undone', s => !s.nodes.edit_labels)).document.nodes.every(n => n.name !== 'measure');
+  await page.click('button:has-text("Redo")');
+  await until('it is done again', s => done(s)('measure'));
+  await card('edit_labels').click();
+  await page.waitForSelector('.panzoom .content canvas');
   await check('tools');
   await page.locator('.panzoom').focus();
   await page.keyboard.press('ArrowUp'); // shows the cross, in the middle of the picture
