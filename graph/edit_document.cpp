@@ -51,11 +51,24 @@ class Editor {
       case Kind::ResetParameter:
         remove(node(e.node).params, {"nodes", e.node, "params", e.name}, e.name);
         break;
+      case Kind::AppendItem:
+        append(e);
+        break;
+      case Kind::RemoveItem:
+        remove_item(e);
+        break;
       case Kind::SetDefault:
         set_default(e);
         break;
+      case Kind::SetSubgraph:
+        take(set_yaml_entry(text_, {"nodes", e.node, "graph"}, yaml_word(e.graph)));
+        node(e.node).graph = e.graph;
+        break;
       case Kind::Connect:
         connect(e.node, e.name, e.wires);
+        break;
+      case Kind::Rewire:
+        rewire([&](const std::string& wire) { return wire == e.name ? e.to : wire; }, e.node);
         break;
       case Kind::AddNode:
         add(e);
@@ -105,6 +118,35 @@ class Editor {
     if (list.size() == 1) path.pop_back();
     take(remove_yaml_entry(text_, path));
     list.erase(it);
+  }
+
+  void append(const Edit& e) {
+    auto& params = node(e.node).params;
+    const YamlPath path{"nodes", e.node, "params", e.name};
+    const std::string item = yaml_word(e.value.text());
+    const auto it = find_name(params, e.name);
+    if (it != params.end() && it->second.written.is_list && !it->second.written.items.empty()) {
+      take(append_yaml_item(text_, path, item));
+      it->second.written.items.push_back(e.value.text());
+      return;
+    }
+    const WrittenValue list{true, {e.value.text()}, {}};
+    if (!params.empty()) return set(params, path, e.name, RawValue{list, {}}, yaml_list(list.items));
+    take(add_yaml_block(text_, {"nodes", e.node, "params"}, yaml_word(e.name) + ":\n  - " + item,
+                        "{" + yaml_word(e.name) + ": " + yaml_list(list.items) + "}"));
+    params.push_back({e.name, RawValue{list, {}}});
+  }
+
+  void remove_item(const Edit& e) {
+    auto& params = node(e.node).params;
+    const YamlPath path{"nodes", e.node, "params", e.name};
+    const auto it = find_name(params, e.name);
+    if (it == params.end() || e.index >= it->second.written.items.size())
+      throw Error("unknown-item", fmt::format("{}.{} has no item {}", e.node, e.name, e.index + 1));
+    auto& items = it->second.written.items;
+    if (items.size() == 1) return remove(params, path, e.name);
+    take(remove_yaml_item(text_, path, e.index));
+    items.erase(items.begin() + static_cast<std::ptrdiff_t>(e.index));
   }
 
   void set_default(const Edit& e) {
@@ -162,25 +204,32 @@ class Editor {
     std::erase_if(doc_.nodes, [&](const RawNode& n) { return n.name == name; });
   }
 
+  // Changes every wire and every output and input of the graph to `now(wire)`, except wires to a node.
+  template <class Now>
+  void rewire(Now&& now, const std::string& except = {}) {
+    for (auto& n : doc_.nodes) {
+      if (n.name == except) continue;
+      for (auto inputs = n.inputs; const auto& [input, wires] : inputs) {
+        std::vector<std::string> texts;
+        for (const auto& w : wires) texts.push_back(now(w.text));
+        if (!std::ranges::equal(wires, texts, {}, &RawReference::text)) connect(n.name, input, texts);
+      }
+    }
+    for (auto& [key, list] : {std::pair{"outputs", &doc_.outputs}, std::pair{"inputs", &doc_.inputs}})
+      for (auto& [port, reference] : *list) {
+        const std::string text = now(reference.text);
+        if (text == reference.text) continue;
+        reference.text = text;
+        take(set_yaml_entry(text_, {key, port}, yaml_word(text)));
+      }
+  }
+
   void rename_node(const std::string& name, const std::string& to) {
     node(name);
     check_new_name(to);
-    const auto renamed = [&](const RawReference& r) {
-      return refers_to(r, name) ? to + r.text.substr(name.size()) : r.text;
-    };
-    for (auto& n : doc_.nodes)
-      for (auto inputs = n.inputs; const auto& [input, wires] : inputs) {
-        std::vector<std::string> now;
-        for (const auto& w : wires) now.push_back(renamed(w));
-        if (std::any_of(wires.begin(), wires.end(), [&](const auto& w) { return refers_to(w, name); }))
-          connect(n.name, input, now);
-      }
-    for (auto& [key, list] : {std::pair{"outputs", &doc_.outputs}, std::pair{"inputs", &doc_.inputs}})
-      for (auto& [port, reference] : *list)
-        if (refers_to(reference, name)) {
-          reference.text = renamed(reference);
-          take(set_yaml_entry(text_, {key, port}, yaml_word(reference.text)));
-        }
+    rewire([&](const std::string& wire) {
+      return refers_to({wire, {}}, name) ? to + wire.substr(name.size()) : wire;
+    });
     take(rename_yaml_entry(text_, {"nodes", name}, to));
     node(name).name = to;
   }

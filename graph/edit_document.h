@@ -12,8 +12,12 @@ struct Edit {
   enum class Kind {
     SetParameter,    // node, name, value
     ResetParameter,  // node, name: removes the value, so that the default applies
+    AppendItem,      // node, name, value: a word, at the end of a list; makes a list of what is no list
+    RemoveItem,      // node, name, index: an item of a list; with the last item goes the value
     SetDefault,      // name, value: of a parameter of the graph
+    SetSubgraph,     // node, graph: the file of a node that is a subgraph
     Connect,         // node, name: an input; wires: its sources, none disconnects it
+    Rewire,          // name, to: outputs "NODE.PORT". What reads the first reads the second, except node
     AddNode,         // node; type, or graph for a subgraph
     RemoveNode,      // node, with the wires and the outputs of the graph that refer to it
     RenameNode       // node, to
@@ -23,11 +27,13 @@ struct Edit {
   WrittenValue value = {};
   std::vector<std::string> wires = {};
   std::string type = {}, graph = {}, to = {};
+  std::size_t index = 0;
 };
 
 // The text after the edit. The result is read again: it differs from the original document in exactly what
-// the edit says. Throws Error "unknown-node", "name-taken" or "bad-name", and "cannot-edit" if the text has
-// errors or says this in a way that a patch cannot change; such text can only be edited by hand.
+// the edit says. Throws Error "unknown-node", "unknown-item", "name-taken" or "bad-name", and "cannot-edit"
+// if the text has errors or says this in a way that a patch cannot change; such text can only be edited by
+// hand.
 std::string edit_document(const std::string& text, const std::filesystem::path& file, const Edit&);
 
 }  // namespace terrazzo

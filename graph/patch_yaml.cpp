@@ -96,6 +96,28 @@ class Patch {
     return replaced(end, end, added);
   }
 
+  std::optional<std::string> with_item(const YamlNode& list, const std::string& item) const {
+    if (list.flow) {
+      if (list.items.empty()) return replaced(list.begin, list.end, "[" + item + "]");
+      return replaced(list.items.back().end, list.items.back().end, ", " + item);
+    }
+    const std::size_t start = line_start(list.begin);
+    if (list.items.empty() || !blank(start, list.begin)) return {};
+    const std::size_t end = line_end(list.items.back().end);
+    return replaced(
+        end, end,
+        (text_[end - 1] == '\n' ? "" : "\n") + text_.substr(start, list.begin - start) + "- " + item + "\n");
+  }
+
+  std::optional<std::string> without_item(const YamlNode& list, std::size_t k) const {
+    if (k >= list.items.size() || list.items.size() == 1) return {};
+    const auto& items = list.items;
+    if (list.flow)
+      return k == 0 ? replaced(items[0].begin, items[1].begin, "")
+                    : replaced(items[k - 1].end, items[k].end, "");
+    return replaced(line_start(items[k].begin), line_end(items[k].end), "");
+  }
+
   std::optional<std::string> without_entry() const {
     const auto k = static_cast<std::size_t>(entry_ - map_->entries.data());
     if (map_->flow) {
@@ -154,6 +176,24 @@ std::optional<std::string> add_yaml_block(const std::string& text, const YamlPat
     at = stop + 1;
   }
   return patch.with_lines(lines);
+}
+
+std::optional<std::string> append_yaml_item(const std::string& text, const YamlPath& path,
+                                            const std::string& item) {
+  Patch patch(text);
+  if (!patch.valid() || path.empty() || patch.follow(path) < path.size()) return {};
+  const YamlNode& list = patch.entry()->second;
+  if (list.kind != YamlNode::Kind::List) return {};
+  return patch.with_item(list, item);
+}
+
+std::optional<std::string> remove_yaml_item(const std::string& text, const YamlPath& path,
+                                            std::size_t index) {
+  Patch patch(text);
+  if (!patch.valid() || path.empty() || patch.follow(path) < path.size()) return {};
+  const YamlNode& list = patch.entry()->second;
+  if (list.kind != YamlNode::Kind::List) return {};
+  return patch.without_item(list, index);
 }
 
 std::optional<std::string> rename_yaml_entry(const std::string& text, const YamlPath& path,

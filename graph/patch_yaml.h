@@ -24,6 +24,15 @@ std::optional<std::string> remove_yaml_entry(const std::string& text, const Yaml
 std::optional<std::string> add_yaml_block(const std::string& text, const YamlPath&, const std::string& block,
                                           const std::string& value);
 
+// Adds an item at the end of the list at the path, in the list's own style. Returns nothing if there is no
+// list.
+std::optional<std::string> append_yaml_item(const std::string& text, const YamlPath&,
+                                            const std::string& item);
+
+// Removes an item of the list at the path. Returns nothing if there is no such item, or if it is the only
+// one.
+std::optional<std::string> remove_yaml_item(const std::string& text, const YamlPath&, std::size_t index);
+
 // Renames the key of an entry.
 std::optional<std::string> rename_yaml_entry(const std::string& text, const YamlPath&,
                                              const std::string& key);

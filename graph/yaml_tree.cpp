@@ -106,7 +106,10 @@ class TreeReader {
       YamlNode child;
       if (!next(child, depth + 1)) break;
       end = std::max(end, child.end);
-      if (out.kind != YamlNode::Kind::Map) continue;
+      if (out.kind == YamlNode::Kind::List) {
+        out.items.push_back(std::move(child));
+        continue;
+      }
       YamlNode value;
       if (!next(value, depth + 1)) return failed_ = true, false;
       end = std::max(end, value.end);

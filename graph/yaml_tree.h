@@ -17,6 +17,7 @@ struct YamlNode {
   std::size_t end = 0;                                 // behind the last byte, without comments that follow
   std::string text;                                    // of a scalar
   std::vector<std::pair<YamlNode, YamlNode>> entries;  // of a map
+  std::vector<YamlNode> items;                         // of a list
 };
 
 // Nothing if the text is not one YAML document, or if it is nested deeper than any graph.

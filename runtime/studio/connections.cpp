@@ -51,6 +51,7 @@ ConnectionStream::ConnectionStream(Connections& connections, Connections::Handle
 
 void ConnectionStream::expect_body(std::size_t bytes) {
   in_body_ = true, left_ = std::min(bytes, limits_.body);
+  if (limits_.slowest > 0) read_until_ += std::chrono::milliseconds(1000 * left_ / limits_.slowest);
   if (left_ == 0) connections_.set_waiting(handle_, false);
 }
 

@@ -14,7 +14,8 @@ namespace terrazzo::studio {
 
 struct ConnectionLimits {
   std::size_t head = 16 << 10, body = 1 << 20;  // maximum bytes of a request
-  std::chrono::milliseconds read{3000};         // for the whole request
+  std::chrono::milliseconds read{3000};         // for the whole request, apart from slow bodies
+  std::size_t slowest = 0;                      // bytes of a body per second that extend `read`; 0: none
   std::chrono::milliseconds write{20000};       // for the whole response
   std::size_t threads = 64;                     // maximum number of simultaneous connections
 };

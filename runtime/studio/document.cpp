@@ -6,6 +6,7 @@
 
 #include "graph/utf8.h"
 #include "runtime/files.h"
+#include "runtime/studio/save_file.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
@@ -55,10 +56,10 @@ void Document::keep_beside() {
   }
 }
 
-void Document::step(std::string text, bool merge) {
+void Document::step(std::string text, const std::string& group) {
   if (text == text_) return;
-  if (!(merge && merging_ && !undo_.empty())) undo_.push_back(text_);
-  merging_ = merge;
+  if (group.empty() || group != group_ || undo_.empty()) undo_.push_back(text_);
+  group_ = group;
   redo_.clear();
   text_ = std::move(text);
   std::size_t bytes = 0;
@@ -70,23 +71,23 @@ void Document::step(std::string text, bool merge) {
   keep_beside();
 }
 
-void Document::edit(const std::vector<Edit>& edits, bool merge) {
+void Document::edit(const std::vector<Edit>& edits, const std::string& group) {
   std::string text = text_;
   for (const auto& e : edits) text = edit_document(text, file_, e);
   check(text);
-  step(std::move(text), merge);
+  step(std::move(text), group);
 }
 
 void Document::replace(std::string text) {
   check(text);
-  step(std::move(text), false);
+  step(std::move(text));
 }
 
 bool Document::undo() {
   if (undo_.empty()) return false;
   redo_.push_back(std::exchange(text_, std::move(undo_.back())));
   undo_.pop_back();
-  merging_ = false;
+  group_.clear();
   keep_beside();
   return true;
 }
@@ -95,7 +96,7 @@ bool Document::redo() {
   if (redo_.empty()) return false;
   undo_.push_back(std::exchange(text_, std::move(redo_.back())));
   redo_.pop_back();
-  merging_ = false;
+  group_.clear();
   keep_beside();
   return true;
 }
@@ -104,7 +105,7 @@ void Document::recover(bool use) {
   std::string left = std::exchange(recovered_, {});
   if (left.empty()) return;
   if (use)
-    step(std::move(left), false);
+    step(std::move(left));
   else
     keep_beside();
 }
@@ -112,7 +113,7 @@ void Document::recover(bool use) {
 void Document::save(bool overwrite) {
   if (read_only_)
     throw Error("read-only", fmt::format("'{}' belongs to the program and is not changed", file_.string()),
-                "copy the text to a file of your own and start terrazzo studio with that file");
+                "save it as a file of your own");
   if (!overwrite && changed_on_disk())
     throw Error("file-changed", fmt::format("another program changed '{}'", file_.string()),
                 "reload it, or overwrite it");
@@ -120,6 +121,23 @@ void Document::save(bool overwrite) {
   disk_ = text_;
   recovered_.clear();
   keep_beside();
+}
+
+void Document::save_as(const fs::path& file, const std::string& text) {
+  check(text);
+  std::error_code error;
+  if (fs::exists(file, error))
+    throw Error("file-exists", fmt::format("'{}' already exists", file.string()), "choose another name");
+  fs::create_directories(file.parent_path(), error);
+  SaveFile place = SaveFile::exactly(file, false);
+  place.write([&](const fs::path&) { return text; });
+  if (!read_only_ && recovered_.empty()) fs::remove(beside_, error);  // its text is in the new file
+  if (text != text_) undo_.clear(), redo_.clear();
+  file_ = fs::absolute(place.path()).lexically_normal();
+  beside_ = file_.parent_path() / ("." + file_.filename().string() + ".unsaved");
+  text_ = disk_ = text;
+  recovered_.clear(), trouble_.clear();
+  read_only_ = false, group_.clear();
 }
 
 bool Document::changed_on_disk() const {
@@ -131,7 +149,7 @@ void Document::reload() {
   std::string now = read(file_);
   check(now);
   disk_ = now;
-  step(std::move(now), false);
+  step(std::move(now));
   keep_beside();
 }
 

@@ -16,6 +16,7 @@ class Document {
 
   const std::filesystem::path& file() const { return file_; }
   const std::string& text() const { return text_; }
+  bool read_only() const { return read_only_; }
   bool saved() const { return text_ == disk_; }
   bool can_undo() const { return !undo_.empty(); }
   bool can_redo() const { return !redo_.empty(); }
@@ -24,9 +25,9 @@ class Document {
   // Why the unsaved text cannot be kept beside the file; "" if it can.
   const std::string& trouble() const { return trouble_; }
 
-  // Applies all edits as one step of undo, or none of them. Throws what edit_document() throws. `merge`:
-  // continues the last step, as a slider does while it moves.
-  void edit(const std::vector<Edit>&, bool merge = false);
+  // Applies all edits as one step of undo, or none of them. Throws what edit_document() throws. Edits with
+  // the same `group` continue one step, as a slider does while it moves; "": none.
+  void edit(const std::vector<Edit>&, const std::string& group = {});
   // Replaces the text, as one step. Throws Error "too-large" or "not-utf8".
   void replace(std::string text);
   bool undo();
@@ -37,20 +38,25 @@ class Document {
   // Throws Error "read-only", "write-failed", and "file-changed" if another program changed the file, unless
   // `overwrite`.
   void save(bool overwrite);
+  // Writes `text`, the document for its new place, to a file that does not exist yet, and continues with that
+  // file. Undo goes back beyond this only if the text is unchanged. Throws Error "file-exists" or
+  // "write-failed".
+  void save_as(const std::filesystem::path& file, const std::string& text);
   // Whether another program changed the file.
   bool changed_on_disk() const;
   // Reads the file again, as one step of undo.
   void reload();
 
  private:
-  void step(std::string text, bool merge);
+  void step(std::string text, const std::string& group = {});
   void keep_beside();
 
   std::filesystem::path file_, beside_;
   std::string text_, disk_;  // disk_: when the file was last read or written
   std::string recovered_, trouble_;
   std::vector<std::string> undo_, redo_;
-  bool read_only_, merging_ = false;
+  std::string group_;  // of the last step
+  bool read_only_;
 };
 
 }  // namespace terrazzo::studio

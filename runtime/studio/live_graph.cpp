@@ -5,7 +5,6 @@
 
 #include "runtime/files.h"
 #include "runtime/json_text.h"
-#include "runtime/studio/document_json.h"
 
 namespace terrazzo::studio {
 using nlohmann::json;
@@ -16,13 +15,17 @@ struct LiveGraph::Watcher : Observer {
   LiveGraph& owner;
   std::shared_ptr<const Graph> graph;
   bool current = true;  // with owner.mutex_ held
+  bool left = false;    // the document was closed
+  bool continues;       // an evaluation of the same graph, which was planned with it
 
-  Watcher(LiveGraph& owner, std::shared_ptr<const Graph> graph) : owner(owner), graph(std::move(graph)) {}
+  Watcher(LiveGraph& owner, std::shared_ptr<const Graph> graph, bool continues)
+      : owner(owner), graph(std::move(graph)), continues(continues) {}
 
   const std::string& path(int node) const { return graph->nodes[static_cast<std::size_t>(node)].path; }
 
   // The node's state, or null if it no longer awaits a result.
   NodeState* pending(int node) {
+    if (left) return nullptr;
     const auto it = owner.states_.find(path(node));
     if (it == owner.states_.end()) return nullptr;
     const bool done = it->second.state != "waiting" && it->second.state != "running";
@@ -54,6 +57,8 @@ struct LiveGraph::Watcher : Observer {
     const std::lock_guard lock(owner.mutex_);
     if (!current) return;
     NodeState& s = owner.states_[path(node)];
+    const bool found = r.status == Status::Memory || r.status == Status::Disk;
+    if (continues && found && s.state == "computed") return;
     static const std::map<Status, const char*> words = {
         {Status::Computed, "computed"}, {Status::Memory, "cached"},   {Status::Disk, "cached"},
         {Status::Failed, "failed"},     {Status::Skipped, "skipped"}, {Status::Cancelled, "canceled"}};
@@ -99,25 +104,8 @@ LiveGraph::~LiveGraph() {
   running_.clear();  // waits, without the lock that the watchers need
 }
 
-json LiveGraph::document_json() const {
-  Diagnostics ignored;
-  json out = json_of(read_document(document_.text(), document_.file(), ignored), registry_);
-  json messages = json::array();
-  for (const auto& d : found_) messages.push_back(json_of(d));
-  out["file"] = document_.file().string();
-  out["text"] = document_.text();
-  out["saved"] = document_.saved();
-  out["can_undo"] = document_.can_undo(), out["can_redo"] = document_.can_redo();
-  out["recovered"] = document_.recovered();
-  out["trouble"] = document_.trouble();
-  out["disk_changed"] = disk_changed_;
-  out["valid"] = valid_;
-  out["messages"] = messages;
-  return out;
-}
-
 json LiveGraph::run_json() const {
-  const bool running = !running_.empty() && !running_.back()->evaluation->done();
+  const bool running = !then_.empty() || (!running_.empty() && !running_.back()->evaluation->done());
   double expected = 0;
   for (const auto& [path, s] : states_)
     if (s.state == "waiting" || s.state == "running" || s.state == "stale") expected += s.expected;
@@ -126,19 +114,6 @@ json LiveGraph::run_json() const {
           {"seconds", seconds_},
           {"expected", expected},
           {"trouble", trouble_}};
-}
-
-json LiveGraph::state() {
-  const std::lock_guard lock(mutex_);
-  json nodes = json::object();
-  for (const auto& [path, s] : states_) nodes[path] = json_of(s);
-  return {{"number", events_.last()}, {"document", document_json()}, {"nodes", nodes}, {"run", run_json()}};
-}
-
-void LiveGraph::tell_node(const std::string& path) {
-  json j = json_of(states_[path]);
-  j["path"] = path;
-  events_.add("node", json_text(j));
 }
 
 void LiveGraph::document_changed() {
@@ -154,9 +129,32 @@ void LiveGraph::document_changed() {
           p.kind == ParameterKind::InputPath && it != node.parameters.end())
         for (const auto& f : expand_glob(std::get<std::string>(it->second.value))) inputs_[f] = stamp_of(f);
   if (live_)
-    start(safe_targets());
+    start(safe_targets(), true);
   else
     plan();
+}
+
+void LiveGraph::require_saved() {
+  const std::lock_guard lock(mutex_);
+  if (!document_.saved())
+    throw Error("unsaved-changes", "the graph has unsaved changes",
+                "save it first, or open the other one anyway");
+}
+
+void LiveGraph::open(Document document, bool discard, std::optional<bool> live) {
+  if (!discard) require_saved();
+  const std::lock_guard lock(mutex_);
+  for (const auto& r : running_) {
+    r->watcher->current = false, r->watcher->left = true;
+    r->evaluation->cancel();
+  }
+  then_.clear();
+  document_ = std::move(document);
+  overrides_ = {};  // they belong to the graph of the command line
+  states_.clear();
+  disk_changed_ = false, seconds_ = 0, trouble_.clear();
+  if (live) live_ = *live;
+  document_changed();
 }
 
 // Everything that a run without targets evaluates, but not the nodes that write files.
@@ -183,22 +181,43 @@ void LiveGraph::plan() {
   events_.add("run", json_text(run_json()));
 }
 
-void LiveGraph::start(const std::vector<std::string>& targets) {
+void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first) {
   const auto graph = session_.graph();
   RunOptions options;
   options.targets = target_nodes(*graph, targets);
   options.output_folder = session_.options().output_folder;
   auto& e = session_.evaluator();
-  apply_plan(states_, *graph, plan_run(*graph, options, e.store(), e.hashes(), session_.history()), true);
+  const Plan plan = plan_run(*graph, options, e.store(), e.hashes(), session_.history());
+  apply_plan(states_, *graph, plan, true);
+  seconds_ = 0, then_.clear();
+  const int shown = shown_first ? graph->find(shown_) : -1;
+  const auto runs = [&](int i) {
+    const auto step = plan.nodes[static_cast<std::size_t>(i)].step;
+    return step != Plan::Step::Cached && step != Plan::Step::Unneeded;
+  };
+  if (shown >= 0 && runs(shown) && !graph->nodes[static_cast<std::size_t>(shown)].type->writes_files) {
+    begin({shown_}, false);
+    then_ = targets;
+  } else {
+    begin(targets, false);
+  }
+  for (const auto& [path, s] : states_) tell_node(path);
+  events_.add("run", json_text(run_json()));
+}
+
+void LiveGraph::begin(const std::vector<std::string>& targets, bool continues) {
   for (const auto& r : running_) r->watcher->current = false;
   std::erase_if(running_, [](const auto& r) { return r->evaluation->done(); });
   auto next = std::make_unique<Running>();
-  next->watcher = std::make_unique<Watcher>(*this, graph);
+  next->watcher = std::make_unique<Watcher>(*this, session_.graph(), continues);
   next->evaluation = session_.evaluate(targets, next->watcher.get());
   running_.push_back(std::move(next));
   end_expected_ = true;
-  for (const auto& [path, s] : states_) tell_node(path);
-  events_.add("run", json_text(run_json()));
+}
+
+void LiveGraph::show(const std::string& node) {
+  const std::lock_guard lock(mutex_);
+  shown_ = node;
 }
 
 void LiveGraph::evaluate(const std::vector<std::string>& targets) {
@@ -209,6 +228,12 @@ void LiveGraph::evaluate(const std::vector<std::string>& targets) {
 
 void LiveGraph::cancel(const std::string& node) {
   const std::lock_guard lock(mutex_);
+  if (node.empty() && !std::exchange(then_, {}).empty())
+    for (auto& [path, s] : states_)
+      if (s.state == "waiting") {
+        s.state = "canceled";
+        tell_node(path);
+      }
   for (const auto& r : running_) {
     if (node.empty()) r->evaluation->cancel();
     if (const int i = r->evaluation->graph().find(node); i >= 0) r->evaluation->cancel_node(i);
@@ -219,7 +244,7 @@ void LiveGraph::set_live(bool live) {
   const std::lock_guard lock(mutex_);
   live_ = live;
   events_.add("run", json_text(run_json()));
-  if (live_ && valid_) start(safe_targets());
+  if (live_ && valid_) start(safe_targets(), true);
 }
 
 Value LiveGraph::value(const std::string& hash) {
@@ -242,10 +267,11 @@ void LiveGraph::watch() {
       end_expected_ = false;
       try {
         const RunResult& r = running_.back()->evaluation->wait();
-        seconds_ = r.seconds, trouble_ = r.trouble;
+        seconds_ += r.seconds, trouble_ = r.trouble;
       } catch (const std::exception& e) {
         trouble_ = e.what();
       }
+      if (const auto rest = std::exchange(then_, {}); !rest.empty()) begin(rest, true);
       events_.add("run", json_text(run_json()));
     }
     if (tick % 20 != 0) continue;  // files: once a second
@@ -264,7 +290,7 @@ void LiveGraph::watch() {
                                   [](const auto& f) { return stamp_of(f.first) == f.second; });
     if (same || !live_ || !valid_) continue;
     for (auto& [file, stamp] : inputs_) stamp = stamp_of(file);
-    start(safe_targets());
+    start(safe_targets(), true);
   }
 }
 

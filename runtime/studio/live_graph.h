@@ -4,6 +4,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <thread>
 
 #include "runtime/session.h"
@@ -33,12 +34,21 @@ class LiveGraph {
     document_changed();
   }
 
+  // Shows another document, and evaluates it if `live`, by default as before. Throws Error "unsaved-changes",
+  // unless `discard`; unsaved text of a file stays beside it.
+  void open(Document, bool discard, std::optional<bool> live = {});
+  // Throws Error "unsaved-changes" if there are any.
+  void require_saved();
+
   // Evaluates "NODE", "NODE.PORT" or graph outputs; without targets, everything, files included. Throws Error
   // "unknown-node", "unknown-port", or "invalid-graph" if the document has errors.
   void evaluate(const std::vector<std::string>& targets);
   // Cancels one node, or everything for "".
   void cancel(const std::string& node);
   void set_live(bool);
+  // What a page shows: the path of a node, or "". After a change, it and its sources are computed before all
+  // others, so that an edit shows soon.
+  void show(const std::string& node);
 
   // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
   // "lost-value".
@@ -49,7 +59,9 @@ class LiveGraph {
   struct Watcher;
 
   void document_changed();  // with mutex_ held, as all that follow
-  void start(const std::vector<std::string>& targets);
+  // Evaluates what is shown first, if `shown_first`; then_ follows.
+  void start(const std::vector<std::string>& targets, bool shown_first = false);
+  void begin(const std::vector<std::string>& targets, bool continues);
   void plan();
   std::vector<std::string> safe_targets() const;
   nlohmann::json document_json() const;
@@ -73,7 +85,9 @@ class LiveGraph {
   std::map<std::string, OutputRecord> values_;
   std::vector<std::unique_ptr<Running>> running_;           // the last one is current
   std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
-  bool end_expected_ = false;  // the end of the current evaluation was not reported yet
+  std::string shown_;
+  std::vector<std::string> then_;  // targets of the evaluation that follows the current one
+  bool end_expected_ = false;      // the end of the current evaluation was not reported yet
   bool ended_ = false;
   std::condition_variable wake_;
   std::thread thread_;

@@ -12,6 +12,9 @@ namespace terrazzo::studio {
 using nlohmann::json;
 namespace {
 
+constexpr const char* kUpload = "application/octet-stream";
+constexpr std::size_t kSlowestUpload = 128 << 10;  // bytes per second, over a forwarded port
+
 // The media type of a page file, by its extension.
 const char* media_type(const std::string& name) {
   if (name.ends_with(".js")) return "text/javascript; charset=utf-8";
@@ -21,8 +24,12 @@ const char* media_type(const std::string& name) {
 
 }  // namespace
 
-LocalServer::LocalServer(std::string command, std::string stream, std::size_t body)
-    : command_(command), access_(std::move(command)), http_(std::move(stream), {.body = body}) {
+LocalServer::LocalServer(std::string command, std::string stream, std::size_t body, std::size_t upload)
+    : command_(command),
+      body_(body),
+      access_(std::move(command)),
+      http_(std::move(stream),
+            {.body = std::max(body, upload), .slowest = upload > 0 ? kSlowestUpload : std::size_t{0}}) {
   // The library's default, SO_REUSEPORT, would let a second program share the port.
   http_.set_socket_options([](socket_t socket) {
     const int yes = 1;
@@ -69,14 +76,18 @@ void LocalServer::refuse(httplib::Response& out, int status, const Diagnostic& d
   answer(out, {{"code", d.code}, {"message", d.message}, {"hint", d.hint}});
 }
 
-httplib::Server::Handler LocalServer::handler(Act act) const {
-  return [this, act = std::move(act)](const httplib::Request& in, httplib::Response& out) {
+httplib::Server::Handler LocalServer::handler(Act act, bool upload) const {
+  return [this, upload, act = std::move(act)](const httplib::Request& in, httplib::Response& out) {
     const auto fail = [&](int status, const char* code, std::string message) {
       refuse(out, status, {Severity::Error, code, std::move(message), "", {}, "", ""});
     };
     try {
       json body;
-      if (in.method == "POST") {
+      if (upload && in.get_header_value("Content-Type") != kUpload)
+        throw Error("bad-request", "the request's content type is not bytes",
+                    "send application/octet-stream");
+      if (!upload && in.body.size() > body_) return fail(413, "too-large", "the request is too large");
+      if (in.method == "POST" && !upload) {
         if (!in.get_header_value("Content-Type").starts_with("application/json"))
           throw Error("bad-request", "the request's content type is not JSON", "send application/json");
         body = json::parse(in.body);

@@ -17,8 +17,9 @@ namespace terrazzo::studio {
 class LocalServer {
  public:
   // `command`: "paint". `stream`: the path of a response that goes on for long, or "". `body`: bytes of a
-  // request's body, at most.
-  explicit LocalServer(std::string command, std::string stream = {}, std::size_t body = 1 << 20);
+  // request's body, at most; `upload`: the same for uploads.
+  explicit LocalServer(std::string command, std::string stream = {}, std::size_t body = 1 << 20,
+                       std::size_t upload = 0);
 
   HttpServer& http() { return http_; }
   const Access& access() const { return access_; }
@@ -26,9 +27,10 @@ class LocalServer {
   // Serves a file of page/. "/" also sets the cookie.
   void add_page(const std::string& path, const std::string& file);
 
-  // Parses the body of a POST as JSON, and answers with what `act` throws.
+  // Parses the body of a POST as JSON, unless it is an upload of bytes, and answers with what `act` throws.
   using Act = std::function<void(const httplib::Request&, const nlohmann::json& body, httplib::Response&)>;
-  httplib::Server::Handler handler(Act) const;
+  httplib::Server::Handler handler(Act act) const { return handler(std::move(act), false); }
+  httplib::Server::Handler upload_handler(Act act) const { return handler(std::move(act), true); }
 
   static void answer(httplib::Response&, const nlohmann::json&);
   static void refuse(httplib::Response&, int status, const Diagnostic&);
@@ -39,7 +41,10 @@ class LocalServer {
   std::string address() const { return access_.address(); }
 
  private:
+  httplib::Server::Handler handler(Act, bool upload) const;
+
   std::string command_;
+  std::size_t body_;
   Access access_;
   HttpServer http_;
 };

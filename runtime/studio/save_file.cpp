@@ -22,7 +22,7 @@ bool create(const fs::path& path) {
   if (fd >= 0) return ::close(fd), true;
   if (errno == EEXIST) return false;
   throw Error("write-failed", fmt::format("cannot create '{}': {}", path.string(), std::strerror(errno)),
-              "choose a file in a folder that you can write to with --save");
+              "choose a file in a folder that you can write to");
 }
 
 fs::path with_number(const fs::path& name, int number) {

@@ -8,9 +8,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <utility>
 
 #include "runtime/cli/default_graph.h"
 #include "runtime/studio/live_graph.h"
+#include "runtime/studio/new_material.h"
 #include "runtime/studio/serve.h"
 #include "runtime/studio/studio_server.h"
 
@@ -38,13 +40,20 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
     throw Error("no-page", "this program was built without the page of the Studio",
                 "build it with ./dev studio, or configure with -DTERRAZZO_STUDIO_PAGE=FILE");
   const bool is_default = o.graph.empty();
-  const fs::path file = is_default ? cli::default_graph() : fs::path(o.graph);
+  fs::path file = is_default ? cli::default_graph() : fs::path(o.graph);
+  Overrides overrides = cli::overrides(o);
+  if (is_picture_name(file)) {
+    file = create_graph(file, fs::current_path(), std::exchange(overrides.parameters, {}));
+    std::cerr << "Wrote " << file.string() << ".\n";
+  }
   if (file.empty())
     throw Error("usage", "no graph is given, and the default graph is not installed with this program",
                 "name a graph file: terrazzo studio GRAPH");
-  LiveGraph live(nodes.registry, nodes.types, cli::session_options(o), Document(file, is_default),
-                 cli::overrides(o), !o.no_live);
-  StudioServer server(live, nodes.registry);
+  // Without a word about the default material, it waits until the page says that it is wanted.
+  const bool welcome = is_default && o.set.empty() && o.parameters.empty();
+  LiveGraph live(nodes.registry, nodes.types, cli::session_options(o), Document(file, is_default), overrides,
+                 !o.no_live && !welcome);
+  StudioServer server(live, nodes.registry, {.welcome = welcome, .live = !o.no_live});
   server.bind(o.port);
   std::cout << server.address() << std::endl;
   std::cerr << "Open this address in a browser to work on " << file.string() << ". Files go to " << o.out

@@ -1,4 +1,4 @@
-// The command `terrazzo studio [GRAPH]`.
+// The command `terrazzo studio [GRAPH | PHOTOGRAPH]`.
 #pragma once
 
 #include "runtime/studio/studio_options.h"

@@ -16,7 +16,10 @@ void add_studio(CLI::App& app, const NodeSet& (*nodes)(), int& exit_code) {
   auto o = std::make_shared<StudioOptions>();
   cli::add_graph_options(*command, *o)
       ->required(false)
-      ->description("Graph file (YAML; default: the terrazzo material that is installed with the program)");
+      ->description(
+          "Graph file (YAML), or a photograph, for which a graph is written to the current folder (default: "
+          "the "
+          "page asks)");
   cli::add_run_options(*command, *o);
   command->add_option("--port", o->port, "Port on 127.0.0.1; 0: any free port")
       ->type_name(cli::placeholder::number)

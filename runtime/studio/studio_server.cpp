@@ -6,6 +6,7 @@
 #include "graph/describe.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/live_graph.h"
+#include "runtime/studio/start_routes.h"
 #include "runtime/studio/studio_bundle.h"
 #include "runtime/studio/value_views.h"
 
@@ -16,6 +17,7 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kEvents = "/api/events";
+constexpr std::size_t kMostUpload = 64 << 20;
 constexpr int kMostStreams = 32;  // each occupies a thread of the server's 64
 
 WrittenValue written_value(const json& j) {
@@ -30,13 +32,12 @@ WrittenValue written_value(const json& j) {
 }
 
 Edit edit_of(const json& j) {
-  static const std::map<std::string, Edit::Kind> kinds = {{"set", Edit::Kind::SetParameter},
-                                                          {"reset", Edit::Kind::ResetParameter},
-                                                          {"set_default", Edit::Kind::SetDefault},
-                                                          {"connect", Edit::Kind::Connect},
-                                                          {"add", Edit::Kind::AddNode},
-                                                          {"remove", Edit::Kind::RemoveNode},
-                                                          {"rename", Edit::Kind::RenameNode}};
+  static const std::map<std::string, Edit::Kind> kinds = {
+      {"set", Edit::Kind::SetParameter},       {"reset", Edit::Kind::ResetParameter},
+      {"append", Edit::Kind::AppendItem},      {"remove_item", Edit::Kind::RemoveItem},
+      {"set_default", Edit::Kind::SetDefault}, {"connect", Edit::Kind::Connect},
+      {"rewire", Edit::Kind::Rewire},          {"add", Edit::Kind::AddNode},
+      {"remove", Edit::Kind::RemoveNode},      {"rename", Edit::Kind::RenameNode}};
   const auto kind = kinds.find(j.at("op").get<std::string>());
   if (kind == kinds.end())
     throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
@@ -44,9 +45,11 @@ Edit edit_of(const json& j) {
   e.kind = kind->second;
   e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
   e.type = j.value("type", ""), e.graph = j.value("graph", "");
+  e.index = j.value("index", std::size_t{0});
   if (j.contains("value")) e.value = written_value(j["value"]);
   if (j.contains("wires")) e.wires = j["wires"].get<std::vector<std::string>>();
-  const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::SetDefault;
+  const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::AppendItem ||
+                           e.kind == Edit::Kind::SetDefault;
   if (needs_value && !j.contains("value")) throw Error("bad-request", "the edit has no value");
   return e;
 }
@@ -68,7 +71,8 @@ int number_in(const httplib::Request& in, const char* name, int otherwise, int l
 struct StudioServer::Impl {
   LiveGraph& live;
   const Registry& registry;
-  LocalServer server{"studio", kEvents, max_graph_bytes + (1 << 20)};
+  StudioStart start;
+  LocalServer server{"studio", kEvents, max_graph_bytes + (1 << 20), kMostUpload};
   std::atomic<int> streams{0};  // now open
 
   // A stream of events. Sends the whole state first, unless the client names an event that is still kept.
@@ -168,7 +172,7 @@ struct StudioServer::Impl {
     change("/api/edit", [](Document& d, const json& body) {
       std::vector<Edit> edits;
       for (const auto& e : body.at("edits")) edits.push_back(edit_of(e));
-      d.edit(edits, body.value("merge", false));
+      d.edit(edits, body.value("group", ""));
     });
     change("/api/text", [](Document& d, const json& body) { d.replace(body.at("text").get<std::string>()); });
     change("/api/undo", [](Document& d, const json&) {
@@ -180,15 +184,17 @@ struct StudioServer::Impl {
     change("/api/save", [](Document& d, const json& body) { d.save(body.value("overwrite", false)); });
     change("/api/reload", [](Document& d, const json&) { d.reload(); });
     change("/api/recover", [](Document& d, const json& body) { d.recover(body.at("use").get<bool>()); });
+    add_start_routes(server, live, registry, start);
     post("/api/run",
          [this](const json& body) { live.evaluate(body.value("targets", std::vector<std::string>{})); });
+    post("/api/view", [this](const json& body) { live.show(body.at("node").get<std::string>()); });
     post("/api/cancel", [this](const json& body) { live.cancel(body.value("node", "")); });
     post("/api/live", [this](const json& body) { live.set_live(body.at("live").get<bool>()); });
   }
 };
 
-StudioServer::StudioServer(LiveGraph& live, const Registry& registry)
-    : impl_(new Impl{.live = live, .registry = registry}) {
+StudioServer::StudioServer(LiveGraph& live, const Registry& registry, StudioStart start)
+    : impl_(new Impl{.live = live, .registry = registry, .start = std::move(start)}) {
   impl_->routes();
 }
 

@@ -6,19 +6,27 @@
 #include <string>
 
 #include "graph/registry.h"
+#include "runtime/studio/workspace.h"
 
 namespace terrazzo::studio {
 
 class LiveGraph;
 
+// What the page offers at the start, and where it may create files.
+struct StudioStart {
+  Workspace workspace = Workspace{};
+  bool welcome = false;  // no graph was named: ask for one
+  bool live = true;      // evaluate the graph that the page opens first
+};
+
 // GET /: the page. GET /api/types: the node types. GET /api/state: everything. GET /api/events: server-sent
 // events, starting with the state, or after the number in Last-Event-ID. GET /api/value/HASH?as=…: a value
-// (value_views.h), with an ETag. POST /api/edit {edits, merge}, /api/text {text}, /api/undo, /api/redo,
-// /api/save {overwrite}, /api/reload, /api/recover {use}, /api/run {targets}, /api/cancel {node}, /api/live
-// {live}. Errors are {code, message, hint}.
+// (value_views.h), with an ETag. POST /api/edit {edits, group}, /api/text {text}, /api/undo, /api/redo,
+// /api/save {overwrite}, /api/reload, /api/recover {use}, /api/run {targets}, /api/cancel {node}, /api/view
+// {node}, /api/live {live}. The page's start: start_routes.h. Errors are {code, message, hint}.
 class StudioServer {
  public:
-  StudioServer(LiveGraph&, const Registry&);
+  StudioServer(LiveGraph&, const Registry&, StudioStart = {});
   ~StudioServer();
 
   // Binds a port (0: any free port) and returns its number. Throws Error "port-in-use".

@@ -115,6 +115,42 @@ TEST(EditDocument, NodesAreAddedRemovedAndRenamed) {
                  ", photo.image]", ", picture.image]"));
 }
 
+TEST(EditDocument, ItemsAreAppendedAndRemoved) {
+  const auto append = [](const std::string& node, const std::string& name, const std::string& item) {
+    return Edit{Kind::AppendItem, node, name, {false, {item}, {}}};
+  };
+  const std::string flow = with(kGraph, "        b]", "        b, split 1 2 3 4]");
+  EXPECT_EQ(after(append("segment", "classes", "split 1 2 3 4")), flow);
+  EXPECT_EQ(after({.kind = Kind::RemoveItem, .node = "segment", .name = "classes", .index = 0}, flow),
+            with(flow, "[a,\n        b, split", "[b, split"));
+  EXPECT_EQ(after({.kind = Kind::RemoveItem, .node = "segment", .name = "classes", .index = 2}, flow),
+            kGraph);
+  const std::string one =
+      with(kGraph, "photo.image]}\n", "photo.image]}\n    params:\n      edits:\n        - delete 1 2\n");
+  EXPECT_EQ(after(append("pack", "edits", "delete 1 2")), one);
+  const std::string noted = with(one, "delete 1 2\n", "delete 1 2  # a speck\n        # more\n");
+  const std::string two = with(noted, "a speck\n", "a speck\n        - \"1: merge 1 2, 3 4\"\n");
+  EXPECT_EQ(after(append("pack", "edits", "1: merge 1 2, 3 4"), noted), two);
+  EXPECT_EQ(after({.kind = Kind::RemoveItem, .node = "pack", .name = "edits", .index = 1}, two), noted);
+  EXPECT_EQ(after({.kind = Kind::RemoveItem, .node = "pack", .name = "edits", .index = 0}, noted),
+            with(noted, "    params:\n      edits:\n        - delete 1 2  # a speck\n", ""));
+  EXPECT_EQ(after(append("photo", "path", "b.png")), with(kGraph, "path: a.png", "path: [b.png]"));
+  EXPECT_EQ(test::code_of(
+                [] { after({.kind = Kind::RemoveItem, .node = "segment", .name = "classes", .index = 2}); }),
+            "unknown-item");
+}
+
+TEST(EditDocument, ConsumersAreRewired) {
+  EXPECT_EQ(after({.kind = Kind::Rewire, .node = "x", .name = "segment.profiles", .to = "measure.profiles"}),
+            with(with(kGraph, "{profiles: segment.profiles, extra", "{profiles: measure.profiles, extra"),
+                 "outputs: {profiles: segment.profiles}", "outputs: {profiles: measure.profiles}"));
+  EXPECT_EQ(after({.kind = Kind::Rewire, .node = "segment", .name = "photo.image", .to = "a.b"}),
+            with(kGraph, "segment.labels, photo.image", "segment.labels, a.b"));
+  EXPECT_EQ(after({.kind = Kind::SetSubgraph, .node = "a", .graph = "../b.yaml"},
+                  "terrazzo: 1\nnodes: {a: {graph: b.yaml}}"),
+            "terrazzo: 1\nnodes: {a: {graph: ../b.yaml}}");
+}
+
 TEST(EditDocument, OddTextIsKeptOrRefused) {
   const std::string shared =
       "terrazzo: 1\nnodes:\n  a: {type: X, params: {p: &v 1}}\n  b: {type: X, params: {p: *v}}\n";

@@ -1,6 +1,10 @@
 // Tests the page of `terrazzo studio` in a browser, with mouse and keyboard.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+#include <sstream>
+
 #include "nodes/common/io/image_file.h"
 #include "runtime/files.h"
 #include "tests/support/program.h"
@@ -11,17 +15,24 @@ namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 
-TEST(StudioPage, LooksEditsWiresUndoesAndSaves) {
-  const std::string program = (test::build_folder() / "terrazzo").string();
-  const fs::path folder = test::temporary_folder(), graph = folder / "graph.yaml";
-  const auto page = test::run_command({program, "studio", (folder / "none.yaml").string()});
-  if (page.err.find("without the page") != std::string::npos)
-    GTEST_SKIP() << "the program was built without the page; ./dev studio builds it";
-  const std::string browser = test::chromium();
-  if (browser.empty()) GTEST_SKIP() << "chromium is not installed";
-  const fs::path check = test::npm_check("studio_page");
-  if (check.empty()) GTEST_SKIP() << "npm cannot install playwright-core and axe-core here";
+class StudioPage : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto page = test::run_command({program, "studio", (folder / "none.yaml").string()});
+    if (page.err.find("without the page") != std::string::npos)
+      GTEST_SKIP() << "the program was built without the page; ./dev studio builds it";
+    if (browser.empty()) GTEST_SKIP() << "chromium is not installed";
+    here.folder = test::npm_check("studio_page");
+    if (here.folder.empty()) GTEST_SKIP() << "npm cannot install playwright-core and axe-core here";
+  }
 
+  const fs::path folder = test::temporary_folder();
+  const std::string program = (test::build_folder() / "terrazzo").string(), browser = test::chromium();
+  test::ProgramOptions here;
+};
+
+TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
+  const fs::path graph = folder / "graph.yaml";
   Image picture(60, 40, 1, 1, Vec3f(0.1f, 0.4f, 0.2f));
   write_image(folder / "a.png", picture);
   const std::string text =
@@ -30,8 +41,6 @@ TEST(StudioPage, LooksEditsWiresUndoesAndSaves) {
       "  sheet:\n    type: ContactSheet\n    inputs: {images: picture.image}\n    params:\n      cell: 300  "
       "# third\n";
   write_text_atomically(graph, text);
-  test::ProgramOptions here;
-  here.folder = check;
   const auto run =
       test::run_command({"timeout", "100", "node", "check.mjs", program, graph.string(), browser}, here);
   const auto r = nlohmann::json::parse(run.out, nullptr, false);
@@ -52,6 +61,103 @@ TEST(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_EQ(r["offered"], "Add a node that accepts Image");
   EXPECT_EQ(r["removed"], true);
   EXPECT_EQ(r["offline"], true);
+}
+
+// Dark stones with concave sides between light pools of cement. The pools are more convex, so Segment takes
+// the stones for the binder.
+Image stones_between_pools() {
+  constexpr int kCell = 40;
+  constexpr double kJoint = 1.5;
+  const Vec3f cement(0.55f, 0.49f, 0.38f);
+  const Vec3f stones[] = {{0.092f, 0.08f, 0.076f}, {0.16f, 0.089f, 0.061f}, {0.117f, 0.122f, 0.138f}};
+  std::mt19937 random(1);
+  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  std::vector<Vec3> pools;  // x, y, radius
+  for (int x = kCell / 2; x < 320; x += kCell)
+    for (int y = 0; y <= 240; y += kCell / 2) pools.emplace_back(x, y, (y % kCell ? 5 : 8) + 3 * uniform());
+  std::vector<int> colors;
+  for (int k = 0; k < 9 * 6; ++k) colors.push_back(static_cast<int>(random() % 3));
+  Image out(320, 240, 1, 1);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      Vec3f sum = Vec3f::Zero();
+      for (int k = 0; k < 16; ++k) {
+        const double u = x + (k % 4 + 0.5) / 4, v = y + (k / 4 + 0.5) / 4;
+        const double right = std::abs(std::fmod(u + kCell, kCell) - kCell / 2.0), up = std::fmod(v, kCell);
+        const bool binder = right < kJoint || std::min(up, kCell - up) < kJoint ||
+                            std::ranges::any_of(pools, [&](const Vec3& p) {
+                              return std::hypot(u - p.x(), v - p.y()) < p.z();
+                            });
+        sum += binder ? cement : stones[colors[static_cast<int>((u + kCell / 2) / kCell) * 6 + y / kCell]];
+      }
+      out.at(x, y) = sum / 16 * static_cast<float>(0.9 + 0.2 * uniform());
+    }
+  return out;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> out;
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+// From a photograph whose binder is found wrongly to a saved material.
+TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
+  const Image picture = stones_between_pools();
+  write_image(folder / "stones.png", picture);
+  const auto run = test::run_command({"timeout", "280", "node", "scenario.mjs", program,
+                                      (folder / "stones.png").string(), browser, folder.string()},
+                                     here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_GE(r["materials"], 10);
+  const double share = std::ranges::count_if(picture.pixels, [](const Vec3f& c) { return c[0] > 0.3f; }) /
+                       static_cast<double>(picture.pixels.size());
+  EXPECT_GT(std::abs(r["binder_before"][3].get<double>() - share), 0.15) << share;
+  EXPECT_NEAR(r["binder_after"][3].get<double>(), share, 0.05);
+  EXPECT_EQ(r["split_by_mouse"], 1);
+  EXPECT_EQ(r["undone"], true);
+  EXPECT_EQ(r["split_by_keys"], 1);
+  EXPECT_EQ(r["failed"], nlohmann::json::array());
+  EXPECT_EQ(r["ran"], nlohmann::json({"block", "colorize", "compare", "observer", "pack", "section",
+                                      "sections", "sheet", "voxels"}));
+
+  // The difference to the graph of the photograph is what was done, and comments are where they were.
+  const std::string after = r["after"];
+  const fs::path file = r["file"].get<std::string>();
+  EXPECT_EQ(file.lexically_relative(folder), "stones/stones.yaml");
+  EXPECT_EQ(*read_file(file), after);
+  auto now = lines_of(after);
+  std::vector<std::string> changed;
+  for (const auto& line : lines_of(r["before"])) {
+    const auto same = std::ranges::find(now, line);
+    if (same == now.end())
+      changed.push_back(line.substr(0, line.find(": ")));
+    else
+      now.erase(same);
+  }
+  EXPECT_EQ(changed, (std::vector<std::string>{"  binder", "  size", "    inputs", "    inputs", "    inputs",
+                                               "    inputs", "    inputs", "    params", "    inputs",
+                                               "    inputs", "  labels", "  profiles"}));
+  for (const auto& line : now)
+    EXPECT_EQ(line.find('#') == std::string::npos || line.find("binder") != std::string::npos, true) << line;
+
+  const fs::path report = folder / "report.json";
+  const auto again = test::run_program({"run", file.string(), "--no-cache", "--out",
+                                        (folder / "out").string(), "--report", report.string(), "--quiet"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  std::size_t equal = 0;
+  const auto saved = nlohmann::json::parse(*read_file(report));
+  for (const auto& node : saved["nodes"])
+    for (const auto& [port, output] : node["outputs"].items()) {
+      EXPECT_EQ(output["content"], r["contents"][node["name"].get<std::string>()][port])
+          << node["name"] << port;
+      ++equal;
+    }
+  EXPECT_GT(equal, 30u);
 }
 
 }  // namespace

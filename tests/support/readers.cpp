@@ -37,8 +37,8 @@ std::filesystem::path npm_check(const std::string& name) {
   const fs::path folder = fs::temp_directory_path() / ("terrazzo-" + name);
   std::error_code error;
   fs::create_directories(folder, error);
-  for (const char* file : {"package.json", "check.mjs"})
-    fs::copy_file(source / file, folder / file, fs::copy_options::overwrite_existing, error);
+  for (const auto& file : fs::directory_iterator(source))
+    fs::copy_file(file, folder / file.path().filename(), fs::copy_options::overwrite_existing, error);
   const std::string in = "cd '" + folder.string() + "' && ";
   const auto succeeds = [&](const std::string& command) {
     return run_command({"/bin/sh", "-c", in + command}).exit_code == 0;

@@ -15,7 +15,7 @@ std::string chromium();                     // the browser's path, or ""
 // Whether Debian's Python has the module.
 bool has_python_module(const std::string& name);
 
-// A folder outside the source tree with the check tests/integration/NAME and its npm packages, created once
+// A folder outside the source tree with the files of tests/integration/NAME and npm packages, created once
 // and kept for later runs. Empty if node or npm is missing or the packages cannot be installed.
 std::filesystem::path npm_check(const std::string& name);
 // Runs check.mjs of that folder on a file and returns the JSON that it prints. Adds a failure if it prints

@@ -44,7 +44,10 @@ TEST_F(StudioDocument, UndoGoesBackToTheFirstTextAndForward) {
 TEST_F(StudioDocument, AMovingSliderIsOneStep) {
   Document d(file);
   d.edit({value("6")});
-  for (const char* v : {"7", "8", "9"}) d.edit({value(v)}, true);
+  for (const char* v : {"7", "8", "9"}) d.edit({value(v)}, "first");
+  for (const char* v : {"10", "11"}) d.edit({value(v)}, "second");
+  EXPECT_TRUE(d.undo());
+  EXPECT_NE(d.text().find("value: 9"), std::string::npos);
   EXPECT_TRUE(d.undo());
   EXPECT_NE(d.text().find("value: 6"), std::string::npos);
 }

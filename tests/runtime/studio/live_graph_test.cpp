@@ -94,6 +94,28 @@ TEST_F(LiveGraphTest, WritesFilesOnlyOnDemand) {
   EXPECT_EQ(s["nodes"]["write"]["files"], json::array({"sum.txt"}));
 }
 
+TEST_F(LiveGraphTest, WhatIsShownIsComputedFirst) {
+  open(kLiveText, false);
+  live->show("b");
+  live->set_live(true);
+  const json s = settled();
+  std::vector<std::string> order;
+  const auto events = live->events().after(0, std::chrono::milliseconds(0));
+  ASSERT_TRUE(events);
+  for (const auto& e : *events)
+    if (const json j = json::parse(e.data); e.type == "node" && j["state"] == "computed")
+      order.push_back(j["path"]);
+  ASSERT_FALSE(order.empty());
+  EXPECT_EQ(order.front(), "b");
+  EXPECT_EQ(order.back(), "sum");
+  for (const char* node : {"a", "b", "clamp", "sum"})
+    EXPECT_EQ(s["nodes"][node]["state"], "computed") << node;
+  EXPECT_EQ(number(s, "sum"), 5);
+  live->show("gone");
+  set("b", "value", "7");
+  EXPECT_EQ(number(settled(), "sum"), 10);
+}
+
 TEST_F(LiveGraphTest, OnDemandOnlyPlans) {
   open(kLiveText, false);
   json s = live->state();

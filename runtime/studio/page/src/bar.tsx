@@ -1,5 +1,6 @@
 import { secondsText } from './format';
-import { post, useStore } from './store';
+import { SaveAs } from './start';
+import { post, save, useStore } from './store';
 
 export function Bar() {
   const doc = useStore(s => s.doc);
@@ -20,10 +21,12 @@ export function Bar() {
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
       <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
+      <button onClick={() => useStore.setState({ starting: true, picture: null })} title="Open a material, or make one from a photograph">New or open…</button>
       <div className="group">
         <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
         <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
-        <button disabled={!doc || doc.saved} onClick={() => void post('/api/save')} title="Save (Ctrl+S)">Save</button>
+        <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
+        <button disabled={!doc} onClick={() => useStore.setState({ savingAs: true })} title="Save under another name">Save as…</button>
       </div>
       <div className="space" />
       <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status">{status}</span>
@@ -45,9 +48,11 @@ export function Notices() {
   const doc = useStore(s => s.doc);
   const trouble = useStore(s => s.trouble);
   const runTrouble = useStore(s => s.run.trouble);
+  const savingAs = useStore(s => s.savingAs);
   const dismiss = () => useStore.setState({ trouble: null });
   return (
     <div className="notices" aria-live="polite">
+      {savingAs && <SaveAs key={doc?.file} />}
       {doc?.recovered && (
         <p><b>An earlier session left unsaved changes.</b>
           <button onClick={() => void post('/api/recover', { use: true })}>Restore them</button>
@@ -60,7 +65,7 @@ export function Notices() {
       )}
       {doc?.trouble && <p>{doc.trouble}</p>}
       {runTrouble && <p>{runTrouble}</p>}
-      {trouble && <p className="bad"><b>{trouble.message}</b> {trouble.hint}<button onClick={dismiss}>Dismiss</button></p>}
+      {trouble && <p className="bad"><b>{trouble.message}</b> {trouble.hint}{trouble.again && <button onClick={trouble.again}>Open anyway</button>}<button onClick={dismiss}>Dismiss</button></p>}
     </div>
   );
 }

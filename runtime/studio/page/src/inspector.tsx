@@ -49,7 +49,7 @@ function State({ node }: { node: DocNode }) {
       {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
-      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
+      {state.reasons.length > 0 && <details open={state.reasons.length < 4}><summary>Why it ran</summary><ul>{state.reasons.map(r => <li key={r} title={r}>{r.replace(new RegExp(`${escaped(file)}:(\\d+)(:\\d+)?`, 'g'), 'line $1')}</li>)}</ul></details>}
       {metrics.length > 0 && <details open={metrics.length < 5}><summary>{metrics.length === 1 ? '1 measure' : `${metrics.length} measures`}</summary>
         <dl>{metrics.map(([k, v]) => <div key={k}><dt>{k.replace(/_/g, ' ')}</dt><dd>{numberText(v)}</dd></div>)}</dl></details>}
       {state.files.length > 0 && <p>Wrote {state.files.join(', ')}</p>}
@@ -68,6 +68,19 @@ function Outputs({ node }: { node: DocNode }) {
   );
 }
 
+// A list of texts, such as edits. Items are changed in the YAML text.
+function Items({ node, spec, items }: { node: DocNode; spec: Parameter; items: string[] }) {
+  return (
+    <>
+      <h2 title={spec.doc}>{spec.name}{spec.unit && `, ${spec.unit}`}</h2>
+      <ol className="items">{items.map((text, k) => (
+        <li key={k}><span>{text}</span><button className="reset" title="Remove" aria-label={`Remove ${text}`}
+          onClick={() => void edit([{ op: 'remove_item', node: node.name, name: spec.name, index: k }])}>×</button></li>
+      ))}</ol>
+    </>
+  );
+}
+
 function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
   return (
@@ -80,6 +93,7 @@ function NodeInspector({ node }: { node: DocNode }) {
       <div className="fields">
         {declaration?.parameters.map(p => {
           const own = node.params[p.name];
+          if (p.kind === 'texts' && Array.isArray(own?.value)) return <Items key={`${node.name}.${p.name}`} node={node} spec={p} items={own.value} />;
           return (
             <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
               <Field spec={p} value={own ? own.value : defaultText(p)}

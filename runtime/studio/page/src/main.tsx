@@ -6,9 +6,12 @@ import { createRoot } from 'react-dom/client';
 import { Bar, Notices } from './bar';
 import { Canvas } from './canvas';
 import { Inspector } from './inspector';
+import { PlaneBar } from './plane';
 import { Splitter } from './splitter';
-import { connect, declarationOf, post, stateOf, useStore, valueOf } from './store';
+import { Start } from './start';
+import { connect, declarationOf, nearest, post, save, stateOf, useStore, valueOf } from './store';
 import style from './style.css';
+import { LabelsView } from './labels';
 import { View } from './viewers';
 import { Messages, Yaml } from './yaml';
 
@@ -27,6 +30,7 @@ function Viewer() {
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [];
   const shown = pinned?.port ?? port ?? outputs[0]?.name ?? '';
   const value = node && valueOf(node, shown, nodes);
+  const kind = outputs.find(p => p.name === shown)?.types[0];
   const state = node && stateOf(node, nodes);
   const old = value && state && !['cached', 'computed'].includes(state.state);
   return (
@@ -40,8 +44,10 @@ function Viewer() {
           onClick={() => useStore.setState({ pinned: pinned ? null : { node: node.name, port: shown } })}>{pinned ? 'Pinned' : 'Pin'}</button>}
       </div>
       <div className={`stage${old ? ' stale' : ''}`}>
-        {value && node ? <View key={value.type} value={value} node={node.name} />
-          : <p className="none">{!node ? 'Select a node to see its result.' : !outputs.length ? 'This node writes files and has no outputs.' : 'There is no result yet.'}</p>}
+        {node && (value?.type ?? kind) === 'Labels' ? <LabelsView value={value ?? nearest(node.name, 'Labels', 'up', { doc, types, nodes })?.value} node={node} />
+          : value && node ? <View key={value.type} value={value} node={node} />
+            : <p className="none">{!node ? 'Select a node to see its result.' : !outputs.length ? 'This node writes files and has no outputs.' : 'There is no result yet.'}</p>}
+        {node?.type === 'Section' && <PlaneBar key={node.name} node={node} />}
       </div>
     </section>
   );
@@ -57,22 +63,39 @@ function App() {
     const key = (e: KeyboardEvent) => {
       if (!(e.ctrlKey || e.metaKey)) return;
       const typing = e.target instanceof HTMLElement && e.target.closest('input:not([type=range]):not([type=checkbox]), textarea');
-      if (e.key === 's') void post('/api/save');
+      if (e.key === 's') save();
       else if (e.key === 'z' && !typing) void post(e.shiftKey ? '/api/redo' : '/api/undo');
       else if (e.key === 'Z' && !typing) void post('/api/redo');
       else return;
       e.preventDefault();
     };
+    const over = (e: DragEvent) => { if (e.dataTransfer?.types.includes('Files')) e.preventDefault(); };
+    const drop = (e: DragEvent) => {
+      const picture = e.dataTransfer?.files[0];
+      if (!picture) return;
+      e.preventDefault();
+      useStore.setState({ starting: true, picture });
+    };
     window.addEventListener('keydown', key);
-    return () => window.removeEventListener('keydown', key);
+    window.addEventListener('dragover', over);
+    window.addEventListener('drop', drop);
+    return () => {
+      window.removeEventListener('keydown', key);
+      window.removeEventListener('dragover', over);
+      window.removeEventListener('drop', drop);
+    };
   }, []);
+  const starting = useStore(s => s.starting);
   return (
     <div className="app">
       <Bar />
       <Notices />
-      <div className="body">
-        <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
-        <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
+      <div className="below">
+        {starting && <Start />}
+        <div className="body" inert={starting}>
+          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
+          <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
+        </div>
       </div>
     </div>
   );

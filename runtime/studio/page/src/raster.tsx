@@ -1,5 +1,7 @@
 import { useCallback, useEffect, useRef, useState, type PointerEvent, type ReactNode, type WheelEvent } from 'react';
 
+import { Draft, usePen, type Pen, type View } from './pen';
+
 export interface Raster { width: number; height: number; sections: number; fullWidth: number; fullHeight: number; data: ArrayBuffer }
 
 export async function fetchRaster(hash: string, as: string, section: number): Promise<Raster> {
@@ -20,10 +22,12 @@ export function Picture({ raster, opacity }: { raster: Raster; opacity?: number 
   return <canvas ref={canvas} style={{ opacity }} />;
 }
 
-// Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture.
-export function PanZoom({ width, height, children, hover }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string }) {
+// Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture. With a pen, dragging
+// draws, and other buttons pan.
+export function PanZoom({ width, height, children, hover, pen = null }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string; pen?: Pen | null }) {
   const box = useRef<HTMLDivElement>(null);
-  const [view, setView] = useState<{ x: number; y: number; k: number } | null>(null);
+  const [view, setView] = useState<View | null>(null);
+  const draft = usePen(pen, width, height);
   const [note, setNote] = useState('');
   const drag = useRef<{ x: number; y: number } | null>(null);
   const fit = useCallback(() => {
@@ -39,22 +43,33 @@ export function PanZoom({ width, height, children, hover }: { width: number; hei
     const k = Math.min(Math.max(view.k * 2 ** (-e.deltaY / 300), 0.02), 64), q = k / view.k;
     setView({ k, x: px - (px - view.x) * q, y: py - (py - view.y) * q });
   };
+  const pointOf = (e: PointerEvent, v: View): [number, number] => {
+    const r = box.current!.getBoundingClientRect();
+    return [(e.clientX - r.left - v.x) / v.k, (e.clientY - r.top - v.y) / v.k];
+  };
   const move = (e: PointerEvent) => {
     if (!view) return;
     if (drag.current) {
       setView({ ...view, x: view.x + e.clientX - drag.current.x, y: view.y + e.clientY - drag.current.y });
       drag.current = { x: e.clientX, y: e.clientY };
     }
-    const r = box.current!.getBoundingClientRect();
-    const x = Math.floor((e.clientX - r.left - view.x) / view.k), y = Math.floor((e.clientY - r.top - view.y) / view.k);
+    const [px, py] = pointOf(e, view), x = Math.floor(px), y = Math.floor(py);
+    draft?.move([px, py], view.k);
     setNote(hover && x >= 0 && y >= 0 && x < width && y < height ? hover(x, y) : '');
   };
   return (
-    <div ref={box} className={`panzoom${view && view.k > 2 ? ' sharp' : ''}`} onWheel={wheel} onDoubleClick={fit} onPointerMove={move} tabIndex={0} role="group" aria-label="Picture: zoom with the wheel, drag to pan, double click to fit"
-      onKeyDown={e => { if (e.key === '0') fit(); }}
-      onPointerDown={e => { drag.current = { x: e.clientX, y: e.clientY }; e.currentTarget.setPointerCapture(e.pointerId); }}
-      onPointerUp={() => { drag.current = null; }} onPointerLeave={() => setNote('')}>
-      {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}</div>}
+    <div ref={box} className={`panzoom${view && view.k > 2 ? ' sharp' : ''}${pen ? ' pen' : ''}`} onWheel={wheel} onDoubleClick={draft ? draft.twice : fit} onPointerMove={move} tabIndex={0} role="group"
+      aria-label={pen ? 'Picture: arrow keys move the cross, Space sets a point, Enter ends, Escape cancels' : 'Picture: zoom with the wheel, drag to pan, double click to fit'}
+      onKeyDown={e => { if (e.key === '0') fit(); else if (view) draft?.key(e, view.k); }}
+      onPointerDown={e => {
+        if (draft && view && e.button === 0) return draft.down(e, pointOf(e, view));
+        drag.current = { x: e.clientX, y: e.clientY }; e.currentTarget.setPointerCapture(e.pointerId);
+      }}
+      onPointerUp={e => {
+        if (draft && view && !drag.current) draft.up(pointOf(e, view));
+        drag.current = null;
+      }} onPointerLeave={() => setNote('')}>
+      {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}{draft && <Draft pen={pen!} state={draft} k={view.k} width={width} height={height} />}</div>}
       <output className="readout">{note || (view ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
     </div>
   );

@@ -1,8 +1,8 @@
 import { create } from 'zustand';
-import type { Doc, DocNode, NodeState, NodeType, OutputValue, Run, State } from './types';
+import type { Doc, DocNode, NodeState, NodeType, OutputValue, Run, StartInfo, State } from './types';
 
 export interface Target { node: string; port: string }
-export interface Trouble { message: string; hint: string; code: string }
+export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
 
 interface Store {
   types: Map<string, NodeType>;
@@ -16,36 +16,60 @@ interface Store {
   trouble: Trouble | null;
   drawer: 'none' | 'yaml' | 'messages';
   line: number; // to show in the YAML text; 0: none
+  start: StartInfo | null;
+  starting: boolean; // the start page is shown
+  picture: File | null; // to make a graph of
+  savingAs: boolean;
+  tool: string | null; // that is used in the picture
 }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, trouble: '' }, drawer: 'none', line: 0,
+  start: null, starting: false, picture: null, savingAs: false, tool: null,
 }));
 const set = useStore.setState;
 
 export const select = (selected: string | null) => set({ selected, port: null });
 export const goToLine = (line: number) => set({ drawer: 'yaml', line });
 
-export async function post(path: string, body: unknown = {}): Promise<boolean> {
+export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
+
+async function send(path: string, body: BodyInit, type: string, again?: () => void): Promise<boolean> {
   try {
-    const answer = await fetch(path, {
-      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body),
-    });
+    const answer = await fetch(path, { method: 'POST', headers: { 'Content-Type': type }, body });
     if (answer.ok) {
       set({ trouble: null });
       return true;
     }
     const { message, hint, code } = await answer.json();
-    set({ trouble: { message, hint, code } });
+    set({ trouble: { message, hint, code, again: code === 'unsaved-changes' ? again : undefined } });
   } catch {
     set({ trouble: { message: 'the server does not answer', hint: 'is terrazzo studio still running?', code: 'offline' } });
   }
   return false;
 }
 
-export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; to?: string };
-export const edit = (edits: Edit[], merge = false) => post('/api/edit', { edits, merge });
+const opened = (done: boolean) => {
+  if (done) set({ starting: false, picture: null, start: { ...useStore.getState().start!, welcome: false } });
+};
+export const openMaterial = async (material: string, discard = false): Promise<void> =>
+  opened(await post('/api/open', { material, discard }, () => void openMaterial(material, true)));
+export async function upload(picture: File, folder: string, pixelSize: string, discard = false): Promise<void> {
+  const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, discard: String(discard) });
+  opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, true)));
+}
+export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
+
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; to?: string; index?: number };
+// `merge`: one of many edits while a control moves. Those within a second are one step of undo.
+let moving = { what: '', group: 0, at: 0 };
+export function edit(edits: Edit[], merge = false): Promise<boolean> {
+  if (!merge) return post('/api/edit', { edits });
+  const what = edits.map(e => `${e.node}.${e.name}`).join(' ');
+  moving = { what, group: moving.group + (what !== moving.what || performance.now() - moving.at > 1000 ? 1 : 0), at: performance.now() };
+  return post('/api/edit', { edits, group: `${what} ${moving.group}` });
+}
 
 // --- events
 
@@ -67,6 +91,8 @@ function later(path: string, state: NodeState) {
 export async function connect() {
   const types = await (await fetch('/api/types')).json() as NodeType[];
   set({ types: new Map(types.map(t => [t.type, t])) });
+  const start = await (await fetch('/api/start')).json() as StartInfo;
+  set({ start, starting: start.welcome });
   const events = new EventSource('/api/events');
   const on = <T>(type: string, use: (data: T) => void) =>
     events.addEventListener(type, e => use(JSON.parse((e as MessageEvent<string>).data) as T));
@@ -80,7 +106,9 @@ export async function connect() {
     pending = {};
     set({ doc: s.document, nodes: s.nodes, run: s.run, online: true });
   });
-  on<Doc>('document', doc => set(s => ({
+  on<Doc>('document', doc => set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
+    doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0,
+  } : {
     doc, selected: doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
     pinned: s.pinned && doc.nodes.some(n => n.name === s.pinned!.node) ? s.pinned : null,
   })));
@@ -91,6 +119,16 @@ export async function connect() {
     if (before) later(p.path, { ...before, state: 'running', progress: p.progress, note: p.note });
   });
 }
+
+// The server computes first what is shown.
+let shown = '';
+useStore.subscribe(s => {
+  const name = s.pinned?.node ?? s.selected ?? '', node = s.doc?.nodes.find(n => n.name === name);
+  const path = (node?.graph ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
+  if (path === shown || !s.doc) return;
+  shown = path;
+  void fetch('/api/view', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ node: path }) }).catch(() => {});
+});
 
 // --- nodes of the document
 

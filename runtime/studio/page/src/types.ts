@@ -27,9 +27,10 @@ export interface Doc {
   name: string; doc: string; file: string; text: string; nodes: DocNode[];
   outputs: { name: string; wire: string; line: number }[];
   parameters: GraphParameter[]; messages: Message[];
-  saved: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
+  saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
   disk_changed: boolean; valid: boolean;
 }
+export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
 export interface OutputValue { type: string; hash: string; bytes: number }
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled';
 export interface NodeState {

@@ -1,12 +1,13 @@
 import { useEffect, useMemo, useState } from 'react';
 
 import { numberText } from './format';
+import { LabelsView } from './labels';
 import { fetchRaster, PanZoom, Picture, type Raster } from './raster';
 import { nearest, useStore } from './store';
-import type { OutputValue } from './types';
+import type { DocNode, OutputValue } from './types';
 
 // Loads something for a value; keeps what was shown before until the new value is there, so that nothing flickers.
-function useLoaded<T>(key: string, load: () => Promise<T>): { data: T | null; error: string } {
+export function useLoaded<T>(key: string, load: () => Promise<T>): { data: T | null; error: string } {
   const [state, setState] = useState<{ data: T | null; error: string }>({ data: null, error: '' });
   useEffect(() => {
     let current = true;
@@ -17,14 +18,14 @@ function useLoaded<T>(key: string, load: () => Promise<T>): { data: T | null; er
   return state;
 }
 
-async function fetchJson<T>(hash: string, as: string): Promise<T> {
+export async function fetchJson<T>(hash: string, as: string): Promise<T> {
   const answer = await fetch(`/api/value/${hash}?as=${as}`);
   const body = await answer.json();
   if (!answer.ok) throw new Error(body.message);
   return body as T;
 }
 
-function Sections({ count, section, set }: { count: number; section: number; set: (s: number) => void }) {
+export function Sections({ count, section, set }: { count: number; section: number; set: (s: number) => void }) {
   if (count < 2) return null;
   return <label>Section <input type="number" min={1} max={count} value={section + 1} onChange={e => set(Math.min(Math.max(Number(e.target.value) - 1, 0), count - 1))} /> of {count}</label>;
 }
@@ -51,34 +52,9 @@ function ImageView({ value }: { value: OutputValue }) {
 }
 
 // Labels or outlines over the picture that they were found in.
-function useBase(node: string) {
+export function useBase(node: string) {
   const doc = useStore(s => s.doc), types = useStore(s => s.types), nodes = useStore(s => s.nodes);
   return useMemo(() => nearest(node, 'Image', 'up', { doc, types, nodes }), [node, doc, types, nodes]);
-}
-
-function LabelsView({ value, node }: { value: OutputValue; node: string }) {
-  const [section, setSection] = useState(0), [opacity, setOpacity] = useState(0.55);
-  const base = useBase(node);
-  const { data, error } = useLoaded(`${value.hash}.${section}`, async () => ({
-    colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
-  }));
-  const under = useLoaded(`${base?.value.hash}.${section}`, async () => (base ? fetchRaster(base.value.hash, 'pixels', section) : null));
-  const fits = data && under.data && data.ids.fullWidth === under.data.fullWidth;
-  if (!data) return <p className="none">{error || 'Loading…'}</p>;
-  const ids = new Int32Array(data.ids.data);
-  return (
-    <>
-      <PanZoom width={data.ids.width} height={data.ids.height} hover={(x, y) => {
-        const id = ids[y * data.ids.width + x];
-        return `${x}, ${y}   ${id ? `profile ${id}` : 'binder'}`;
-      }}>
-        {fits && <Picture raster={under.data!} />}
-        <Picture raster={data.colors} opacity={fits ? opacity : 1} />
-      </PanZoom>
-      <div className="options"><Sections count={data.ids.sections} section={section} set={setSection} />
-        {fits && <label>Labels <input type="range" min={0} max={1} step={0.05} value={opacity} onChange={e => setOpacity(Number(e.target.value))} /></label>}</div>
-    </>
-  );
 }
 
 interface Outlines { window: [number, number]; area_fraction: number; binder: number; profiles: { index: number; area: number; class: number; border: boolean; center: [number, number]; points: [number, number][]; color: number }[] }
@@ -202,13 +178,13 @@ function OtherView({ value, node }: { value: OutputValue; node: string }) {
   );
 }
 
-export function View({ value, node }: { value: OutputValue; node: string }) {
+export function View({ value, node }: { value: OutputValue; node: DocNode }) {
   switch (value.type) {
     case 'Image': return <ImageView value={value} />;
     case 'Labels': return <LabelsView value={value} node={node} />;
-    case 'Profiles': return <ProfilesView value={value} node={node} />;
+    case 'Profiles': return <ProfilesView value={value} node={node.name} />;
     case 'Table': return <TableView value={value} />;
     case 'SizeDistribution': return <DistributionView value={value} />;
-    default: return <OtherView value={value} node={node} />;
+    default: return <OtherView value={value} node={node.name} />;
   }
 }

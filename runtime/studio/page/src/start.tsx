@@ -1,0 +1,88 @@
+import { useEffect, useMemo, useRef, useState } from 'react';
+
+import { openMaterial, post, upload, useStore } from './store';
+
+const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
+
+// A graph for a photograph: where its files go, and the size of a pixel.
+function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
+  const [place, setPlace] = useState(stem(picture.name));
+  const [pixel, setPixel] = useState('0.1');
+  const [size, setSize] = useState<{ w: number; h: number } | null>(null);
+  const [busy, setBusy] = useState(false);
+  const url = useMemo(() => URL.createObjectURL(picture), [picture]);
+  useEffect(() => () => URL.revokeObjectURL(url), [url]);
+  useEffect(() => setPlace(stem(picture.name)), [picture]);
+  const mm = Number(pixel);
+  const create = async () => {
+    setBusy(true);
+    await upload(picture, place, pixel);
+    setBusy(false);
+  };
+  return (
+    <form className="new" onSubmit={e => { e.preventDefault(); void create(); }}>
+      <img src={url} alt={`Photograph ${picture.name}`} onLoad={e => setSize({ w: e.currentTarget.naturalWidth, h: e.currentTarget.naturalHeight })}
+        onError={e => { e.currentTarget.hidden = true; }} />
+      <div>
+        <h2>{picture.name}{size && `, ${size.w} × ${size.h} pixels`}</h2>
+        <label>{'Size of a pixel '}<input value={pixel} inputMode="decimal" aria-describedby="extent" onChange={e => setPixel(e.target.value)} autoFocus />{' mm'}</label>
+        <p id="extent" className="doc">{size && mm > 0 ? `The photograph shows ${(size.w * mm).toPrecision(3)} × ${(size.h * mm).toPrecision(3)} mm of the material.` : 'The edge of a pixel on the material’s surface.'}</p>
+        <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
+        <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
+        <p className="row"><button className="primary" disabled={busy || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>
+          <button type="button" onClick={() => useStore.setState({ picture: null })}>Choose another picture</button></p>
+      </div>
+    </form>
+  );
+}
+
+// What to work on: a photograph, or a material that comes with the program.
+export function Start() {
+  const info = useStore(s => s.start);
+  const picture = useStore(s => s.picture);
+  const file = useRef<HTMLInputElement>(null);
+  const box = useRef<HTMLElement>(null);
+  useEffect(() => box.current?.focus(), []);
+  const close = () => (info?.welcome ? void openMaterial(info.materials[0].name) : useStore.setState({ starting: false }));
+  return (
+    <section className="start" role="dialog" aria-label="Start" tabIndex={-1} ref={box} onKeyDown={e => { if (e.key === 'Escape') close(); }}>
+      <div>
+        <div className="head"><h2>New material from a photograph</h2><button onClick={close}>{info?.welcome ? 'Skip' : 'Close'}</button></div>
+        {picture && info ? <NewMaterial picture={picture} folder={info.folder} /> : (
+          <div className="drop">
+            <p>Drop a photograph of a cut surface here, or</p>
+            <button className="primary" onClick={() => file.current?.click()}>Choose a photograph</button>
+            <input ref={file} type="file" className="sr" tabIndex={-1} aria-label="Photograph" accept="image/*,.exr,.hdr,.tif,.tiff" onChange={e => {
+              if (e.target.files?.[0]) useStore.setState({ picture: e.target.files[0] });
+            }} />
+          </div>
+        )}
+        <h2>Materials</h2>
+        <ul className="materials">
+          {info?.materials.map(m => (
+            <li key={m.name}><button onClick={() => void openMaterial(m.name)} title={m.doc}>
+              {m.picture ? <img src={`/api/picture/${m.name}`} alt="" /> : <i />}
+              <b>{m.title}</b></button></li>
+          ))}
+        </ul>
+      </div>
+    </section>
+  );
+}
+
+// Where to save a graph under a new name.
+export function SaveAs() {
+  const doc = useStore(s => s.doc), folder = useStore(s => s.start?.folder ?? '');
+  const [name, setName] = useState(() => {
+    const file = doc?.file ?? '';
+    return doc?.read_only || !file.startsWith(folder + '/') ? file.split('/').pop()! : file.slice(folder.length + 1).replace(/\.ya?ml$/, '_2.yaml');
+  });
+  const close = () => useStore.setState({ savingAs: false });
+  return (
+    <form className="save" onSubmit={e => { e.preventDefault(); void post('/api/save_as', { file: name }).then(done => done && close()); }}>
+      <label>Save as {folder}/<input value={name} autoFocus spellCheck={false} size={40} onChange={e => setName(e.target.value)}
+        onKeyDown={e => { if (e.key === 'Escape') close(); }} /></label>
+      <button className="primary">Save</button><button type="button" onClick={close}>Cancel</button>
+    </form>
+  );
+}

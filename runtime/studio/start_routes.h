@@ -1,0 +1,19 @@
+// The routes with which the page opens and creates graphs.
+#pragma once
+
+#include "graph/registry.h"
+
+namespace terrazzo::studio {
+
+class LiveGraph;
+class LocalServer;
+struct StudioStart;
+
+// GET /api/start: {welcome, folder, materials: [{name, title, doc, picture}]}. GET /api/picture/NAME: the
+// picture of a material. POST /api/open {material, discard}. POST /api/photograph?name&folder&pixel_size&
+// discard, with the bytes of a picture: creates a graph of it in a folder below the workspace, and opens it.
+// POST /api/save_as {file}: below the workspace. Answers name the `file` that is open then. All arguments
+// must outlive the server.
+void add_start_routes(LocalServer&, LiveGraph&, const Registry&, const StudioStart&);
+
+}  // namespace terrazzo::studio

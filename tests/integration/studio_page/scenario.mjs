@@ -1,0 +1,140 @@
+// node scenario.mjs TERRAZZO PHOTOGRAPH CHROMIUM FOLDER: makes a material of the photograph in FOLDER, as a new user would:
+// corrects the binder and the particles, changes the size of the block, moves the plane, saves. Prints what it saw as one
+// JSON object.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { chromium } from 'playwright-core';
+
+const [, , program, photograph, executablePath, folder] = process.argv;
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const server = spawn(program, ['studio', '--no-browser', '--no-cache', '--no-live'], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+const [first] = await once(server.stdout, 'data');
+const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
+const result = { errors: [], violations: [] };
+try {
+  const page = await browser.newPage({ viewport: { width: 1360, height: 850 } });
+  page.setDefaultTimeout(90000);
+  page.on('pageerror', e => result.errors.push(e.message));
+  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  await page.goto(String(first).trim());
+  const state = () => page.evaluate(async () => (await fetch('/api/state')).json());
+  const until = async (what, holds) => {
+    for (let k = 0; k < 900; ++k) {
+      const s = await state();
+      if (holds(s)) return s;
+      await page.waitForTimeout(100);
+    }
+    throw new Error(`waited in vain until ${what}`);
+  };
+  const idle = () => until('everything is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
+  const done = s => n => ['computed', 'cached'].includes(s.nodes[n]?.state);
+  const table = async (s, node, port) => page.evaluate(async h => (await (await fetch(`/api/value/${h}?as=json`)).json()).rows[0], s.nodes[node].outputs[port].hash);
+  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
+  const check = async where => {
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
+    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
+  };
+
+  // A photograph becomes a graph.
+  await page.waitForSelector('.materials li');
+  result.materials = await page.locator('.materials li').count();
+  await check('start');
+  await page.setInputFiles('.start input[type=file]', photograph);
+  await page.fill('.new input >> nth=0', '0.2');
+  await check('new material');
+  await page.click('text=Create the material');
+  await until('the graph is open', s => s.document.file.endsWith('stones.yaml'));
+  await card('segment').waitFor();
+  // Small sizes, so that this takes seconds.
+  await page.evaluate(async () => {
+    const small = { resolution: '24', count: '40', detail: '16', sections: '2', shapes: '1', shape_method: 'morphed_generalized_cylinder' };
+    const edits = Object.entries(small).map(([name, value]) => ({ op: 'set_default', name, value }));
+    await fetch('/api/edit', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) });
+  });
+  await page.keyboard.press('Control+s');
+  result.before = (await until('it is saved', s => s.document.saved)).document.text;
+  await page.click('.check input');
+  await card('segment').click();
+  result.binder_before = await table(await until('there are labels', s => done(s)('segment')), 'segment', 'binder');
+
+  // The binder is chosen with a click.
+  await page.waitForSelector('.panzoom .content canvas');
+  const box = await page.locator('.panzoom .content').boundingBox();
+  const at = (x, y) => [box.x + (x / 320) * box.width, box.y + (y / 240) * box.height];
+  await page.click('button:has-text("Pick binder")');
+  await page.mouse.click(...at(20, 40));
+  let s = await until('the binder is another', s => s.document.text.includes('binder: {type: color, default: "#') && done(s)('segment'));
+  result.binder_after = await table(s, 'segment', 'binder');
+
+  // Two stones are split: with the mouse, and with the keyboard.
+  const stones = s.nodes.segment.metrics.profiles;
+  await page.click('button:has-text("Split")');
+  await page.mouse.move(...at(80, 76));
+  await page.mouse.down();
+  await page.mouse.move(...at(80, 124), { steps: 4 });
+  await page.mouse.up();
+  s = await until('a stone is split', s => done(s)('measure'));
+  result.split_by_mouse = s.nodes.measure.metrics.profiles - stones;
+  await page.waitForFunction(() => document.querySelector('.tabs b')?.textContent === 'edit_labels');
+  await page.click('button:has-text("Undo")');
+  result.undone = (await until('the correction is undone', s => !s.nodes.edit_labels)).document.nodes.every(n => n.name !== 'measure');
+  await page.click('button:has-text("Redo")');
+  await until('it is done again', s => done(s)('measure'));
+  await card('edit_labels').click();
+  await page.waitForSelector('.panzoom .content canvas');
+  await check('tools');
+  await page.locator('.panzoom').focus();
+  await page.keyboard.press('ArrowUp'); // shows the cross, in the middle of the picture
+  const step = await page.locator('.panzoom .content').evaluate(e => Math.max(1, Math.round(8 / (e.getBoundingClientRect().width / e.offsetWidth))));
+  const press = async (key, pixels) => { for (let k = 0; k < Math.round(pixels / step); ++k) await page.keyboard.press(key); };
+  await press('ArrowRight', 80);
+  await press('ArrowUp', 44);
+  await page.keyboard.press('Space');
+  await press('ArrowDown', 48);
+  await page.keyboard.press('Space');
+  await page.keyboard.press('Enter');
+  s = await until('another is split', s => s.nodes.edit_labels?.metrics.particles > stones + 1 && done(s)('measure'));
+  result.split_by_keys = s.nodes.measure.metrics.profiles - stones - result.split_by_mouse;
+  await page.keyboard.press('Escape');
+  await idle();
+
+  // The size of the block: only what is downstream runs.
+  await page.click('.react-flow__pane', { position: { x: 500, y: 30 } });
+  await page.fill('#field-size', '30');
+  await page.press('#field-size', 'Enter');
+  await until('the packing runs', s => /size: .*default: 30/.test(s.document.text) && s.nodes.pack.state !== 'cached');
+  s = await idle();
+  result.ran = Object.keys(s.nodes).filter(n => s.nodes[n].state === 'computed').sort();
+  result.failed = Object.keys(s.nodes).filter(n => ['failed', 'skipped', 'canceled'].includes(s.nodes[n].state));
+
+  // The plane is dragged.
+  await card('section').click();
+  await page.selectOption('.plane select', 'z');
+  const slider = page.locator('.plane input[type=range]');
+  await slider.waitFor();
+  const bar = await slider.boundingBox();
+  const hash = (await until('it has a section', s => /axis: z/.test(s.document.text) && done(s)('section'))).nodes.section.outputs.image.hash;
+  await page.mouse.move(bar.x + bar.width / 2, bar.y + bar.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(bar.x + bar.width * 0.8, bar.y + bar.height / 2, { steps: 8 });
+  await page.mouse.up();
+  await until('the section is another', s => s.document.text.includes('offsets: ') && done(s)('section') && s.nodes.section.outputs.image.hash !== hash);
+  await check('plane');
+  await page.waitForTimeout(500);
+  await idle();
+
+  await page.keyboard.press('Control+s');
+  s = await until('it is saved again', s => s.document.saved);
+  result.file = s.document.file;
+  result.after = s.document.text;
+  result.contents = Object.fromEntries(Object.entries(s.nodes).map(([name, n]) => [name, Object.fromEntries(Object.entries(n.outputs).map(([port, o]) => [port, o.hash]))]));
+} catch (e) {
+  result.errors.push(String(e));
+} finally {
+  await browser.close();
+  server.kill();
+}
+console.log(JSON.stringify(result));
