@@ -8,11 +8,11 @@
 
 namespace terrazzo {
 
-// Offsets are added to sRGB-encoded colors. Those of particles are multiplied by particle_scale() first, so
-// that shading keeps the hue of particles of any color.
+// Offsets are added to sRGB-encoded colors. Those of particles are multiplied by particle_scale() first:
+// light stones show more of the same grain than dark ones.
 struct Detail {
   // `encoded`: the particle's sRGB-encoded color. The constant limits the detail of dark particles.
-  static Vec3f particle_scale(const Vec3f& encoded) { return encoded.cwiseMax(0.0f).array() + 0.15f; }
+  static float particle_scale(const Vec3f& encoded) { return encoded.cwiseMax(0.0f).mean() + 0.15f; }
 
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear

@@ -127,7 +127,8 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
     if (area[k] > 0) groups = std::max(groups, group[k]);
   std::vector<Mean> of_group(static_cast<std::size_t>(groups));
   out.pixels.assign(static_cast<std::size_t>(groups) + 1, 0);
-  std::vector<Vec3f> flat(plane), scale;
+  std::vector<Vec3f> flat(plane);
+  std::vector<float> scale;
   for (const Vec3f& c : color) scale.push_back(Detail::particle_scale(linear_to_srgb(c)));
   for (std::size_t i = 0; i < pixels; ++i) {
     if (i % plane == 0) {
@@ -150,7 +151,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
     out.offset[i] -= linear_to_srgb(flat[i % plane]);
     if (out.phase[i] > 0) {
       const auto k = static_cast<std::size_t>(labels.ids[i]) - 1;
-      out.offset[i] = out.offset[i].cwiseQuotient(scale[k]);
+      out.offset[i] /= scale[k];
       out.phase[i] = static_cast<std::int8_t>(group[k]);
       of_group[static_cast<std::size_t>(group[k]) - 1].add(image.pixels[i]);
     }

@@ -174,8 +174,7 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
             random.normal() * detail.phases[static_cast<std::size_t>(group_.back())].slope / radius);
     places_.push_back(place);
     // Without groups, offsets are the binder's.
-    const Vec3f none = Vec3f::Ones();
-    scales_.push_back(colors.empty() ? none : Detail::particle_scale(linear_to_srgb(particles.color[p])));
+    scales_.push_back(colors.empty() ? 1.0f : Detail::particle_scale(linear_to_srgb(particles.color[p])));
   }
 }
 
@@ -303,7 +302,7 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const 
   const Vec3f offset = gain * placed(tile, places_[p], mm), gray = Vec3f::Constant(offset.mean());
   const Vec3f relative =
       contrast_[p].x() * gray + contrast_[p].y() * (offset - gray) + rim + Vec3f::Constant(slope);
-  return relative.cwiseProduct(scales_[p]);
+  return scales_[p] * relative;
 }
 
 }  // namespace terrazzo::residual

@@ -71,7 +71,7 @@ class ResidualField {
   bool phases_ = false, gray_ = false;
   std::vector<int> group_;                 // tile of each particle
   std::vector<Place> places_;              // of each particle
-  std::vector<Vec3f> scales_;              // of the offsets of each particle
+  std::vector<float> scales_;              // of the offsets of each particle
   std::vector<Eigen::Vector2f> contrast_;  // of each particle, as in Detail
   Vec3i cells_ = Vec3i::Ones();
   std::vector<Place> cell_;  // of each of the binder's cells, x fastest

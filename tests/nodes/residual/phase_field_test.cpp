@@ -58,7 +58,7 @@ TEST(PhaseField, EveryPhaseHasItsOwnTileAndTheBoxsPeriod) {
   const double binder = deviation(field, -1, Vec3(11, 12, 13)), dark = deviation(field, 0, p.position[0]),
                light = deviation(field, 1, p.position[1]);
   const auto scale = [](float linear) {
-    return Detail::particle_scale(linear_to_srgb(Vec3f::Constant(linear))).x();
+    return Detail::particle_scale(linear_to_srgb(Vec3f::Constant(linear)));
   };
   EXPECT_NEAR(dark / binder, 2 * scale(0.15f), 0.25 * scale(0.15f));
   EXPECT_NEAR(light / binder, 4 * scale(0.7f), 0.5 * scale(0.7f));
@@ -95,7 +95,7 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   d.phases[0].rim = {Vec3f::Constant(-0.2f), Vec3f::Zero()};
   const Vec3f at = p.position[0].cast<float>();
   const ResidualField rims(d, p, 0);
-  const float dark = Detail::particle_scale(linear_to_srgb(p.color[0])).x();
+  const float dark = Detail::particle_scale(linear_to_srgb(p.color[0]));
   EXPECT_NEAR(rims.at(at, 0, 0.25f).x(), 0.3f * dark, 1e-5f);  // half a pixel deep
   EXPECT_NEAR(rims.at(at, 0, 0.5f).x(), 0.2f * dark, 1e-5f);   // between two bins
   EXPECT_NEAR(rims.at(at, 0, 100).x(), 0, 1e-5f);
