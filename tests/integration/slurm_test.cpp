@@ -185,12 +185,12 @@ nodes:
        "--cache", cache, "--executor", "slurm", "--poll", "0.3", "--chunk-size", "3"},
       {.environment = cluster->environment()});
   ASSERT_EQ(swept.exit_code, 0) << swept.err << swept.out;
-  const auto run =
-      run_program({"run", graph, "--out", (folder / "joined").string(), "--cache", cache, "--quiet"});
+  const auto run = run_program({"run", graph, "--out", (folder / "joined").string(), "--report",
+                                (folder / "joined.json").string(), "--cache", cache, "--quiet"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, std::string> volumes;
   int blocks = 0;
-  const json report = json::parse(*read_file(folder / "joined/report.json"));
+  const json report = json::parse(*read_file(folder / "joined.json"));
   for (const auto& node : report.at("nodes")) {
     const std::string name = node.at("name");
     if (node.at("outputs").contains("volume")) volumes[name] = node.at("outputs").at("volume").at("content");
