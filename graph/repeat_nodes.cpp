@@ -168,15 +168,29 @@ std::optional<std::string> Linker::substitute_values(const Element& element, con
 
 void Linker::drop_repeated_messages() {
   constexpr int most = 5;  // messages of one kind about the elements of one node
-  std::set<std::tuple<std::string, int, int, std::string, std::string, std::string>> seen;
-  std::map<std::tuple<std::string, int, int, std::string, std::string>, int> count;
+  struct Kind {
+    int count = 0;
+    std::size_t last = 0;  // message kept
+  };
+  using Key = std::tuple<std::string, int, int, std::string, std::string>;
+  std::map<Key, Kind> kinds;
+  std::set<std::pair<Key, std::string>> seen;
   Diagnostics kept;
   for (auto& d : found_) {
     const std::string node = without_elements(d.node);
-    if (!seen.insert({d.place.file, d.place.line, d.place.column, d.code, d.message, node}).second) continue;
-    if (node == d.node || ++count[{d.place.file, d.place.line, d.place.column, d.code, node}] <= most)
-      kept.push_back(std::move(d));
+    const Key key{d.place.file, d.place.line, d.place.column, d.code, node};
+    if (!seen.insert({key, d.message}).second) continue;
+    Kind& kind = kinds[key];
+    if (node != d.node && ++kind.count > most) continue;
+    kind.last = kept.size();
+    kept.push_back(std::move(d));
   }
+  for (const auto& [key, kind] : kinds)
+    if (kind.count > most) {
+      std::string& hint = kept[kind.last].hint;
+      hint +=
+          fmt::format("{}{} more elements have such an error", hint.empty() ? "" : "; ", kind.count - most);
+    }
   found_ = std::move(kept);
 }
 

@@ -215,6 +215,7 @@ TEST(Each, OneMistakeInEveryElementIsReportedOnce) {
   const std::string many =
       only_message("  c: {type: Constant, each: {k: 1001:1050:1}, params: {value: '${k}'}}\n");
   EXPECT_EQ(std::count(many.begin(), many.end(), '\n'), 5) << many;
+  EXPECT_NE(many.find("(45 more elements have such an error)"), std::string::npos) << many;
 }
 
 TEST(Each, SizesAreCheckedBeforeAnythingIsBuilt) {
