@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "graph/element_name.h"
+
 namespace terrazzo {
 using nlohmann::json;
 
@@ -110,9 +112,12 @@ NodeType describe_graph(const Graph& g) {
   t.inputs = g.inputs;
   for (const auto& p : g.parameters) t.parameters.push_back(p.declaration);
   for (const auto& o : g.outputs) {
+    const std::string name = without_elements(o.name);
+    if (name != o.name && !t.outputs.empty() && t.outputs.back().name == name) continue;
     const Port& port = *g.nodes[static_cast<std::size_t>(o.wire.node)].type->find_output(o.wire.port);
     t.outputs.push_back(port);
-    t.outputs.back().name = o.name;
+    t.outputs.back().name = name;
+    t.outputs.back().many = name != o.name;
   }
   return t;
 }
@@ -173,6 +178,15 @@ json parameter_schema(const Parameter& p) {
 }  // namespace
 
 json graph_schema(const Registry& registry) {
+  const json value = {{"type", {"string", "number", "boolean"}}};
+  const json each = {
+      {"type", "object"},
+      {"description",
+       "Repeats the node once per value. Parameters and wires contain the value as ${NAME}; several names "
+       "give all combinations. A list of values, or LO:HI:STEP."},
+      {"minProperties", 1},
+      {"propertyNames", {{"pattern", "^[A-Za-z_][A-Za-z0-9_]*$"}}},
+      {"additionalProperties", {{"anyOf", {value, {{"type", "array"}, {"items", value}, {"minItems", 1}}}}}}};
   json node_types = json::array();
   for (const NodeType* t : registry.all()) {
     json params = json::object(), inputs = json::object(), required_inputs = json::array(),
@@ -193,6 +207,7 @@ json graph_schema(const Registry& registry) {
                    {"properties",
                     {{"type", {{"const", t->name}}},
                      {"doc", {{"type", "string"}}},
+                     {"each", each},
                      {"params",
                       {{"type", "object"},
                        {"properties", params},
@@ -214,6 +229,7 @@ json graph_schema(const Registry& registry) {
                         {"properties",
                          {{"graph", {{"type", "string"}}},
                           {"doc", {{"type", "string"}}},
+                          {"each", each},
                           {"params", {{"type", "object"}}},
                           {"inputs", {{"type", "object"}}}}},
                         {"required", {"graph"}},

@@ -4,50 +4,85 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
+#include <tuple>
 
 #include "graph/describe.h"
+#include "graph/element_name.h"
 #include "graph/escape_xml.h"
 
 namespace terrazzo {
 namespace {
 
-template <class Use>
-void each_wire(const Graph& g, Use&& use) {
+// A node, or all elements of a repeated node.
+struct DrawnNode {
+  std::string title, type;
+};
+struct DrawnWire {
+  std::size_t from, to;
+  std::string output, input;
+};
+struct Drawing {
+  std::vector<DrawnNode> nodes;
+  std::vector<DrawnWire> wires;
+};
+
+Drawing drawing_of(const Graph& g) {
+  Drawing out;
+  std::map<std::string, std::size_t> known;
+  std::vector<std::size_t> drawn, count;
+  for (const auto& node : g.nodes) {
+    const std::string path = without_elements(node.path);
+    const auto [at, fresh] = known.try_emplace(path, out.nodes.size());
+    if (fresh) out.nodes.push_back({path, node.type->name}), count.push_back(0);
+    drawn.push_back(at->second);
+    ++count[at->second];
+  }
+  for (std::size_t i = 0; i < count.size(); ++i)
+    if (count[i] > 1) out.nodes[i].title += fmt::format(" × {}", count[i]);
+  std::set<std::tuple<std::size_t, std::size_t, std::string, std::string>> seen;
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
     for (const auto& [port, wires] : g.nodes[i].inputs)
-      for (const auto& w : wires) use(static_cast<std::size_t>(w.node), w.port, i, port);
+      for (const auto& w : wires) {
+        const std::size_t from = drawn[static_cast<std::size_t>(w.node)];
+        // Two wires of one node stay two; those of elements become one.
+        const bool one = count[from] > 1 || count[drawn[i]] > 1;
+        if (!one || seen.insert({from, drawn[i], w.port, port}).second)
+          out.wires.push_back({from, drawn[i], w.port, port});
+      }
+  return out;
 }
 
 }  // namespace
 
-std::string draw_dot(const Graph& g) {
+std::string draw_dot(const Graph& graph) {
+  const Drawing g = drawing_of(graph);
   std::string out =
       "digraph terrazzo {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n";
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
-    out += fmt::format("  n{} [label=\"{}\\n{}\"];\n", i, g.nodes[i].path, g.nodes[i].type->name);
-  each_wire(g, [&](std::size_t from, const std::string& output, std::size_t to, const std::string& input) {
-    out += fmt::format("  n{} -> n{} [label=\"{}\"];\n", from, to,
-                       output == input ? output : output + " → " + input);
-  });
+    out += fmt::format("  n{} [label=\"{}\\n{}\"];\n", i, g.nodes[i].title, g.nodes[i].type);
+  for (const auto& w : g.wires)
+    out += fmt::format("  n{} -> n{} [label=\"{}\"];\n", w.from, w.to,
+                       w.output == w.input ? w.output : w.output + " → " + w.input);
   return out + "}\n";
 }
 
-std::string draw_mermaid(const Graph& g) {
+std::string draw_mermaid(const Graph& graph) {
+  const Drawing g = drawing_of(graph);
   std::string out = "flowchart LR\n";
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
-    out += fmt::format("  n{}[\"{}<br/><i>{}</i>\"]\n", i, g.nodes[i].path, g.nodes[i].type->name);
-  each_wire(g, [&](std::size_t from, const std::string& output, std::size_t to, const std::string& input) {
-    out += fmt::format("  n{} -->|{}| n{}\n", from, output == input ? output : output + " → " + input, to);
-  });
+    out += fmt::format("  n{}[\"{}<br/><i>{}</i>\"]\n", i, g.nodes[i].title, g.nodes[i].type);
+  for (const auto& w : g.wires)
+    out += fmt::format("  n{} -->|{}| n{}\n", w.from,
+                       w.output == w.input ? w.output : w.output + " → " + w.input, w.to);
   return out;
 }
 
-std::string draw_svg(const Graph& g) {
+std::string draw_svg(const Graph& graph) {
+  const Drawing g = drawing_of(graph);
   const std::size_t n = g.nodes.size();
   std::vector<int> layer(n, 0);
-  each_wire(g, [&](std::size_t from, const std::string&, std::size_t to, const std::string&) {
-    layer[to] = std::max(layer[to], layer[from] + 1);
-  });
+  for (const auto& w : g.wires) layer[w.to] = std::max(layer[w.to], layer[w.from] + 1);
   std::map<int, std::vector<std::size_t>> layers;
   for (std::size_t i = 0; i < n; ++i) layers[layer[i]].push_back(i);
   std::vector<double> row(n, 0);
@@ -57,10 +92,10 @@ std::string draw_svg(const Graph& g) {
     for (auto& [number, members] : layers) {
       const int l = number;
       std::map<std::size_t, std::pair<double, int>> mean;
-      each_wire(g, [&](std::size_t from, const std::string&, std::size_t to, const std::string&) {
-        if (layer[to] == l) mean[to].first += row[from], ++mean[to].second;
-        if (layer[from] == l && sweep % 2) mean[from].first += row[to], ++mean[from].second;
-      });
+      for (const auto& w : g.wires) {
+        if (layer[w.to] == l) mean[w.to].first += row[w.from], ++mean[w.to].second;
+        if (layer[w.from] == l && sweep % 2) mean[w.from].first += row[w.to], ++mean[w.from].second;
+      }
       const auto place = [&](std::size_t i) {
         return mean.count(i) ? mean[i].first / mean[i].second : row[i];
       };
@@ -83,13 +118,13 @@ std::string draw_svg(const Graph& g) {
       "{1:.0f}\" "
       "font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
       total_x, total_y);
-  each_wire(g, [&](std::size_t from, const std::string& output, std::size_t to, const std::string&) {
-    const double x0 = x(from) + width, y0 = y(from) + height / 2, x1 = x(to), y1 = y(to) + height / 2;
+  for (const auto& w : g.wires) {
+    const double x0 = x(w.from) + width, y0 = y(w.from) + height / 2, x1 = x(w.to), y1 = y(w.to) + height / 2;
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f} C{:.1f} {:.1f} {:.1f} {:.1f} {:.1f} {:.1f}\" fill=\"none\" "
         "stroke=\"#7a8794\" stroke-width=\"1.4\"><title>{}</title></path>\n",
-        x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escape_xml(output));
-  });
+        x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escape_xml(w.output));
+  }
   for (std::size_t i = 0; i < n; ++i)
     out += fmt::format(
         "<g><rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2}\" height=\"{3}\" rx=\"7\" fill=\"#f3f5f7\" "
@@ -98,8 +133,8 @@ std::string draw_svg(const Graph& g) {
         "fill=\"#1d252c\">{6}</text>"
         "<text x=\"{4:.1f}\" y=\"{7:.1f}\" font-size=\"11\" text-anchor=\"middle\" "
         "fill=\"#66727d\">{8}</text></g>\n",
-        x(i), y(i), width, height, x(i) + width / 2, y(i) + 19, escape_xml(g.nodes[i].path), y(i) + 35,
-        escape_xml(g.nodes[i].type->name));
+        x(i), y(i), width, height, x(i) + width / 2, y(i) + 19, escape_xml(g.nodes[i].title), y(i) + 35,
+        escape_xml(g.nodes[i].type));
   return out + "</svg>\n";
 }
 

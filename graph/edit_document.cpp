@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "graph/patch_yaml.h"
 #include "graph/write_document.h"
@@ -25,10 +26,10 @@ RawNode* find_node(RawDocument& doc, const std::string& name) {
   return it == doc.nodes.end() ? nullptr : &*it;
 }
 
-// Whether "pack.particles" or "pack" names an output of the node.
+// Whether "pack.particles", "pack" or "pack[3].particles" names an output of the node.
 bool refers_to(const RawReference& r, const std::string& node) {
   return r.text == node || (r.text.size() > node.size() && r.text.compare(0, node.size(), node) == 0 &&
-                            r.text[node.size()] == '.');
+                            (r.text[node.size()] == '.' || r.text[node.size()] == '['));
 }
 
 // Changes text and document in step.

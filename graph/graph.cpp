@@ -1,5 +1,6 @@
 #include "graph/graph.h"
 
+#include "graph/element_name.h"
 #include "graph/nearest.h"
 
 namespace terrazzo {
@@ -19,9 +20,18 @@ std::vector<std::string> Graph::paths() const {
 Wire Graph::wire_to(const std::string& text) const {
   for (const auto& o : outputs)
     if (o.name == text) return o.wire;
-  const auto dot = text.rfind('.');
+  const auto dot = find_port_dot(text);
   const std::string path = text.substr(0, dot);
   const int node = find(path);
+  std::vector<std::string> elements;
+  for (const auto& o : outputs)
+    if (is_named(o.name, text)) elements.push_back(o.name);
+  if (node < 0 && elements.empty())
+    for (const auto& n : nodes)
+      if (is_named(n.path, path)) elements.push_back(n.path);
+  if (node < 0 && !elements.empty())
+    throw Error("several-values", "'" + text + "' is a list of " + std::to_string(elements.size()),
+                "name one element, such as " + elements.front());
   if (node < 0) throw Error("unknown-node", "there is no node '" + path + "'" + did_you_mean(path, paths()));
   const NodeType& type = *nodes[static_cast<std::size_t>(node)].type;
   if (dot == std::string::npos) {

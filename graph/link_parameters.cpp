@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "graph/element_name.h"
 #include "graph/linker.h"
 #include "graph/nearest.h"
 #include "graph/node_parameters.h"
@@ -20,7 +21,15 @@ Given Linker::from_command_line(const std::string& text, const std::string& what
   return g;
 }
 
-Given Linker::substitute(const Scope& scope, const RawValue& raw) {
+Given Linker::substitute(const Scope& scope, const RawValue& raw, const RawNode* of) {
+  const auto element = of ? scope.elements.find(of->name) : scope.elements.end();
+  const auto value_of = [&](const std::string& name) -> const Given* {
+    if (element != scope.elements.end())
+      if (const auto it = element->second.values.find(name); it != element->second.values.end())
+        return &it->second;
+    const auto it = scope.parameters.find(name);
+    return it == scope.parameters.end() ? nullptr : &it->second;
+  };
   Given out{raw.written, fs::path(raw.place.file).parent_path(), raw.place};
   for (auto& item : out.written.items) {
     std::string text;
@@ -30,8 +39,8 @@ Given Linker::substitute(const Scope& scope, const RawValue& raw) {
       const auto close = open == std::string::npos ? open : item.find('}', open);
       if (close == std::string::npos) break;
       const std::string name = item.substr(open + 2, close - open - 2);
-      const auto it = scope.parameters.find(name);
-      if (it == scope.parameters.end()) {
+      const Given* value = value_of(name);
+      if (!value) {
         std::vector<std::string> names;
         for (const auto& p : scope.doc.parameters) names.push_back(p.declaration.name);
         if (std::find(names.begin(), names.end(), name) == names.end())
@@ -40,12 +49,11 @@ Given Linker::substitute(const Scope& scope, const RawValue& raw) {
         return out.written.items.clear(), out;
       }
       if (!raw.written.is_list && open == 0 && close + 1 == item.size()) {
-        Given whole = it->second;
-        whole.place =
-            it->second.place.line > 0 || !it->second.place.file.empty() ? it->second.place : raw.place;
+        Given whole = *value;
+        if (value->place.line <= 0 && value->place.file.empty()) whole.place = raw.place;
         return whole;
       }
-      text += item.substr(at, open - at) + it->second.written.text();
+      text += item.substr(at, open - at) + value->written.text();
       at = close + 1;
     }
     item = text + item.substr(at);
@@ -171,14 +179,17 @@ void Linker::apply_set() {
     if (used_[i]) continue;
     const auto& [target, value] = overrides_.set[i];
     const Given given = from_command_line(value, "--set " + target);
-    const auto dot = target.rfind('.');
-    const int node = dot == std::string::npos ? -1 : find(target.substr(0, dot));
-    if (node >= 0)
-      set_parameter(graph_.nodes[static_cast<std::size_t>(node)], target.substr(dot + 1), given);
-    else if (!unknown_.count(target.substr(0, dot)))
-      fail("unknown-node",
-           fmt::format("there is no node '{}'{}", target.substr(0, dot),
-                       did_you_mean(target.substr(0, dot), graph_.paths())),
+    const auto dot = find_port_dot(target);
+    const std::string name = target.substr(0, dot);
+    bool found = false;
+    for (GraphNode& node : graph_.nodes)
+      if (dot != std::string::npos && is_named(node.path, name)) {
+        found = true;
+        set_parameter(node, target.substr(dot + 1), given);
+      }
+    const auto stands_for = [&](const std::string& path) { return is_named(path, name); };
+    if (!found && std::none_of(unknown_.begin(), unknown_.end(), stands_for))
+      fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, graph_.paths())),
            given.place, dot == std::string::npos ? "write NODE.PARAM=VALUE" : "");
   }
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "graph/element_name.h"
 #include "graph/linker.h"
 #include "graph/nearest.h"
 
@@ -15,9 +16,9 @@ const NodeType* Linker::type_of(const RawNode& node) const {
 }
 
 void Linker::rename_former_port(const Scope& scope, RawReference& ref, bool also_inputs) {
-  const auto dot = ref.text.rfind('.');
+  const auto dot = find_port_dot(ref.text);
   if (dot == std::string::npos) return;
-  const auto node = scope.nodes.find(ref.text.substr(0, dot));
+  const auto node = scope.nodes.find(written_node(ref.text));
   const NodeType* type = node == scope.nodes.end() ? nullptr : type_of(*node->second);
   const std::string name = ref.text.substr(dot + 1);
   if (!type || type->find_output(name) || (also_inputs && type->find_input(name))) return;
@@ -26,7 +27,7 @@ void Linker::rename_former_port(const Scope& scope, RawReference& ref, bool also
   if (!port) return;
   note("former-name", fmt::format("'{}' of {} is now called '{}'", name, type->name, port->name), ref.place,
        scope.prefix + node->first);
-  ref.text = node->first + "." + port->name;
+  ref.text = ref.text.substr(0, dot + 1) + port->name;
 }
 
 void Linker::rename_former_ports(Scope& scope) {
@@ -45,20 +46,27 @@ void Linker::rename_former_ports(Scope& scope) {
   for (auto& [name, ref] : scope.doc.outputs) rename_former_port(scope, ref, false);
 }
 
-std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int depth) {
-  const auto dot = ref.text.rfind('.');
+std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int depth) {
+  const auto dot = find_port_dot(ref.text);
   std::string name = ref.text.substr(0, dot);
   const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
   const auto named = scope.nodes.find(name);
+  const auto list = scope.lists.find(name);
   const std::string path = scope.prefix + name;
-  if (named == scope.nodes.end()) {
-    std::vector<std::string> names;
-    for (const auto& n : scope.doc.nodes) names.push_back(n.name);
-    fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, names)), ref.place);
+  if (unknown_.count(path) || unknown_.count(scope.prefix + written_node(name))) return {};
+  if (named == scope.nodes.end() && list == scope.lists.end()) {
+    const auto of = scope.lists.find(written_node(name));
+    if (of == scope.lists.end())
+      fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, scope.names)),
+           ref.place);
+    else
+      fail("unknown-node",
+           fmt::format("'{}' has no element '{}'{}", of->first, name, did_you_mean(name, of->second)),
+           ref.place,
+           fmt::format("its {} elements are {} to {}", of->second.size(), of->second.front(),
+                       of->second.back()));
     return {};
   }
-  const RawNode* raw = named->second;
-  if (unknown_.count(path)) return {};
   if (depth > 4 * max_nesting) {
     fail("cycle",
          fmt::format("the wires form a cycle: '{}' leads through subgraphs back to itself", ref.text),
@@ -70,7 +78,20 @@ std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int d
     for (const auto& [input, target] : scope.doc.inputs)
       if (target.text == ref.text)
         for (const auto& [given, wires] : scope.node->inputs)
-          if (given == input && !wires.empty()) return resolve(*scope.parent, wires.front(), depth + 1);
+          if (given == input && !wires.empty()) {
+            std::vector<Wire> out;
+            for (const auto& wire : wires)
+              for (Wire& w : resolve(*scope.parent, wire, depth + 1)) out.push_back(std::move(w));
+            return out;
+          }
+  if (list != scope.lists.end()) {
+    std::vector<Wire> out;
+    for (const auto& element : list->second)
+      for (Wire& w : resolve(scope, {element + ref.text.substr(name.size()), ref.place}, depth + 1))
+        out.push_back(std::move(w));
+    return out;
+  }
+  const RawNode* raw = named->second;
   if (!raw->graph.empty()) {
     const auto it = scopes_.find(path + "/");
     if (it == scopes_.end()) return {};
@@ -88,8 +109,8 @@ std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int d
   const int node = find(path);
   if (node < 0) return {};
   const NodeType& type = *graph_.nodes[static_cast<std::size_t>(node)].type;
-  if (port.empty() && type.outputs.size() == 1) return Wire{node, type.outputs[0].name, ref.place};
-  if (type.find_output(port)) return Wire{node, port, ref.place};
+  if (port.empty() && type.outputs.size() == 1) return {{node, type.outputs[0].name, ref.place}};
+  if (type.find_output(port)) return {{node, port, ref.place}};
   std::vector<std::string> names;
   for (const auto& p : type.outputs) names.push_back(p.name);
   fail("unknown-port",
@@ -101,12 +122,13 @@ std::optional<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int d
 void Linker::override_wires(Scope& scope) {
   for (std::size_t i = 0; i < overrides_.wires.size(); ++i) {
     const auto& [input, sources] = overrides_.wires[i];
-    const auto dot = input.rfind('.');
+    const auto dot = find_port_dot(input);
     if (dot == std::string::npos || input.rfind(scope.prefix, 0) != 0) continue;
     const std::string name = input.substr(scope.prefix.size(), dot - scope.prefix.size());
-    const auto node = std::find_if(scope.doc.nodes.begin(), scope.doc.nodes.end(),
-                                   [&](const RawNode& n) { return n.name == name; });
-    if (node == scope.doc.nodes.end()) continue;
+    std::vector<RawNode*> nodes;
+    for (RawNode& n : scope.doc.nodes)
+      if (n.name == name || scope.written_name(n) == name) nodes.push_back(&n);
+    if (nodes.empty()) continue;
     used_wires_[i] = true;
     const Place place{"wire to " + input, 0, 0};
     std::vector<RawReference> refs;
@@ -119,8 +141,10 @@ void Linker::override_wires(Scope& scope) {
       refs.push_back({source.substr(scope.prefix.size()), place});
     }
     const std::string port = input.substr(dot + 1);
-    std::erase_if(node->inputs, [&](const auto& written) { return written.first == port; });
-    if (!refs.empty()) node->inputs.emplace_back(port, std::move(refs));
+    for (RawNode* node : nodes) {
+      std::erase_if(node->inputs, [&](const auto& written) { return written.first == port; });
+      if (!refs.empty()) node->inputs.emplace_back(port, refs);
+    }
   }
 }
 
@@ -128,7 +152,7 @@ void Linker::report_unused_wires() {
   for (std::size_t i = 0; i < used_wires_.size(); ++i)
     if (!used_wires_[i]) {
       const std::string& input = overrides_.wires[i].first;
-      const std::string path = input.substr(0, input.rfind('.'));
+      const std::string path = input.substr(0, find_port_dot(input));
       fail("unknown-node", fmt::format("there is no node '{}'{}", path, did_you_mean(path, graph_.paths())),
            {"wire to " + input, 0, 0}, input.find('.') == std::string::npos ? "write NODE.INPUT" : "");
     }
@@ -166,7 +190,7 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
     for (const auto& [input, target] : scope.doc.inputs)
       for (const auto& [given, wires] : scope.node->inputs) {
         const GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
-        const std::string start = raw.name + ".";
+        const std::string start = scope.written_name(raw) + ".";
         if (given != input || target.text.rfind(start, 0) != 0) continue;
         const Port* p = node.type->find_input(target.text.substr(start.size()));
         if (p && !node.type->find_output(p->name))
@@ -175,20 +199,41 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
 }
 
 void Linker::attach(Scope& scope, int index, const Port& port, const RawReference& ref) {
-  const auto wire = resolve(scope, ref);
   broken_inputs_.insert({index, port.name});  // prevents a misleading second message, "missing input"
-  if (!wire) return;
-  const std::string& type =
-      graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port)->types[0];
+  if (!take_wires(0, ref)) return;
+  std::vector<Wire> wires = resolve(scope, ref);
   GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
-  if (!port.accepts(type))
+  if (wires.size() > 1 && !port.many)
     return fail(
-        "wrong-type",
-        fmt::format("input '{}' accepts {}, but {} is {}", port.name, port.type_text(), ref.text, type),
-        ref.place, {}, node.path);
-  Wire w = *wire;
-  w.place = ref.place;
-  node.inputs[port.name].push_back(std::move(w));
+        "too-many-wires",
+        fmt::format("input '{}' accepts one wire, but {} is a list of {}", port.name, ref.text, wires.size()),
+        ref.place, "name one element in brackets, or repeat this node too", node.path);
+  if (!take_wires(wires.size(), ref)) return;
+  for (Wire& w : wires) {
+    const std::string& type =
+        graph_.nodes[static_cast<std::size_t>(w.node)].type->find_output(w.port)->types[0];
+    if (!port.accepts(type))
+      return fail(
+          "wrong-type",
+          fmt::format("input '{}' accepts {}, but {} is {}", port.name, port.type_text(), ref.text, type),
+          ref.place, {}, node.path);
+    w.place = ref.place;
+    node.inputs[port.name].push_back(std::move(w));
+  }
+}
+
+bool Linker::take_wires(std::size_t wires, const RawReference& ref) {
+  if (wires_ > max_expanded_wires) return false;
+  wires_ += wires;
+  if (wires_ <= max_expanded_wires) return true;
+  fail("too-large", fmt::format("the graph expands to more than {} wires", max_expanded_wires), ref.place,
+       "connect lists to fewer elements");
+  return false;
+}
+
+void Linker::add_output(const std::string& name, const std::vector<Wire>& wires) {
+  for (std::size_t k = 0; k < wires.size(); ++k)
+    graph_.outputs.push_back({wires.size() == 1 ? name : element_name(name, {{"", k}}), wires[k]});
 }
 
 void Linker::check_subgraph_inputs(Scope& scope, const RawNode& raw) {
@@ -207,16 +252,17 @@ void Linker::check_subgraph_inputs(Scope& scope, const RawNode& raw) {
 
 void Linker::describe_inputs(Scope& root) {
   for (const auto& [name, ref] : root.doc.inputs) {
-    const auto dot = ref.text.rfind('.');
-    const int index = find(ref.text.substr(0, dot));
+    const auto dot = find_port_dot(ref.text);
+    const auto list = root.lists.find(ref.text.substr(0, dot));
+    const int index = find(list == root.lists.end() ? ref.text.substr(0, dot) : list->second.front());
     const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
     const NodeType* type = index < 0 ? nullptr : graph_.nodes[static_cast<std::size_t>(index)].type;
     const Port* input = type ? type->find_input(port) : nullptr;
     const Port* output = type ? type->find_output(port) : nullptr;
     if (!input || output) {  // the input replaces an output, perhaps one of an inner subgraph
-      const auto wire = resolve(root, ref);
-      if (!wire) continue;
-      output = graph_.nodes[static_cast<std::size_t>(wire->node)].type->find_output(wire->port);
+      const auto wires = resolve(root, ref);
+      if (wires.empty()) continue;
+      output = graph_.nodes[static_cast<std::size_t>(wires[0].node)].type->find_output(wires[0].port);
     }
     Port p = output ? *output : *input;
     p.name = name;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "graph/element_name.h"
 #include "graph/linker.h"
 #include "graph/nearest.h"
 
@@ -15,6 +16,7 @@ Graph Linker::link(RawDocument doc) {
   graph_.file = doc.file.string();
   files_.emplace(doc);
   if (!check_size(doc)) return std::move(graph_);
+  expanded_ = files_->root().nodes;
   std::map<std::string, Given> given;
   for (const auto& [name, text] : overrides_.parameters)
     given[name] = from_command_line(text, "--param " + name);
@@ -31,11 +33,11 @@ Graph Linker::link(RawDocument doc) {
   for (auto& [prefix, scope] : scopes_)
     for (const auto& node : scope->doc.nodes) connect(*scope, node);
   check_wiring_of_ports();
-  for (const auto& [name, ref] : root.doc.outputs)
-    if (const auto w = resolve(root, ref)) graph_.outputs.push_back({name, *w});
+  for (const auto& [name, ref] : root.doc.outputs) add_output(name, resolve(root, ref));
   describe_inputs(root);
   report_unused_wires();
   sort();
+  drop_repeated_messages();
   add_uses_to_messages();
   // In the order of the file.
   std::stable_sort(found_.begin(), found_.end(), [](const Diagnostic& a, const Diagnostic& b) {
@@ -114,10 +116,17 @@ Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const Ra
   auto owned = std::make_unique<Scope>();
   Scope& scope = *owned;
   scope.prefix = prefix, scope.doc = std::move(doc), scope.parent = parent, scope.node = node;
-  for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
+  const auto index = [&scope] {
+    scope.nodes.clear();
+    for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
+  };
+  for (const auto& raw : scope.doc.nodes) scope.names.push_back(raw.name);
+  index();
   scopes_[prefix] = std::move(owned);
   rename_former_ports(scope);
   fill_parameters(scope, std::move(given));
+  repeat_nodes(scope);
+  index();
   override_wires(scope);
   for (const auto& raw : scope.doc.nodes) raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);
   return scope;
@@ -139,7 +148,7 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
         fmt::format("there is no node type '{}'{}", raw.type, did_you_mean(raw.type, registry_.names())),
         raw.kind_place, {}, node.path);
   }
-  for (const auto& [name, value] : raw.params) set_parameter(node, name, substitute(scope, value));
+  for (const auto& [name, value] : raw.params) set_parameter(node, name, substitute(scope, value, &raw));
   index_[node.path] = static_cast<int>(graph_.nodes.size());
   graph_.nodes.push_back(std::move(node));
 }
@@ -148,7 +157,7 @@ void Linker::add_subgraph(Scope& scope, const RawNode& raw) {
   const std::string path = scope.prefix + raw.name;
   const std::set<std::string>& recursive =
       scope.parent ? files_->open(scope.parent->doc, *scope.node).recursive : files_->root().recursive;
-  if (recursive.count(raw.name)) {
+  if (recursive.count(scope.written_name(raw))) {
     unknown_.insert(path);
     return fail("recursion", fmt::format("'{}' contains itself", raw.graph), raw.kind_place, {}, path);
   }
@@ -164,12 +173,13 @@ void Linker::add_subgraph(Scope& scope, const RawNode& raw) {
   }
   std::map<std::string, Given> given;
   for (const auto& [name, value] : raw.params) {
-    Given g = substitute(scope, value);
+    Given g = substitute(scope, value, &raw);
     if (!g.written.items.empty() || g.written.is_list) given[name] = std::move(g);
   }
   for (std::size_t i = 0; i < overrides_.set.size(); ++i) {
     const auto& [target, value] = overrides_.set[i];
-    if (const auto dot = target.rfind('.'); target.substr(0, dot) == path && dot != std::string::npos) {
+    if (const auto dot = find_port_dot(target);
+        dot != std::string::npos && is_named(path, target.substr(0, dot))) {
       used_[i] = true;
       given[target.substr(dot + 1)] = from_command_line(value, "--set " + target);
     }

@@ -20,6 +20,12 @@ struct Given {
   Place place;
 };
 
+// An element of a repeated node: the name of that node, and this element's values.
+struct Element {
+  std::string of;
+  std::map<std::string, Given> values;
+};
+
 // One opened file: the root graph, or a subgraph at the path of its node.
 struct Scope {
   std::string prefix;  // "" or "asset/"
@@ -28,6 +34,15 @@ struct Scope {
   const RawNode* node = nullptr;                          // in the parent
   std::unordered_map<std::string, const RawNode*> nodes;  // nodes of the document by name
   std::map<std::string, Given> parameters;
+  std::unordered_map<std::string, std::vector<std::string>> lists;  // elements of repeated nodes, in order
+  std::unordered_map<std::string, Element> elements;                // by name: "solid[17]"
+  std::vector<std::string> names;                                   // of the nodes, as the file has them
+
+  // The name in the file of a node of `doc`.
+  const std::string& written_name(const RawNode& raw) const {
+    const auto it = elements.find(raw.name);
+    return it == elements.end() ? raw.name : it->second.of;
+  }
 };
 
 class Linker {
@@ -56,9 +71,9 @@ class Linker {
 
   // --- parameters
 
-  // Replaces ${name}. A value that consists of one reference keeps the list or scalar, folder and place of
-  // the parameter it names.
-  Given substitute(const Scope& scope, const RawValue& raw);
+  // Replaces ${name}, of the graph's parameters and of the values of the element `of`. A value that consists
+  // of one reference keeps the list or scalar, folder and place of the parameter it names.
+  Given substitute(const Scope& scope, const RawValue& raw, const RawNode* of = nullptr);
 
   void fill_parameters(Scope& scope, std::map<std::string, Given> given);
 
@@ -69,6 +84,16 @@ class Linker {
   WrittenValue rename_former_words(const GraphNode&, const Parameter&, const Given&);
   // Runs the checks of node types across parameters, on nodes whose parameters are all valid.
   void check_parameters();
+
+  // --- repeated nodes
+
+  // Replaces nodes with `each` by their elements, with the values filled into their wires.
+  void repeat_nodes(Scope&);
+  // The values of one name of `each`. Reports what is wrong with them and returns none.
+  std::vector<Given> read_values(const Scope&, const RawNode&, const std::string& name, const RawValue&);
+  std::optional<std::string> substitute_values(const Element&, const RawReference&);
+  // Keeps one of equal messages about elements of a node, and only the first few that differ.
+  void drop_repeated_messages();
 
   // --- scopes
 
@@ -94,13 +119,17 @@ class Linker {
   void override_wires(Scope&);
   void report_unused_wires();
 
-  // Follows a reference through subgraphs to the node that produces the value. Reports each error once, at
-  // the reference.
-  std::optional<Wire> resolve(Scope& scope, const RawReference& ref, int depth = 0);
+  // Follows a reference through subgraphs to the nodes that produce the values: one, or several if it leads
+  // to a repeated node. Reports each error once, at the reference, and then returns none.
+  std::vector<Wire> resolve(Scope& scope, const RawReference& ref, int depth = 0);
 
   void connect(Scope& scope, const RawNode& raw);
 
   void attach(Scope& scope, int index, const Port& port, const RawReference& ref);
+  // Counts wires. Reports once that there are too many; false from then on.
+  bool take_wires(std::size_t, const RawReference&);
+  // Adds an output of the graph: one value, or several that are named "output[#0]", "output[#1]", …
+  void add_output(const std::string& name, const std::vector<Wire>&);
 
   void check_subgraph_inputs(Scope& scope, const RawNode& raw);
 
@@ -116,6 +145,8 @@ class Linker {
   const Registry& registry_;
   const Overrides& overrides_;
   Diagnostics& found_;
+  std::uint64_t expanded_ = 0;           // nodes after expansion, as far as scopes are open
+  std::size_t wires_ = 0;                // connected so far
   std::vector<bool> used_, used_wires_;  // per override: was it applied?
   Graph graph_;
   std::optional<SubgraphFiles> files_;

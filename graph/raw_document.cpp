@@ -8,6 +8,7 @@
 #include <iterator>
 #include <set>
 
+#include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "graph/utf8.h"
 
@@ -235,25 +236,28 @@ class DocumentReader {
     RawNode node;
     node.name = name;
     node.place = node.kind_place = place(key.Mark());
-    if (name.empty() || name.find_first_of(". ") != std::string::npos)
+    if (!is_node_name(name))
       fail("bad-name",
            fmt::format("'{}' is not a valid node name: it must not be empty or contain dots or spaces", name),
            node.place);
     each_key(
-        v, {"type", "graph", "params", "inputs", "doc"}, "node '" + name + "'",
+        v, {"type", "graph", "each", "params", "inputs", "doc"}, "node '" + name + "'",
         [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
           if ((k == "type" || k == "graph") && n.IsScalar()) {
             (k == "type" ? node.type : node.graph) = n.Scalar();
             node.kind_place = place(n.Mark());
-          } else if (k == "params") {
-            each_key(n, {}, "params of '" + name + "'",
-                     [&](const auto& pname, const auto& pk, const auto& pv) {
-                       RawValue value;
-                       if (read_value(pv, value, pname)) {
-                         if (value.place.line <= 0) value.place = place(pk.Mark());
-                         node.params.push_back({pname, std::move(value)});
-                       }
-                     });
+          } else if (k == "params" || k == "each") {
+            auto& values = k == "params" ? node.params : node.each;
+            each_key(n, {}, k + " of '" + name + "'", [&](const auto& pname, const auto& pk, const auto& pv) {
+              RawValue value;
+              if (read_value(pv, value, pname)) {
+                if (value.place.line <= 0) value.place = place(pk.Mark());
+                values.push_back({pname, std::move(value)});
+              }
+            });
+            if (k == "each" && (n.IsNull() || (n.IsMap() && n.size() == 0)))
+              fail("bad-value", fmt::format("each of '{}' is empty", name), place(kn.Mark()),
+                   "write each: {NAME: [VALUE, …]} or each: {NAME: LO:HI:STEP}");
           } else if (k == "inputs") {
             each_key(n, {}, "inputs of '" + name + "'", [&](const auto& port, const auto&, const auto& pv) {
               std::vector<RawReference> wires;

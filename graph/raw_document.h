@@ -26,6 +26,8 @@ struct RawNode {
   std::string type, graph;  // exactly one is set
   std::string doc;
   Place kind_place;  // of the value of `type:` or `graph:`
+  // The names and values that the node is repeated for, each a list or a range.
+  std::vector<std::pair<std::string, RawValue>> each = {};
   std::vector<std::pair<std::string, RawValue>> params;
   std::vector<std::pair<std::string, std::vector<RawReference>>> inputs;
 };

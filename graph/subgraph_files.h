@@ -14,14 +14,16 @@ namespace terrazzo {
 
 // A graph that exceeds these limits is rejected before it is built.
 inline constexpr std::uint64_t max_expanded_nodes = 100'000;
+inline constexpr std::size_t max_expanded_wires = 2'000'000;
 inline constexpr int max_nesting = 32;
 
 struct SubgraphFile {
   std::optional<RawDocument> doc;   // none if the file cannot be read
   Diagnostics found;                // errors in the file itself
   std::set<std::string> recursive;  // nodes whose graph is this file or one that uses it
-  std::uint64_t nodes = 0;          // number of nodes after expansion, subgraph nodes included
-  int nesting = 0;                  // levels of subgraphs below it
+  // Number of nodes after expansion, subgraph nodes included. Repeated nodes count once.
+  std::uint64_t nodes = 0;
+  int nesting = 0;  // levels of subgraphs below it
 };
 
 // The nodes and levels that a node expands to: 1 and 0 unless it is a subgraph.

@@ -1,6 +1,9 @@
 #include "runtime/run_result.h"
 
+#include <unordered_map>
+
 #include "graph/diagnostic.h"
+#include "graph/element_name.h"
 
 namespace terrazzo {
 
@@ -37,10 +40,30 @@ bool RunResult::cancelled() const {
 }
 
 std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>& targets) {
+  std::unordered_map<std::string, int> by_path;
+  if (!targets.empty())
+    for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+      by_path.emplace(graph.nodes[i].path, static_cast<int>(i));
   std::vector<int> out;
   for (const auto& t : targets) {
-    const int node = graph.find(t);
-    out.push_back(node >= 0 ? node : graph.wire_to(t).node);
+    if (const auto node = by_path.find(t); node != by_path.end()) {
+      out.push_back(node->second);
+      continue;
+    }
+    // The name of a repeated node or of a list stands for all elements.
+    const auto before = out.size();
+    for (const auto& o : graph.outputs)
+      if (is_named(o.name, t)) out.push_back(o.wire.node);
+    if (out.size() == before) {
+      const std::string path = t.substr(0, find_port_dot(t));
+      for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+        if (is_named(graph.nodes[i].path, path)) {
+          if (path != t && out.size() == before)
+            graph.wire_to(graph.nodes[i].path + t.substr(path.size()));  // checks the port
+          out.push_back(static_cast<int>(i));
+        }
+    }
+    if (out.size() == before) out.push_back(graph.wire_to(t).node);
   }
   return out;
 }

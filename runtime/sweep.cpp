@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "graph/utf8.h"
+#include "graph/value_range.h"
 
 namespace terrazzo {
 namespace {
@@ -38,11 +38,6 @@ std::vector<std::string> split(const std::string& text, char at) {
   return out;
 }
 
-bool number(const std::string& s, double& out) {
-  const auto [end, error] = std::from_chars(s.data(), s.data() + s.size(), out);
-  return error == std::errc() && end == s.data() + s.size() && std::isfinite(out);
-}
-
 std::string csv_cell(const std::string& s) {
   if (s.find_first_of(",\"\n") == std::string::npos) return s;
   std::string out = "\"";
@@ -58,15 +53,13 @@ Vary parse_vary(const std::string& text) {
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) bad(text, "has no values");
   Vary out{text.substr(0, equals), {}};
   const std::string values = text.substr(equals + 1);
-  const auto range = split(values, ':');
-  double lo, hi, step;
-  if (range.size() == 3 && number(range[0], lo) && number(range[1], hi) && number(range[2], step)) {
-    if (step == 0 || (hi - lo) / step < 0) bad(text, "the step must be nonzero and lead from LO to HI");
-    const double steps = std::floor((hi - lo) / step + 1e-9);
-    if (steps >= 100000) bad(text, "has more than 100,000 values");
-    // Rounds to 12 digits, so that 0.1 + 2 × 0.1 is 0.3 and not 0.30000000000000004.
-    for (double k = 0; k <= steps; ++k) out.values.push_back(fmt::format("{:.12g}", lo + k * step));
-    return out;
+  try {
+    if (auto range = read_range(values, 100000)) {
+      out.values = std::move(*range);
+      return out;
+    }
+  } catch (const Error& e) {
+    bad(text, e.diagnostic().message);
   }
   for (auto& v : split(values, ',')) {
     if (v.empty()) bad(text, "has an empty value");

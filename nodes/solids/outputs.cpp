@@ -26,7 +26,7 @@ Table table_of(const std::vector<PlaneMeasures>& measures) {
     std::vector<Table::Cell> row = {kAxes[m.axis], m.histogram,    m.patches,       m.patches_floor,
                                     m.copied,      m.copied_worst, m.stripes_worst, m.seam};
     for (std::size_t b = 0; b < measures[0].bands.size(); ++b)
-      row.push_back(b < m.bands.size() ? m.bands[b] : 1.0);
+      row.emplace_back(b < m.bands.size() ? m.bands[b] : 1.0);
     t.rows.push_back(std::move(row));
   }
   return t;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "graph/describe.h"
+#include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "runtime/explain.h"
 #include "runtime/files.h"
@@ -55,7 +56,7 @@ OutputObject output(const NodeObject& node, const std::string& port) {
 }
 
 OutputObject output_at(const py::object& graph, const std::string& reference) {
-  const auto dot = reference.rfind('.');
+  const auto dot = find_port_dot(reference);
   const std::string node = reference.substr(0, dot);
   const NodeType& type = graph_of(graph).type_of(node);
   if (dot == std::string::npos && type.outputs.size() == 1)

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
+#include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "graph/write_document.h"
 #include "runtime/action_key.h"
@@ -157,6 +158,12 @@ const RawNode* GraphObject::find(const std::string& node) const {
   return it == index_.end() ? nullptr : &document_.nodes[it->second];
 }
 
+const RawNode* GraphObject::find_written(const std::string& node) const {
+  if (const RawNode* raw = find(node)) return raw;
+  const RawNode* raw = find(without_elements(node));
+  return raw && !raw->each.empty() ? raw : nullptr;
+}
+
 const NodeType& GraphObject::subgraph_type(const fs::path& file) {
   auto& type = subgraph_types_[file.string()];
   if (!type) {
@@ -172,7 +179,7 @@ const NodeType& GraphObject::subgraph_type(const fs::path& file) {
 }
 
 const NodeType& GraphObject::type_of(const std::string& node) {
-  if (const RawNode* raw = find(node)) {
+  if (const RawNode* raw = find_written(node)) {
     if (!raw->graph.empty())
       return subgraph_type((document_.file.parent_path() / raw->graph).lexically_normal());
     const NodeType* type = registry().find(raw->type);
@@ -498,12 +505,12 @@ void GraphObject::remove(const std::string& name) {
   for (const auto& node : document_.nodes)
     for (const auto& [port, list] : node.inputs)
       for (const auto& w : list)
-        if (w.text.rfind(name + ".", 0) == 0 && node.name != name)
+        if (written_node(w.text) == name && node.name != name)
           throw Error("in-use", fmt::format("'{}' is connected to '{}.{}'", w.text, node.name, port),
                       "disconnect it first: node.set(INPUT=None)");
   for (const auto* list : {&document_.outputs, &document_.inputs})
     for (const auto& [port, w] : *list)
-      if (w.text.rfind(name + ".", 0) == 0)
+      if (written_node(w.text) == name)
         throw Error("in-use", fmt::format("'{}' is connected to '{}' of the graph", w.text, port),
                     "remove it first: graph.output(NAME, None)");
   document_.nodes.erase(document_.nodes.begin() + static_cast<std::ptrdiff_t>(index_.at(name)));
@@ -518,8 +525,7 @@ void GraphObject::rename(const std::string& name, const std::string& fresh) {
   check_name(fresh);
   if (index_.count(fresh)) throw Error("duplicate-key", fmt::format("there is already a node '{}'", fresh));
   const auto follow = [&](RawReference& w) {
-    if (w.text.rfind(name + ".", 0) == 0) w.text = fresh + w.text.substr(name.size());
-    if (w.text == name) w.text = fresh;
+    if (written_node(w.text) == name) w.text = fresh + w.text.substr(name.size());
   };
   for (auto& node : document_.nodes)
     for (auto& [port, list] : node.inputs)
@@ -595,8 +601,13 @@ py::object GraphObject::parameter(const std::string& node, const std::string& na
       value = read_parameter(*p, v.written, why);
     }
   } else {
+    link();
     const auto graph = session().graph();
-    const auto& set = graph->nodes[static_cast<std::size_t>(graph->find(node))].parameters;
+    const int at = graph->find(node);
+    if (at < 0)
+      throw Error("unknown-node", fmt::format("'{}' is an element of a subgraph", node),
+                  "read the parameters of the nodes inside it");
+    const auto& set = graph->nodes[static_cast<std::size_t>(at)].parameters;
     if (const auto it = set.find(name); it != set.end()) value = it->second.value;
   }
   return value ? py::cast(*value) : py::none();
@@ -620,8 +631,8 @@ const Diagnostics& GraphObject::link() {
   if (linked_ == revision_) return found_;
   RawDocument document = document_;
   for (const auto& output : inner_outputs_) {
-    const std::string node = output.substr(0, output.rfind('.'));
-    if (const RawNode* raw = find(node); raw && !raw->graph.empty())
+    const std::string node = output.substr(0, find_port_dot(output));
+    if (const RawNode* raw = find_written(node); raw && !raw->graph.empty())
       document.outputs.push_back({output, {output, raw->place}});
   }
   Diagnostics found = session().open_document(std::move(document), overrides_);
@@ -638,8 +649,8 @@ std::vector<std::string> GraphObject::targets(const std::vector<std::string>& gi
     out.push_back(output);
   };
   for (const auto& target : given) {
-    const RawNode* whole = find(target);
-    const RawNode* part = find(target.substr(0, target.rfind('.')));
+    const RawNode* whole = find_written(target);
+    const RawNode* part = find_written(target.substr(0, find_port_dot(target)));
     if (whole && !whole->graph.empty())
       for (const auto& port : type_of(target).outputs) add(target + "." + port.name);
     else if (part && !part->graph.empty())
@@ -697,7 +708,13 @@ std::string GraphObject::text(const fs::path& folder) const {
       if (ours(node.kind_place) || !same_folder) moved(node.graph, ours(node.kind_place));
     }
     for (auto& [name, value] : node.params)
-      if (const Parameter* p = type ? type->find_parameter(name) : nullptr) move_value(*p, value);
+      if (const Parameter* p = type ? type->find_parameter(name) : nullptr) {
+        move_value(*p, value);
+        for (auto& [variable, values] : node.each)  // files that the node is repeated for
+          if (p->kind == ParameterKind::InputPath && value.written.text() == "${" + variable + "}" &&
+              (ours(values.place) || !same_folder))
+            for (auto& path : values.written.items) moved(path, ours(values.place));
+      }
   }
   return write_document(doc, original_);
 }

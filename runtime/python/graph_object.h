@@ -75,6 +75,8 @@ class GraphObject {
 
  private:
   const RawNode* find(const std::string& node) const;
+  // Also finds the repeated node that has an element of this name, "solid[17]".
+  const RawNode* find_written(const std::string& node) const;
   void apply(RawNode&, const NodeType&, const Edit&);
   void apply_inside(const std::string& node, const NodeType&, const Edit&);
   std::vector<RawReference> wires(const std::string& node, const Port&, const py::object&, const Place&);

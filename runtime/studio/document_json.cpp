@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
+#include "graph/element_name.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
@@ -21,8 +22,8 @@ json value_json(const RawValue& v) {
 // The node inside of subgraphs that makes an output: {path, port}, or null if there is none.
 json inner_output(const RawDocument& doc, const std::string& prefix, const std::string& reference,
                   int depth) {
-  const auto dot = reference.rfind('.');
-  const std::string name = reference.substr(0, dot);
+  const auto dot = find_port_dot(reference);
+  const std::string name = written_node(reference);
   for (const auto& node : doc.nodes) {
     if (node.name != name) continue;
     if (node.graph.empty())
@@ -65,6 +66,7 @@ json json_of(const RawDocument& doc, const Registry& registry) {
     }
     json n = {{"name", node.name},       {"type", node.type}, {"graph", node.graph}, {"doc", node.doc},
               {"line", node.place.line}, {"params", params},  {"inputs", inputs}};
+    for (const auto& [name, value] : node.each) n["each"][name] = value_json(value);
     if (!node.graph.empty()) add_subgraph(n, doc, node, registry);
     nodes.push_back(std::move(n));
   }

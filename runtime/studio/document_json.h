@@ -8,8 +8,9 @@
 
 namespace terrazzo::studio {
 
-// {name, nodes, outputs, parameters}. A node is {name, type or graph, doc, line, params, inputs}; a
-// subgraph's node also has its `declaration` and `inner`: the path and port inside of it by output.
+// {name, nodes, outputs, parameters}. A node is {name, type or graph, doc, line, params, inputs}; a repeated
+// node also has `each`, and a subgraph's node its `declaration` and `inner`: the path and port inside of it
+// by output, without the names of elements.
 nlohmann::json json_of(const RawDocument&, const Registry&);
 
 }  // namespace terrazzo::studio

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "graph/element_name.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
 
@@ -236,7 +237,9 @@ void LiveGraph::cancel(const std::string& node) {
       }
   for (const auto& r : running_) {
     if (node.empty()) r->evaluation->cancel();
-    if (const int i = r->evaluation->graph().find(node); i >= 0) r->evaluation->cancel_node(i);
+    const auto& nodes = r->evaluation->graph().nodes;
+    for (std::size_t i = 0; i < nodes.size() && !node.empty(); ++i)
+      if (is_named(nodes[i].path, node)) r->evaluation->cancel_node(static_cast<int>(i));
   }
 }
 

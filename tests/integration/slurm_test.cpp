@@ -166,6 +166,42 @@ TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
   EXPECT_NE(again.out.find("[24/24] "), std::string::npos) << again.out;
 }
 
+// The blocks of a solid as points of a sweep; then one run joins them.
+TEST_F(Slurm, MakesTheElementsOfANodeThatOneRunJoins) {
+  const std::string graph = (folder / "solid.yaml").string();
+  std::ofstream(graph) << R"(terrazzo: 1
+parameters: {wanted: {type: text, default: "0:7:1", doc: Blocks to make}}
+nodes:
+  photo: {type: Pattern, params: {kind: fat, width: 48, height: 48}}
+  base: {type: SolidBase, inputs: {exemplar: photo.image}, params: {size: 32, exemplar_size: 48, levels: 2, iterations: 1}}
+  block: {type: SolidBlock, each: {k: "${wanted}"}, inputs: {base: base.base}, params: {blocks: 2, block: "${k}"}}
+  joined: {type: JoinVolumes, inputs: {volumes: block.volume}}
+  whole: {type: SolidOptimize, inputs: {exemplar: photo.image},
+          params: {size: 32, exemplar_size: 48, levels: 2, iterations: 1, method: blockwise}}
+)";
+  const std::string cache = (folder / "cache").string();
+  const auto swept = run_program(
+      {"sweep", graph, "--vary", "wanted=0:7:1", "--target", "block", "--out", (folder / "out").string(),
+       "--cache", cache, "--executor", "slurm", "--poll", "0.3", "--chunk-size", "3"},
+      {.environment = cluster->environment()});
+  ASSERT_EQ(swept.exit_code, 0) << swept.err << swept.out;
+  const auto run = run_program({"run", graph, "--out", (folder / "joined").string(), "--report",
+                                (folder / "joined.json").string(), "--cache", cache, "--quiet"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::map<std::string, std::string> volumes;
+  int blocks = 0;
+  const json report = json::parse(*read_file(folder / "joined.json"));
+  for (const auto& node : report.at("nodes")) {
+    const std::string name = node.at("name");
+    if (node.at("outputs").contains("volume")) volumes[name] = node.at("outputs").at("volume").at("content");
+    if (!name.starts_with("block[")) continue;
+    ++blocks;
+    EXPECT_EQ(node.at("status"), "disk") << name;
+  }
+  EXPECT_EQ(blocks, 8);
+  EXPECT_EQ(volumes.at("joined"), volumes.at("whole"));
+}
+
 TEST_F(Slurm, AKilledTaskRunsAgain) {
   auto run = start();
   ASSERT_TRUE(under_way());

@@ -162,6 +162,36 @@ TEST_F(LiveGraphTest, OneNodeIsCanceled) {
   EXPECT_EQ(s["nodes"]["d"]["state"], "computed");
 }
 
+TEST_F(LiveGraphTest, ARepeatedNodeIsOneNodeOfTheDocument) {
+  open(
+      "terrazzo: 1\nnodes:\n"
+      "  c: {type: Constant, each: {k: [1, 2, 3]}, params: {value: '${k}'}}\n"
+      "  sum: {type: Sum, inputs: {in: c.out}}\n"
+      "  e: {type: Endless, each: {k: [1, 2]}}\n");
+  when([](const json& s) {
+    return s["nodes"]["e[1]"]["state"] == "running" || s["nodes"]["e[2]"]["state"] == "running";
+  });
+  live->cancel("e");  // all elements
+  json s = settled();
+  EXPECT_EQ(s["nodes"]["e[1]"]["state"], "canceled");
+  EXPECT_EQ(s["nodes"]["e[2]"]["state"], "canceled");
+  EXPECT_EQ(number(s, "sum"), 6);
+  ASSERT_EQ(s["document"]["nodes"].size(), 3u);
+  EXPECT_EQ(s["document"]["nodes"][0]["each"]["k"]["value"], json::array({"1", "2", "3"}));
+  EXPECT_EQ(s["nodes"].size(), 6u);
+  live->change([](Document& d) {
+    d.replace(
+        "terrazzo: 1\nnodes:\n  c: {type: Constant, each: {k: [1, 2, 4]}, params: {value: '${k}'}}\n"
+        "  sum: {type: Sum, inputs: {in: c.out}}\n");
+  });
+  s = settled();
+  EXPECT_EQ(number(s, "sum"), 7);
+  EXPECT_EQ(s["nodes"]["c[2]"]["state"], "cached");
+  EXPECT_EQ(s["nodes"]["c[4]"]["state"], "computed");
+  live->change([](Document& d) { d.edit({{Edit::Kind::Connect, "sum", "in", {}, {"c[4].out"}}}); });
+  EXPECT_EQ(number(settled(), "sum"), 4);
+}
+
 // An edit elsewhere neither stops a computation nor hides that it goes on.
 TEST_F(LiveGraphTest, WhatAnEditDoesNotAffectGoesOn) {
   open("terrazzo: 1\nnodes:\n  e: {type: Endless}\n  d: {type: Constant, params: {value: 1}}\n");

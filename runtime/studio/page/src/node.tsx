@@ -3,7 +3,7 @@ import { memo } from 'react';
 
 import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
-import { declarationOf, stateOf, useStore, valueOf } from './store';
+import { declarationOf, elementsOf, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
@@ -31,8 +31,9 @@ function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 
 export const NodeCard = memo(function NodeCard({ data: { node }, selected }: NodeProps<GraphNode>) {
   const declaration = useStore(s => declarationOf(node, s.types));
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
-  const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split('/')[0] === node.name));
+  const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split(/[/[]/)[0] === node.name));
   const connecting = useConnection(c => c.inProgress);
+  const elements = useStore(s => (node.each ? elementsOf(node, s.nodes) : 0));
   const inputs = declaration?.inputs ?? [];
   const shown = selected || connecting ? inputs : inputsShown(node, inputs);
   const word = broken ? 'failed' : state?.state ?? 'stale';
@@ -47,7 +48,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
         {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
         <time>{time}</time>
       </header>
-      <div className="kind">{node.graph ? node.graph.split('/').pop() : node.type}</div>
+      <div className="kind">{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}</div>
       <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">
         <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}

@@ -136,10 +136,16 @@ export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => no
 
 const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'canceled', 'waiting', 'running', 'failed'];
 
-// The state of a node of the document. Those of a subgraph's nodes are joined.
+// A path without the names of elements: "part[3]/pack" becomes "part/pack".
+const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
+
+export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
+  new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;
+
+// The state of a node of the document. Those of a subgraph's nodes, and of elements, are joined.
 export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
-  if (!node.graph) return nodes[node.name];
-  const inside = Object.entries(nodes).filter(([path]) => path.startsWith(node.name + '/'));
+  if (!node.graph && !node.each) return nodes[node.name];
+  const inside = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
   if (!inside.length) return undefined;
   const out: NodeState = {
     state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, metrics: {}, warnings: [], files: [],
@@ -148,7 +154,7 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
     if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;
     out.seconds += s.seconds, out.expected += s.expected;
     out.progress += (s.state === 'running' ? s.progress : s.state === 'waiting' ? 0 : 1) / inside.length;
-    out.reasons.push(...s.reasons.map(r => `${path.slice(node.name.length + 1)}: ${r}`));
+    out.reasons.push(...s.reasons.map(r => `${path.slice(node.name.length).replace(/^\//, '')}: ${r}`));
     out.warnings.push(...s.warnings), out.files.push(...s.files);
     if (s.error && !out.error) out.error = s.error;
   }
@@ -156,16 +162,17 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
 }
 
 export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
-  if (!node.graph) return nodes[node.name]?.outputs[port];
-  const inner = node.inner?.[port];
-  return inner ? nodes[inner.path]?.outputs[inner.port] : undefined;
+  const at = node.graph ? node.inner?.[port] : { path: node.name, port };
+  if (!at) return undefined;
+  const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path); // the first element
+  return path === undefined ? undefined : nodes[path].outputs[at.port];
 }
 
 export function splitWire(wire: string, doc: Doc, types: Map<string, NodeType>): Target {
   const dot = wire.lastIndexOf('.');
-  if (dot >= 0) return { node: wire.slice(0, dot), port: wire.slice(dot + 1) };
-  const node = doc.nodes.find(n => n.name === wire);
-  return { node: wire, port: (node && declarationOf(node, types)?.outputs[0]?.name) ?? '' };
+  if (dot > wire.lastIndexOf(']')) return { node: bare(wire.slice(0, dot)), port: wire.slice(dot + 1) };
+  const node = doc.nodes.find(n => n.name === bare(wire));
+  return { node: bare(wire), port: (node && declarationOf(node, types)?.outputs[0]?.name) ?? '' };
 }
 
 // The nearest value of a type, upstream or downstream of a node.

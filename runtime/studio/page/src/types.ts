@@ -13,6 +13,7 @@ export interface DocNode {
   name: string; type: string; graph: string; doc: string; line: number;
   params: Record<string, { value: Written; line: number }>;
   inputs: Record<string, string[]>;
+  each?: Record<string, { value: Written; line: number }>;
   declaration?: NodeType;
   inner?: Record<string, { path: string; port: string } | null>;
 }

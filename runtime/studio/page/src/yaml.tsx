@@ -59,7 +59,7 @@ export function Messages() {
       <ul className="messages" tabIndex={0} aria-label="Messages">
         {all.map((m, k) => (
           <li key={k} className={m.severity}>
-            <button className="link" onClick={() => select(m.node.split('/')[0] || null)}>{m.node || 'graph'}{m.parameter && `.${m.parameter}`}</button>
+            <button className="link" onClick={() => select(m.node.split(/[/[]/)[0] || null)}>{m.node || 'graph'}{m.parameter && `.${m.parameter}`}</button>
             <span>{m.message}{m.hint && <em> {m.hint}</em>}</span>
             {m.line > 0 && m.file === doc?.file && <button className="link" onClick={() => goToLine(m.line)}>line {m.line}</button>}
           </li>
