@@ -1,0 +1,221 @@
+#include "nodes/export/surface_net.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "graph/diagnostic.h"
+#include "runtime/memory.h"
+
+namespace terrazzo::exporting {
+namespace {
+
+constexpr double kMostMove = 0.5;  // of a voxel's edge, along each axis
+
+// The cells that fill the box, and the lattice of their corners. Cells at the sides of a volume that tiles
+// are halves of voxels: the first and the last one along an axis belong to the same voxel.
+class CellLattice {
+ public:
+  CellLattice(const VoxelSource& id, const VoxelBox& box, const Regions& regions, std::uint64_t memory,
+              const Work& work)
+      : box_(box) {
+    cells_ = box.size + Vec3i::Constant(box.periodic ? 1 : 0);
+    points_ = cells_ + Vec3i::Ones();
+    const double corners = points_.cast<double>().prod();
+    // Regions, numbers of nodes, and about 120 bytes for each of the nodes and triangles near surfaces.
+    require_memory(4 * static_cast<double>(box.count()) + 4 * corners, memory, "the surfaces of the volume");
+    if (corners > 2147483647.0)
+      throw Error(
+          "too-large",
+          fmt::format("the surfaces need up to {:.0f} nodes; at most 2147483647 are supported", corners),
+          "use fewer voxels");
+    region_.resize(box.count());
+    for (int z = 0; z < box.size.z(); ++z) {
+      work.check();
+      std::int32_t* plane = region_.data() + static_cast<std::size_t>(z) * box.plane();
+      id.read(z, z + 1, plane);
+      for (std::size_t i = 0; i < box.plane(); ++i) plane[i] = regions.number(plane[i]);
+    }
+  }
+  const Vec3i& cells() const { return cells_; }
+  const Vec3i& points() const { return points_; }
+  bool has(const Vec3i& c) const { return (c.array() >= 0).all() && (c.array() < cells_.array()).all(); }
+  // −1 outside the box.
+  std::int32_t region(const Vec3i& c) const {
+    if (!has(c)) return -1;
+    const auto along = [&](int a) { return static_cast<std::size_t>(c[a] == box_.size[a] ? 0 : c[a]); };
+    return region_[(along(2) * static_cast<std::size_t>(box_.size.y()) + along(1)) *
+                       static_cast<std::size_t>(box_.size.x()) +
+                   along(0)];
+  }
+  std::size_t index(const Vec3i& p) const {
+    return (static_cast<std::size_t>(p.z()) * static_cast<std::size_t>(points_.y()) +
+            static_cast<std::size_t>(p.y())) *
+               static_cast<std::size_t>(points_.x()) +
+           static_cast<std::size_t>(p.x());
+  }
+  Vec3 place(const Vec3i& p) const {
+    Vec3 out;
+    for (int a = 0; a < 3; ++a) {
+      double voxels = p[a];
+      if (box_.periodic) voxels = p[a] == 0 ? 0.5 : p[a] == cells_[a] ? box_.size[a] + 0.5 : p[a];
+      out[a] = box_.corner[a] + voxels * box_.spacing[a];
+    }
+    return out;
+  }
+
+ private:
+  const VoxelBox& box_;
+  Vec3i cells_, points_;
+  std::vector<std::int32_t> region_;
+};
+
+struct NetBuilder {
+  const CellLattice& lattice;
+  SurfaceNet& net;
+  std::vector<std::int32_t> number;                           // of the node at each point, or −1
+  std::vector<Vec3i> point;                                   // of each node
+  std::map<std::array<std::int32_t, 3>, std::int32_t> patch;  // by inside, other, side
+
+  std::int32_t node(const Vec3i& p) {
+    std::int32_t& n = number[lattice.index(p)];
+    if (n < 0) {
+      n = static_cast<std::int32_t>(net.nodes.size());
+      net.nodes.push_back(lattice.place(p)), point.push_back(p);
+    }
+    return n;
+  }
+  // The face between the cell c and the one before it along the axis.
+  void face(const Vec3i& c, int axis) {
+    const std::int32_t before = lattice.region(c - Vec3i::Unit(axis)), after = lattice.region(c);
+    if (before == after) return;
+    const SurfacePatch part{std::max(before, after), std::min(before, after),
+                            after < 0    ? 2 * axis + 1
+                            : before < 0 ? 2 * axis
+                                         : -1};
+    const auto [it, added] = patch.emplace(std::array<std::int32_t, 3>{part.inside, part.other, part.side},
+                                           static_cast<std::int32_t>(net.patches.size()));
+    if (added) net.patches.push_back(part);
+    const Vec3i u = Vec3i::Unit((axis + 1) % 3), v = Vec3i::Unit((axis + 2) % 3);
+    std::array<std::int32_t, 4> q = {node(c), node(c + u), node(c + u + v), node(c + v)};
+    if (before < after) std::swap(q[1], q[3]);  // the normal points away from the larger number
+    net.corners.push_back({q[0], q[1], q[2]}), net.corners.push_back({q[0], q[2], q[3]});
+    net.patch_of.insert(net.patch_of.end(), 2, it->second);
+  }
+};
+
+// Number of surfaces that meet at the edge from a point along an axis, as the number of regions around it.
+// The outside counts once for each side: 2 lies within a surface, 3 and more on a line, 0 and 1 in none.
+int regions_around(const CellLattice& lattice, const Vec3i& p, int axis) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  std::int32_t found[4];
+  int count = 0, sides = 0;
+  for (int k = 0; k < 4; ++k) {
+    const std::int32_t r = lattice.region(p - (k & 1) * Vec3i::Unit(u) - (k >> 1) * Vec3i::Unit(v));
+    if (r >= 0 && std::find(found, found + count, r) == found + count) found[count++] = r;
+  }
+  for (const int a : {u, v}) sides += p[a] == 0 || p[a] == lattice.cells()[a];
+  return count + sides;
+}
+
+// Neighbors with which each node is averaged; none if it stays.
+struct Neighbors {
+  std::vector<std::array<std::int32_t, 6>> of;
+  std::vector<int> count;
+};
+
+Neighbors neighbors_of(const CellLattice& lattice, const NetBuilder& b, const Work& work) {
+  Neighbors out;
+  out.of.resize(b.point.size()), out.count.assign(b.point.size(), 0);
+  work.parallel(b.point.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) {
+      std::array<std::int32_t, 6> line{}, flat{};
+      int lines = 0, flats = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        for (const int way : {-1, 1}) {
+          const Vec3i& p = b.point[n];
+          const Vec3i to = p + way * Vec3i::Unit(axis);
+          if (to[axis] < 0 || to[axis] > lattice.cells()[axis]) continue;
+          const int around = regions_around(lattice, way < 0 ? to : p, axis);
+          const std::int32_t other = b.number[lattice.index(to)];
+          if (around < 2 || other < 0) continue;
+          if (around > 2)
+            line[static_cast<std::size_t>(lines++)] = other;
+          else
+            flat[static_cast<std::size_t>(flats++)] = other;
+        }
+      if (lines == 0) out.of[n] = flat, out.count[n] = flats;
+      if (lines == 2) out.of[n] = line, out.count[n] = 2;
+    }
+  });
+  return out;
+}
+
+void smooth(const CellLattice& lattice, const NetBuilder& b, const Vec3& spacing, int times,
+            const Work& work) {
+  const Neighbors neighbors = neighbors_of(lattice, b, work.part(0, 0.3));
+  const Vec3 most = kMostMove * spacing;
+  std::vector<Vec3> next(b.net.nodes.size());
+  for (int t = 0; t < times; ++t) {
+    work.part(0.3 + 0.7 * t / times, 0.3 + 0.7 * (t + 1) / times)
+        .parallel(next.size(), 4096, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t n = begin; n < end; ++n) {
+            next[n] = b.net.nodes[n];
+            if (neighbors.count[n] == 0) continue;
+            Vec3 sum = Vec3::Zero();
+            for (int k = 0; k < neighbors.count[n]; ++k)
+              sum += b.net.nodes[static_cast<std::size_t>(neighbors.of[n][static_cast<std::size_t>(k)])];
+            const Vec3 from = lattice.place(b.point[n]);
+            // Half the way, since full steps of all nodes at once would swing.
+            const Vec3 to = 0.5 * (b.net.nodes[n] + sum / neighbors.count[n]);
+            next[n] = from + (to - from).cwiseMax(-most).cwiseMin(most);
+            // A node on a side stays there to the last bit.
+            for (int a = 0; a < 3; ++a)
+              if (b.point[n][a] == 0 || b.point[n][a] == lattice.cells()[a]) next[n][a] = from[a];
+          }
+        });
+    b.net.nodes.swap(next);
+  }
+}
+
+}  // namespace
+
+SurfaceNet surface_net(const VoxelSource& id, const VoxelBox& box, const Regions& regions, int smoothing,
+                       std::uint64_t memory, const Work& work) {
+  const CellLattice lattice(id, box, regions, memory, work);
+  SurfaceNet net;
+  NetBuilder b{
+      lattice,
+      net,
+      std::vector<std::int32_t>(static_cast<std::size_t>(lattice.points().cast<double>().prod()), -1),
+      {},
+      {}};
+  const Vec3i& cells = lattice.cells();
+  for (int z = 0; z <= cells.z(); ++z) {
+    work.check();
+    for (int y = 0; y <= cells.y(); ++y)
+      for (int x = 0; x <= cells.x(); ++x)
+        for (int axis = 0; axis < 3; ++axis) {
+          const Vec3i c(x, y, z);
+          if (c[(axis + 1) % 3] < cells[(axis + 1) % 3] && c[(axis + 2) % 3] < cells[(axis + 2) % 3])
+            b.face(c, axis);
+        }
+  }
+  smooth(lattice, b, box.spacing, smoothing, work.part(0.3, 1));
+  if (box.periodic)
+    for (int a = 0; a < 3; ++a)
+      for (std::size_t n = 0; n < b.point.size(); ++n) {
+        if (b.point[n][a] != cells[a]) continue;
+        Vec3i image = b.point[n];
+        image[a] = 0;
+        const std::int32_t other = b.number[lattice.index(image)];
+        net.periodic[static_cast<std::size_t>(a)].emplace_back(static_cast<std::int32_t>(n), other);
+        // Equal to the last bit, whatever the order of the sums was.
+        const double own = net.nodes[n][a];
+        net.nodes[n] = net.nodes[static_cast<std::size_t>(other)], net.nodes[n][a] = own;
+      }
+  return net;
+}
+
+}  // namespace terrazzo::exporting
