@@ -11,7 +11,10 @@
 namespace terrazzo::exporting {
 namespace {
 
-constexpr double kMostMove = 0.5;  // of a voxel's edge, along each axis
+constexpr double kMostMove = 0.45;   // of the way to the next corner of a cell, along each axis
+constexpr double kLeastTurn = 0.05;  // of a triangle's first area, seen along its first normal
+// Steps to the neighbors' mean and back, so that bodies keep their volume (Taubin 1995).
+constexpr double kForward = 0.5, kBackward = -0.53;
 
 // The cells that fill the box, and the lattice of their corners. Cells at the sides of a volume that tiles
 // are halves of voxels: the first and the last one along an axis belong to the same voxel.
@@ -40,6 +43,7 @@ class CellLattice {
   }
   const Vec3i& cells() const { return cells_; }
   const Vec3i& points() const { return points_; }
+  bool wraps() const { return box_.periodic; }
   bool has(const Vec3i& c) const { return (c.array() >= 0).all() && (c.array() < cells_.array()).all(); }
   // −1 outside the box.
   std::int32_t region(const Vec3i& c) const {
@@ -152,32 +156,80 @@ Neighbors neighbors_of(const CellLattice& lattice, const NetBuilder& b, const Wo
   return out;
 }
 
-void smooth(const CellLattice& lattice, const NetBuilder& b, const Vec3& spacing, int times,
-            const Work& work) {
-  const Neighbors neighbors = neighbors_of(lattice, b, work.part(0, 0.3));
-  const Vec3 most = kMostMove * spacing;
-  std::vector<Vec3> next(b.net.nodes.size());
-  for (int t = 0; t < times; ++t) {
-    work.part(0.3 + 0.7 * t / times, 0.3 + 0.7 * (t + 1) / times)
-        .parallel(next.size(), 4096, [&](std::size_t begin, std::size_t end) {
-          for (std::size_t n = begin; n < end; ++n) {
-            next[n] = b.net.nodes[n];
-            if (neighbors.count[n] == 0) continue;
-            Vec3 sum = Vec3::Zero();
-            for (int k = 0; k < neighbors.count[n]; ++k)
-              sum += b.net.nodes[static_cast<std::size_t>(neighbors.of[n][static_cast<std::size_t>(k)])];
-            const Vec3 from = lattice.place(b.point[n]);
-            // Half the way, since full steps of all nodes at once would swing.
-            const Vec3 to = 0.5 * (b.net.nodes[n] + sum / neighbors.count[n]);
-            next[n] = from + (to - from).cwiseMax(-most).cwiseMin(most);
-            // A node on a side stays there to the last bit.
-            for (int a = 0; a < 3; ++a)
-              if (b.point[n][a] == 0 || b.point[n][a] == lattice.cells()[a]) next[n][a] = from[a];
-          }
-        });
-    b.net.nodes.swap(next);
+// Moves nodes so that all images of a node move alike and no triangle turns around.
+class Smoother {
+ public:
+  Smoother(const CellLattice& lattice, NetBuilder& b, const Work& work)
+      : lattice_(lattice), b_(b), neighbors_(neighbors_of(lattice, b, work)), next_(b.net.nodes.size()) {
+    for (const Vec3i& p : b.point) {
+      Vec3i first = p;
+      for (int a = 0; a < 3; ++a)
+        if (lattice.wraps() && p[a] == lattice.cells()[a]) first[a] = 0;
+      image_.push_back(b.number[lattice.index(first)]);
+    }
+    for (const auto& c : b.net.corners) start_.push_back(cross(b.net.nodes, c));
   }
-}
+
+  // One step of all nodes by `share` of the way to the mean of their neighbors, or away from it if negative.
+  void step(double share, const Work& work) {
+    std::vector<Vec3>& nodes = b_.net.nodes;
+    work.parallel(next_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) next_[n] = moved(n, share);
+    });
+    // A triangle that would turn keeps its corners, with their images; then its neighbors may have to keep
+    // theirs.
+    std::vector<std::uint8_t> kept(nodes.size(), 0);
+    for (bool again = true; again;) {
+      work.check();
+      again = false;
+      for (std::size_t t = 0; t < b_.net.corners.size(); ++t) {
+        const auto& c = b_.net.corners[t];
+        if (cross(next_, c).dot(start_[t]) >= kLeastTurn * start_[t].squaredNorm()) continue;
+        for (const std::int32_t n : c) {
+          std::uint8_t& k = kept[static_cast<std::size_t>(image_[static_cast<std::size_t>(n)])];
+          again = again || k == 0, k = 1;
+        }
+      }
+      if (again)
+        for (std::size_t n = 0; n < nodes.size(); ++n)
+          if (kept[static_cast<std::size_t>(image_[n])]) next_[n] = nodes[n];
+    }
+    nodes.swap(next_);
+  }
+
+ private:
+  static Vec3 cross(const std::vector<Vec3>& nodes, const std::array<std::int32_t, 3>& c) {
+    const Vec3& a = nodes[static_cast<std::size_t>(c[0])];
+    return (nodes[static_cast<std::size_t>(c[1])] - a).cross(nodes[static_cast<std::size_t>(c[2])] - a);
+  }
+  Vec3 moved(std::size_t n, double share) const {
+    const std::vector<Vec3>& nodes = b_.net.nodes;
+    if (neighbors_.count[n] == 0) return nodes[n];
+    Vec3 sum = Vec3::Zero();
+    for (int k = 0; k < neighbors_.count[n]; ++k)
+      sum += nodes[static_cast<std::size_t>(neighbors_.of[n][static_cast<std::size_t>(k)])];
+    Vec3 to = (1 - share) * nodes[n] + share * sum / neighbors_.count[n];
+    const Vec3i& p = b_.point[n];
+    const Vec3 from = lattice_.place(p);
+    const Vec3 before = lattice_.place(p - Vec3i::Ones()), after = lattice_.place(p + Vec3i::Ones());
+    for (int a = 0; a < 3; ++a) {
+      // A node on a side stays there to the last bit.
+      if (p[a] == 0 || p[a] == lattice_.cells()[a])
+        to[a] = from[a];
+      else
+        to[a] = std::clamp(to[a], from[a] + kMostMove * (before[a] - from[a]),
+                           from[a] + kMostMove * (after[a] - from[a]));
+    }
+    return to;
+  }
+
+  const CellLattice& lattice_;
+  NetBuilder& b_;
+  Neighbors neighbors_;
+  std::vector<std::int32_t> image_;  // of each node on the lower sides, or itself
+  std::vector<Vec3> start_;          // normals of the faces of voxels, as long as twice their area
+  std::vector<Vec3> next_;
+};
 
 }  // namespace
 
@@ -202,7 +254,14 @@ SurfaceNet surface_net(const VoxelSource& id, const VoxelBox& box, const Regions
             b.face(c, axis);
         }
   }
-  smooth(lattice, b, box.spacing, smoothing, work.part(0.3, 1));
+  if (smoothing > 0) {
+    Smoother smoother(lattice, b, work.part(0.3, 0.4));
+    for (int k = 0; k < smoothing; ++k) {
+      const Work part = work.part(0.4 + 0.6 * k / smoothing, 0.4 + 0.6 * (k + 1) / smoothing);
+      smoother.step(kForward, part.part(0, 0.5));
+      smoother.step(kBackward, part.part(0.5, 1));
+    }
+  }
   if (box.periodic)
     for (int a = 0; a < 3; ++a)
       for (std::size_t n = 0; n < b.point.size(); ++n) {

@@ -82,8 +82,8 @@ void compute(Context& c) {
   Findings f;
   if (particles) measure_meshes(c, *particles, f);
   if (volume) {
-    const Raster raster = read_raster(*volume, c.text("grid"), particles, phase, c.number("threshold"),
-                                      c.memory(), c.work().part(0.4, 0.45));
+    const Raster raster = read_raster(*volume, c.text("grid"), particles, phase,
+                                      c.optional_number("threshold"), c.memory(), c.work().part(0.4, 0.45));
     if (particles) check_box(raster, *particles);
     measure_voxels(c, raster, particles, !particles && !raster.ids.empty(), f);
     if (raster.inside == 0 || raster.inside == raster.count())

@@ -30,10 +30,10 @@ nlohmann::json in_blender(const fs::path& file) {
   return json;
 }
 
-// Voxels of 0.5 mm that fill a box of 20 × 30 × 40 mm.
+// Voxels of 0.5 mm that fill a box of 20 × 28 × 40 mm. Blender tells the box of whole blocks of 8 voxels.
 void write_grids(const fs::path& file) {
   Volume v;
-  v.resolution = Vec3i(40, 60, 80);
+  v.resolution = Vec3i(40, 56, 80);
   add_number_grid(v, "density", v.resolution, Vec3::Constant(0.5), {},
                   [](std::size_t i) { return 0.5f + float(i % 2); });
   write_vdb(file, v, "{}");
@@ -78,7 +78,7 @@ TEST(BlenderAddOn, ImportsParticlesWithColorsAndIdsAndTheVolume) {
   EXPECT_EQ(grid[0], "FLOAT");
   // The box reaches from the first to the last voxel center.
   const auto& box = j["volumes"][0]["box"];
-  const int size[] = {40, 60, 80};
+  const int size[] = {40, 56, 80};
   for (std::size_t a = 0; a < 3; ++a) {
     double low = 1e9, high = -1e9;
     for (const auto& corner : box)

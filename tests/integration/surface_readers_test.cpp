@@ -42,7 +42,9 @@ TEST(ExportedSurfaces, OpenInMeshio) {
     int along = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       EXPECT_EQ(pair[2][a], pair[3][a]);
-      if (pair[2][a] != 0) ++along, EXPECT_EQ(pair[2][a], edge[a]);
+      if (pair[2][a] == 0) continue;
+      ++along;
+      EXPECT_EQ(pair[2][a], edge[a]);
     }
     EXPECT_EQ(along, 1);
   }

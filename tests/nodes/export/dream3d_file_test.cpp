@@ -110,7 +110,7 @@ TEST(ExportDream3d, SaysWhatItCannotHold) {
             "write-failed");
 }
 
-// Every byte in turn set to three values, and every length: a result or an error that says what is wrong.
+// Bytes set to three values each, and shorter files: a result or an error that says what is wrong.
 TEST(DamagedDream3d, IsAResultOrAnError) {
   Volume v;
   auto id = openvdb::Int32Grid::create(-1);
@@ -131,15 +131,15 @@ TEST(DamagedDream3d, IsAResultOrAnError) {
     EXPECT_TRUE(known.count(code)) << code;
     read_provenance(file);
   };
-  for (std::size_t at = 0; at < good.size(); at += 1 + at / 4000)
+  for (std::size_t at = 0; at < good.size(); at += 1 + at / 100)
     for (const char value : {'\0', '\x7f', '\xff'}) {
       std::string bytes = good;
       bytes[at] = value;
       attempt(bytes);
     }
-  for (std::size_t size = 0; size < good.size(); size += 1 + size / 50) attempt(good.substr(0, size));
-  EXPECT_GT(read, 1000u);
-  EXPECT_GT(refused, 1000u);
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 20) attempt(good.substr(0, size));
+  EXPECT_GT(read, 200u);
+  EXPECT_GT(refused, 200u);
 }
 
 // A dataset says that it has 2³⁰ voxels, but the file has none of them.
