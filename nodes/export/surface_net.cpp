@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 #include "graph/diagnostic.h"
@@ -11,8 +12,8 @@
 namespace terrazzo::exporting {
 namespace {
 
-constexpr double kMostMove = 0.45;   // of the way to the next corner of a cell, along each axis
-constexpr double kLeastTurn = 0.05;  // of a triangle's first area, seen along its first normal
+constexpr double kMostMove = 0.45;     // of the way to the next corner of a cell, along each axis
+constexpr double kLeastVolume = 0.02;  // of six times a tetrahedron's volume, relative to its cube
 // Steps to the neighbors' mean and back, so that bodies keep their volume (Taubin 1995).
 constexpr double kForward = 0.5, kBackward = -0.53;
 
@@ -156,7 +157,9 @@ Neighbors neighbors_of(const CellLattice& lattice, const NetBuilder& b, const Wo
   return out;
 }
 
-// Moves nodes so that all images of a node move alike and no triangle turns around.
+// Moves nodes so that all images of a node move alike, and no surfaces cross: each cube between eight points
+// of the lattice is cut into six tetrahedra, of whose faces the surfaces are made (Kuhn 1960). As long as
+// every tetrahedron keeps its orientation, they fill the box without overlap.
 class Smoother {
  public:
   Smoother(const CellLattice& lattice, NetBuilder& b, const Work& work)
@@ -167,29 +170,29 @@ class Smoother {
         if (lattice.wraps() && p[a] == lattice.cells()[a]) first[a] = 0;
       image_.push_back(b.number[lattice.index(first)]);
     }
-    for (const auto& c : b.net.corners) start_.push_back(cross(b.net.nodes, c));
+    const Vec3i& cells = lattice.cells();
+    for (Vec3i c(0, 0, 0); c.z() < cells.z(); ++c.z())
+      for (c.y() = 0; c.y() < cells.y(); ++c.y())
+        for (c.x() = 0; c.x() < cells.x(); ++c.x())
+          if (const auto nodes = nodes_of(c);
+              std::any_of(nodes.begin(), nodes.end(), [](auto n) { return n >= 0; }))
+            cubes_.push_back(c);
   }
 
   // One step of all nodes by `share` of the way to the mean of their neighbors, or away from it if negative.
   void step(double share, const Work& work) {
     std::vector<Vec3>& nodes = b_.net.nodes;
-    work.parallel(next_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    work.quiet().parallel(next_.size(), 4096, [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) next_[n] = moved(n, share);
     });
-    // A triangle that would turn keeps its corners, with their images; then its neighbors may have to keep
-    // theirs.
+    // Corners of a tetrahedron that would turn stay, with their images; then those of its neighbors may have
+    // to.
     std::vector<std::uint8_t> kept(nodes.size(), 0);
-    for (bool again = true; again;) {
-      work.check();
+    for (std::atomic<bool> again = true; again;) {
       again = false;
-      for (std::size_t t = 0; t < b_.net.corners.size(); ++t) {
-        const auto& c = b_.net.corners[t];
-        if (cross(next_, c).dot(start_[t]) >= kLeastTurn * start_[t].squaredNorm()) continue;
-        for (const std::int32_t n : c) {
-          std::uint8_t& k = kept[static_cast<std::size_t>(image_[static_cast<std::size_t>(n)])];
-          again = again || k == 0, k = 1;
-        }
-      }
+      work.quiet().parallel(cubes_.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) keep_turned(cubes_[k], kept, again);
+      });
       if (again)
         for (std::size_t n = 0; n < nodes.size(); ++n)
           if (kept[static_cast<std::size_t>(image_[n])]) next_[n] = nodes[n];
@@ -198,9 +201,35 @@ class Smoother {
   }
 
  private:
-  static Vec3 cross(const std::vector<Vec3>& nodes, const std::array<std::int32_t, 3>& c) {
-    const Vec3& a = nodes[static_cast<std::size_t>(c[0])];
-    return (nodes[static_cast<std::size_t>(c[1])] - a).cross(nodes[static_cast<std::size_t>(c[2])] - a);
+  // The points of a cube are numbered by bits: 1 for x, 2 for y, 4 for z.
+  std::array<std::int32_t, 8> nodes_of(const Vec3i& cube) const {
+    std::array<std::int32_t, 8> out;
+    for (int k = 0; k < 8; ++k)
+      out[static_cast<std::size_t>(k)] = b_.number[lattice_.index(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2))];
+    return out;
+  }
+  void keep_turned(const Vec3i& cube, std::vector<std::uint8_t>& kept, std::atomic<bool>& again) const {
+    const auto nodes = nodes_of(cube);
+    std::array<Vec3, 8> at;
+    for (int k = 0; k < 8; ++k) {
+      const std::int32_t n = nodes[static_cast<std::size_t>(k)];
+      at[static_cast<std::size_t>(k)] = n >= 0 ? next_[static_cast<std::size_t>(n)]
+                                               : lattice_.place(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2));
+    }
+    const double least = kLeastVolume * (lattice_.place(cube + Vec3i::Ones()) - lattice_.place(cube)).prod();
+    // From corner 0 to corner 7 along the axes, in each of their orders; odd ones have the other orientation.
+    constexpr std::size_t kPaths[6][2] = {{1, 3}, {2, 6}, {4, 5}, {2, 3}, {4, 6}, {1, 5}};
+    for (std::size_t t = 0; t < 6; ++t) {
+      const auto [i, j] = kPaths[t];
+      const double volume = (at[i] - at[0]).cross(at[j] - at[0]).dot(at[7] - at[0]) * (t < 3 ? 1 : -1);
+      if (volume >= least) continue;
+      for (const std::size_t k : {std::size_t{0}, i, j, std::size_t{7}}) {
+        if (nodes[k] < 0) continue;
+        std::atomic_ref<std::uint8_t> flag(
+            kept[static_cast<std::size_t>(image_[static_cast<std::size_t>(nodes[k])])]);
+        if (flag.exchange(1, std::memory_order_relaxed) == 0) again = true;
+      }
+    }
   }
   Vec3 moved(std::size_t n, double share) const {
     const std::vector<Vec3>& nodes = b_.net.nodes;
@@ -227,7 +256,7 @@ class Smoother {
   NetBuilder& b_;
   Neighbors neighbors_;
   std::vector<std::int32_t> image_;  // of each node on the lower sides, or itself
-  std::vector<Vec3> start_;          // normals of the faces of voxels, as long as twice their area
+  std::vector<Vec3i> cubes_;         // those with a node
   std::vector<Vec3> next_;
 };
 

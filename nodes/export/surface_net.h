@@ -34,8 +34,8 @@ struct SurfaceNet {
 // The box of a volume that tiles is moved by half a voxel, so that its sides pass through centers of voxels:
 // there, opposite sides have equal labels. `smoothing` times, every node moves toward the mean of its
 // neighbors on the same surface, line between surfaces or side, and back (Taubin 1995), by less than half of
-// a voxel in all along each axis. Corners where lines meet stay, and no triangle turns around. Throws Error
-// "too-large" if more than `memory` bytes or 2³¹ nodes are needed.
+// a voxel in all along each axis. Corners where lines meet stay, and surfaces never cross or touch anew.
+// Throws Error "too-large" if more than `memory` bytes or 2³¹ nodes are needed.
 SurfaceNet surface_net(const VoxelSource& id, const VoxelBox&, const Regions&, int smoothing,
                        std::uint64_t memory, const Work&);
 
