@@ -239,7 +239,11 @@ void export_surfaces(Context& c, const std::string& path, const Format& format, 
   write_named(c, path, [&](const std::filesystem::path& file) {
     (format.extension == ".msh" ? write_msh : write_surface_stl)(file, net, regions, c.work().part(0.6, 1));
   });
-  if (format.extension == ".msh") write_region_table(c, path, regions, box, particles);
+  if (format.extension != ".msh") return;
+  write_named(c, beside(path, format, ".geo"), [&](const std::filesystem::path& file) {
+    write_geo(file, std::filesystem::path(path).filename().string(), net, regions);
+  });
+  write_region_table(c, path, regions, box, particles);
 }
 
 void export_usda(Context& c, const std::string& path, const Format& format, const Particles& particles,

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
-#include <set>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/checked_file.h"
@@ -33,9 +33,10 @@ std::vector<Link> periodic_links(const SurfaceNet& net) {
   std::vector<std::map<std::int32_t, std::int32_t>> image(3);
   for (std::size_t a = 0; a < 3; ++a)
     for (const auto& [node, other] : net.periodic[a]) image[a].emplace(node, other);
-  std::map<std::pair<std::int32_t, int>, std::size_t> at_side;  // patch by region and side
+  std::map<std::array<std::int32_t, 3>, std::size_t> at_side;  // patch by piece, its image and side
   for (std::size_t p = 0; p < net.patches.size(); ++p)
-    if (net.patches[p].side >= 0) at_side[{net.patches[p].inside, net.patches[p].side}] = p;
+    if (const SurfacePatch& q = net.patches[p]; q.side >= 0)
+      at_side[{q.inside_piece, q.other_piece, q.side}] = p;
   std::vector<Link> links;
   std::map<std::int32_t, std::size_t> link_of;
   for (std::size_t p = 0; p < net.patches.size(); ++p) {
@@ -44,7 +45,7 @@ std::vector<Link> periodic_links(const SurfaceNet& net) {
         net.periodic[static_cast<std::size_t>(patch.side / 2)].empty())
       continue;
     link_of[static_cast<std::int32_t>(p)] = links.size();
-    links.push_back({p, at_side.at({patch.inside, patch.side - 1}), {}});
+    links.push_back({p, at_side.at({patch.other_piece, patch.inside_piece, patch.side - 1}), {}});
   }
   for (std::size_t t = 0; t < net.corners.size(); ++t) {
     const auto it = link_of.find(net.patch_of[t]);
@@ -61,11 +62,19 @@ std::vector<Link> periodic_links(const SurfaceNet& net) {
 void write_msh(const std::filesystem::path& path, const SurfaceNet& net, const Regions& regions,
                const Work& work) {
   const auto links = periodic_links(net);
+  std::map<std::array<std::int32_t, 3>, std::int32_t> physical;  // tag by regions and side
+  std::vector<std::string> names;
+  std::vector<std::int32_t> tags;  // of the patches
+  for (const SurfacePatch& p : net.patches) {
+    const auto [it, added] = physical.emplace(std::array<std::int32_t, 3>{p.inside, p.other, p.side},
+                                              static_cast<std::int32_t>(names.size()) + 1);
+    if (added) names.push_back(patch_name(p, regions));
+    tags.push_back(it->second);
+  }
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
-    out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << net.patches.size() << '\n';
-    for (std::size_t p = 0; p < net.patches.size(); ++p)
-      out << fmt::format("2 {} \"{}\"\n", p + 1, patch_name(net.patches[p], regions));
+    out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" << names.size() << '\n';
+    for (std::size_t k = 0; k < names.size(); ++k) out << fmt::format("2 {} \"{}\"\n", k + 1, names[k]);
     out << "$EndPhysicalNames\n$Nodes\n" << net.nodes.size() << '\n';
     for (std::size_t n = 0; n < net.nodes.size(); ++n) {
       if (n % 65536 == 0) work.check(), work.progress(0.4 * double(n) / double(net.nodes.size()));
@@ -76,9 +85,9 @@ void write_msh(const std::filesystem::path& path, const SurfaceNet& net, const R
     for (std::size_t t = 0; t < net.corners.size(); ++t) {
       if (t % 65536 == 0) work.check(), work.progress(0.4 + 0.5 * double(t) / double(net.corners.size()));
       const auto& c = net.corners[t];
-      const std::int32_t tag = net.patch_of[t] + 1;
-      out << fmt::format("{} {} {} {} {} {} {} {}\n", t + 1, kTriangle, kTags, tag, tag, c[0] + 1, c[1] + 1,
-                         c[2] + 1);
+      const std::int32_t patch = net.patch_of[t];
+      out << fmt::format("{} {} {} {} {} {} {} {}\n", t + 1, kTriangle, kTags,
+                         tags[static_cast<std::size_t>(patch)], patch + 1, c[0] + 1, c[1] + 1, c[2] + 1);
     }
     out << "$EndElements\n";
     if (links.empty()) return;
@@ -89,6 +98,36 @@ void write_msh(const std::filesystem::path& path, const SurfaceNet& net, const R
     }
     out << "$EndPeriodic\n";
   });
+}
+
+void write_geo(const std::filesystem::path& path, const std::string& msh, const SurfaceNet& net,
+               const Regions& regions) {
+  if (msh.find_first_of("\"\\") != std::string::npos)
+    throw Error("bad-names",
+                "the file name contains a quotation mark or backslash, which a script of Gmsh cannot name",
+                "rename it")
+        .parameter("path");
+  std::vector<std::string> loops(net.region_of_piece.size()), volumes(regions.all.size());
+  const auto add = [](std::string& list, std::int64_t number) {
+    list += (list.empty() ? "" : ", ") + std::to_string(number);
+  };
+  for (std::size_t p = 0; p < net.patches.size(); ++p) {
+    const SurfacePatch& patch = net.patches[p];
+    const auto tag = static_cast<std::int64_t>(p) + 1;
+    add(loops[static_cast<std::size_t>(patch.inside_piece)], tag);
+    if (patch.side < 0) add(loops[static_cast<std::size_t>(patch.other_piece)], -tag);
+  }
+  std::string text =
+      fmt::format("// Surfaces of Terrazzo. Tetrahedra: gmsh -3 -o tetrahedra.msh {}\nMerge \"{}\";\n",
+                  path.filename().string(), msh);
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    text += fmt::format("Surface Loop({0}) = {{{1}}};\nVolume({0}) = {{{0}}};\n", k + 1, loops[k]);
+    add(volumes[static_cast<std::size_t>(net.region_of_piece[k])], static_cast<std::int64_t>(k) + 1);
+  }
+  for (std::size_t r = 0; r < volumes.size(); ++r)
+    if (!volumes[r].empty())
+      text += fmt::format("Physical Volume(\"{}\") = {{{}}};\n", regions.all[r].name(), volumes[r]);
+  write_bytes(path, text);
 }
 
 void write_surface_stl(const std::filesystem::path& path, const SurfaceNet& net, const Regions& regions,

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/disjoint_sets.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::exporting {
@@ -27,8 +28,8 @@ class CellLattice {
     cells_ = box.size + Vec3i::Constant(box.periodic ? 1 : 0);
     points_ = cells_ + Vec3i::Ones();
     const double corners = points_.cast<double>().prod();
-    // Regions, numbers of nodes, and about 120 bytes for each of the nodes and triangles near surfaces.
-    require_memory(4 * static_cast<double>(box.count()) + 4 * corners, memory, "the surfaces of the volume");
+    // Regions, numbers of nodes, and pieces; the nodes and triangles of most surfaces need less.
+    require_memory(4 * static_cast<double>(box.count()) + 12 * corners, memory, "the surfaces of the volume");
     if (corners > 2147483647.0)
       throw Error(
           "too-large",
@@ -54,6 +55,12 @@ class CellLattice {
                        static_cast<std::size_t>(box_.size.x()) +
                    along(0)];
   }
+  std::size_t cell(const Vec3i& c) const {
+    return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(cells_.y()) +
+            static_cast<std::size_t>(c.y())) *
+               static_cast<std::size_t>(cells_.x()) +
+           static_cast<std::size_t>(c.x());
+  }
   std::size_t index(const Vec3i& p) const {
     return (static_cast<std::size_t>(p.z()) * static_cast<std::size_t>(points_.y()) +
             static_cast<std::size_t>(p.y())) *
@@ -76,12 +83,41 @@ class CellLattice {
   std::vector<std::int32_t> region_;
 };
 
+// Connected parts of the regions within the box: the piece of each cell, numbered by their first cells.
+// Returns the pieces' regions.
+std::vector<std::int32_t> find_pieces(const CellLattice& lattice, std::vector<std::int32_t>& piece) {
+  const Vec3i& cells = lattice.cells();
+  DisjointSets sets(lattice.cell(cells - Vec3i::Ones()) + 1);
+  const auto visit = [&](auto&& f) {
+    for (Vec3i c(0, 0, 0); c.z() < cells.z(); ++c.z())
+      for (c.y() = 0; c.y() < cells.y(); ++c.y())
+        for (c.x() = 0; c.x() < cells.x(); ++c.x()) f(c);
+  };
+  visit([&](const Vec3i& c) {
+    for (int a = 0; a < 3; ++a)
+      if (const Vec3i before = c - Vec3i::Unit(a); c[a] > 0 && lattice.region(before) == lattice.region(c))
+        sets.join(static_cast<std::int32_t>(lattice.cell(before)),
+                  static_cast<std::int32_t>(lattice.cell(c)));
+  });
+  std::vector<std::int32_t> regions;
+  piece.assign(sets.count(), -1);
+  visit([&](const Vec3i& c) {
+    const std::size_t at = lattice.cell(c),
+                      first = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(at)));
+    if (first == at)
+      piece[at] = static_cast<std::int32_t>(regions.size()), regions.push_back(lattice.region(c));
+    piece[at] = piece[first];
+  });
+  return regions;
+}
+
 struct NetBuilder {
   const CellLattice& lattice;
   SurfaceNet& net;
   std::vector<std::int32_t> number;                           // of the node at each point, or −1
   std::vector<Vec3i> point;                                   // of each node
-  std::map<std::array<std::int32_t, 3>, std::int32_t> patch;  // by inside, other, side
+  std::map<std::array<std::int32_t, 3>, std::int32_t> patch;  // by pieces and side
+  std::vector<std::int32_t> piece;                            // of each cell
 
   std::int32_t node(const Vec3i& p) {
     std::int32_t& n = number[lattice.index(p)];
@@ -95,12 +131,22 @@ struct NetBuilder {
   void face(const Vec3i& c, int axis) {
     const std::int32_t before = lattice.region(c - Vec3i::Unit(axis)), after = lattice.region(c);
     if (before == after) return;
-    const SurfacePatch part{std::max(before, after), std::min(before, after),
-                            after < 0    ? 2 * axis + 1
-                            : before < 0 ? 2 * axis
-                                         : -1};
-    const auto [it, added] = patch.emplace(std::array<std::int32_t, 3>{part.inside, part.other, part.side},
-                                           static_cast<std::int32_t>(net.patches.size()));
+    SurfacePatch part;
+    part.inside = std::max(before, after), part.other = std::min(before, after);
+    part.side = after < 0 ? 2 * axis + 1 : before < 0 ? 2 * axis : -1;
+    const Vec3i last = c - Vec3i::Unit(axis);
+    const Vec3i &in = before > after ? last : c, &out = before > after ? c : last;
+    part.inside_piece = piece[lattice.cell(in)];
+    if (part.side < 0) {
+      part.other_piece = piece[lattice.cell(out)];
+    } else if (lattice.wraps()) {
+      Vec3i image = in;
+      image[axis] = part.side % 2 ? 0 : lattice.cells()[axis] - 1;
+      part.other_piece = piece[lattice.cell(image)];
+    }
+    const auto [it, added] =
+        patch.emplace(std::array<std::int32_t, 3>{part.inside_piece, part.other_piece, part.side},
+                      static_cast<std::int32_t>(net.patches.size()));
     if (added) net.patches.push_back(part);
     const Vec3i u = Vec3i::Unit((axis + 1) % 3), v = Vec3i::Unit((axis + 2) % 3);
     std::array<std::int32_t, 4> q = {node(c), node(c + u), node(c + u + v), node(c + v)};
@@ -271,7 +317,9 @@ SurfaceNet surface_net(const VoxelSource& id, const VoxelBox& box, const Regions
       net,
       std::vector<std::int32_t>(static_cast<std::size_t>(lattice.points().cast<double>().prod()), -1),
       {},
+      {},
       {}};
+  net.region_of_piece = find_pieces(lattice, b.piece);
   const Vec3i& cells = lattice.cells();
   for (int z = 0; z <= cells.z(); ++z) {
     work.check();

@@ -14,11 +14,15 @@
 
 namespace terrazzo::exporting {
 
-// One part of the surfaces: between two regions, or a region's part of a side of the box.
+// One part of the surfaces: between two pieces, or a piece's part of a side of the box. A piece is a
+// connected part of a region within the box: a particle that crosses a side has several.
 struct SurfacePatch {
-  std::int32_t inside = 0;  // the larger number of two regions; the normals point away from it
+  std::int32_t inside = 0;  // the region with the larger number of two; the normals point away from it
   std::int32_t other = -1;  // the other region, or −1 at a side
   int side = -1;            // 0 to 5: x0, x1, y0, y1, z0, z1; −1 between regions
+  std::int32_t inside_piece = 0;
+  std::int32_t other_piece =
+      -1;  // at a side of a volume that tiles, that on the opposite side; else −1 there
 };
 
 struct SurfaceNet {
@@ -27,6 +31,7 @@ struct SurfaceNet {
       corners;                         // of triangles, counterclockwise seen from outside of `inside`
   std::vector<std::int32_t> patch_of;  // of each triangle
   std::vector<SurfacePatch> patches;
+  std::vector<std::int32_t> region_of_piece;
   // If the volume tiles: nodes on the sides x1, y1, z1, and their images on x0, y0, z0, in pairs by axis.
   std::array<std::vector<std::pair<std::int32_t, std::int32_t>>, 3> periodic;
 };

@@ -1,8 +1,10 @@
-// Surfaces of volumes, read by meshio.
+// Surfaces of volumes, read by meshio and filled by Gmsh.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/readers.h"
@@ -51,6 +53,37 @@ TEST(ExportedSurfaces, OpenInMeshio) {
   const auto stl = test::run_reader("read_surface.py", {(out / "a.stl").string()});
   EXPECT_GT(stl["triangles"], 100);
   EXPECT_LT(stl["triangles"], triangles["a.stl"]);
+}
+
+// Gmsh fills the box with tetrahedra: no surfaces cross, and every region, of which some have several pieces,
+// gets its part.
+TEST(ExportedSurfaces, AreFilledByGmsh) {
+  if (!test::has_program("gmsh")) GTEST_SKIP() << "gmsh is not installed";
+  if (!test::has_python_module("meshio")) GTEST_SKIP() << "python3-meshio is not installed";
+  const fs::path out = test::temporary_folder();
+  const auto shapes = test::run_node("Shape", {}, {{"kind", "dodecahedron"}}).output<Shapes>("shapes");
+  const auto sizes = test::run_node(
+      "Distribution", {}, {{"kind", "uniform"}, {"min", "1"}, {"max", "2"}, {"volume_fraction", "0.4"}});
+  const auto pack = test::run_node(
+      "Anneal", {{"distribution", sizes.outputs.at("distribution")}, {"shapes", Value::of(shapes)}},
+      {{"size", "5"}});
+  const auto voxels =
+      test::run_node("Voxelize", {{"particles", pack.outputs.at("particles")}, {"shapes", Value::of(shapes)}},
+                     {{"resolution", "20"}});
+  const auto run =
+      test::run_node("Export", {{"volume", voxels.outputs.at("volume")}}, {{"path", "a b.msh"}}, out);
+  const auto gmsh = test::run_command(
+      {"/bin/sh", "-c", "cd '" + out.string() + "' && gmsh -3 -format msh2 -o tets.msh 'a b.geo'"});
+  EXPECT_EQ(gmsh.exit_code, 0) << gmsh.out << gmsh.err;
+  EXPECT_EQ(gmsh.out.find("Error"), std::string::npos) << gmsh.out;
+  const auto tets = test::run_reader("read_surface.py", {(out / "tets.msh").string()});
+  EXPECT_NEAR(tets["volume"], 125, 1e-6);
+  EXPECT_GT(tets["least"], 0);
+  std::size_t regions = 0;
+  std::ifstream table(out / "a b.msh.csv");
+  for (std::string line; std::getline(table, line);) ++regions;
+  EXPECT_EQ(tets["regions"], regions - 1);  // less the line of names
+  EXPECT_GT(regions, 20u);
 }
 
 }  // namespace

@@ -154,6 +154,24 @@ TEST(SurfaceNet, SmoothingGivesABallItsSurface) {
   EXPECT_NEAR(area(10), 1, 0.05);
 }
 
+// The ball across three sides has eight pieces, one at each corner; each is closed by itself.
+TEST(SurfaceNet, PiecesAreClosed) {
+  const SurfaceNet net = net_of(balls(), 10);
+  EXPECT_EQ(std::count(net.region_of_piece.begin(), net.region_of_piece.end(), 1), 8);
+  EXPECT_EQ(std::count(net.region_of_piece.begin(), net.region_of_piece.end(), 2), 1);
+  for (std::int32_t piece = 0; piece < static_cast<std::int32_t>(net.region_of_piece.size()); ++piece) {
+    std::vector<Corners> surface;
+    for (std::size_t t = 0; t < net.corners.size(); ++t) {
+      const SurfacePatch& p = net.patches[static_cast<std::size_t>(net.patch_of[t])];
+      Corners c = net.corners[t];
+      if (p.inside_piece == piece) surface.push_back(c);
+      if (p.side < 0 && p.other_piece == piece) surface.push_back({c[0], c[2], c[1]});
+    }
+    EXPECT_TRUE(is_closed(surface)) << piece;
+    EXPECT_GT(volume_of(net, surface), 0) << piece;
+  }
+}
+
 TEST(ExportMsh, HasNamesAndPeriodicNodes) {
   const fs::path out = test::temporary_folder();
   const auto run = test::run_node("Export", {{"volume", Value::of(balls())}}, {{"path", "a.msh"}}, out);
@@ -163,6 +181,9 @@ TEST(ExportMsh, HasNamesAndPeriodicNodes) {
                            "\"PARTICLE_0-Z1\"", "$Periodic"})
     EXPECT_NE(text.find(name), std::string::npos) << name;
   EXPECT_TRUE(fs::exists(out / "a.msh.csv"));
+  const std::string script = test::content_of(out / "a.geo");
+  EXPECT_NE(script.find("Merge \"a.msh\";"), std::string::npos);
+  EXPECT_NE(script.find("Physical Volume(\"PARTICLE_5\")"), std::string::npos);
   EXPECT_GT(run.metrics.at("triangles"), 1000);
   Volume open = balls();
   open.resolution = Vec3i::Zero();
@@ -224,6 +245,7 @@ TEST(ExportSurfaces, RefuseWhatHasNone) {
   EXPECT_EQ(code("a.stl", {{"volume", Value::of(balls())}, {"shapes", Value::of(test::two_shapes())}}),
             "format-does-not-fit");
   EXPECT_EQ(code("a.stl", {{"particles", Value::of(test::some_particles(3))}}), "missing-input");
+  EXPECT_EQ(code("a\"b.msh", {{"volume", Value::of(balls())}}), "bad-names");
   EXPECT_EQ(code("a.msh", {{"particles", Value::of(test::some_particles(3))}}), "missing-input");
   EXPECT_EQ(test::code_of([] {
               const Volume v = balls();
