@@ -1,7 +1,10 @@
 #include "nodes/export/hdf5_output.h"
 
+#include <fcntl.h>
 #include <hdf5.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <mutex>
@@ -38,6 +41,102 @@ class Hdf5Handle {
   herr_t (*close_)(hid_t);
 };
 
+// Where the library's bytes go. The library crashes at the end of the process if it could not write all of a
+// file, so it is never told: after a failure, further bytes are dropped, and `finish` reports the reason.
+struct Hdf5Disk {
+  H5FD_t base;  // must be first
+  int descriptor;
+  haddr_t end, used;
+};
+int disk_error = 0;  // errno of the first failure; guarded by library_mutex
+
+Hdf5Disk* disk_of(H5FD_t* file) { return reinterpret_cast<Hdf5Disk*>(file); }
+const Hdf5Disk* disk_of(const H5FD_t* file) { return reinterpret_cast<const Hdf5Disk*>(file); }
+
+H5FD_t* open_disk(const char* name, unsigned, hid_t, haddr_t) {
+  disk_error = 0;
+  const int descriptor = ::open(name, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    disk_error = errno;
+    return nullptr;
+  }
+  auto* disk = new Hdf5Disk{};
+  disk->descriptor = descriptor;
+  return &disk->base;
+}
+
+herr_t close_disk(H5FD_t* file) {
+  if (::close(disk_of(file)->descriptor) != 0 && disk_error == 0) disk_error = errno;
+  delete disk_of(file);
+  return 0;
+}
+
+herr_t write_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, const void* bytes) {
+  Hdf5Disk* disk = disk_of(file);
+  const char* from = static_cast<const char*>(bytes);
+  disk->used = std::max<haddr_t>(disk->used, at + size);
+  while (size > 0 && disk_error == 0) {
+    const ssize_t count = ::pwrite(disk->descriptor, from, size, static_cast<off_t>(at));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      disk_error = count < 0 ? errno : ENOSPC;
+      break;
+    }
+    from += count, at += static_cast<haddr_t>(count), size -= static_cast<std::size_t>(count);
+  }
+  return 0;
+}
+
+herr_t read_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, void* bytes) {
+  char* to = static_cast<char*>(bytes);
+  while (size > 0) {
+    const ssize_t count = ::pread(disk_of(file)->descriptor, to, size, static_cast<off_t>(at));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    to += count, at += static_cast<haddr_t>(count), size -= static_cast<std::size_t>(count);
+  }
+  std::memset(to, 0, size);  // beyond the end, or lost
+  return 0;
+}
+
+herr_t truncate_disk(H5FD_t* file, hid_t, hbool_t) {
+  Hdf5Disk* disk = disk_of(file);
+  if (disk->used != disk->end && ::ftruncate(disk->descriptor, static_cast<off_t>(disk->end)) != 0 &&
+      disk_error == 0)
+    disk_error = errno;
+  disk->used = disk->end;
+  return 0;
+}
+
+// Access to files through these functions.
+hid_t disk_access() {
+  static const H5FD_class_t kDriver = [] {
+    H5FD_class_t d{};
+    d.name = "terrazzo";
+    d.maxaddr = (haddr_t{1} << 62) - 1;
+    d.fc_degree = H5F_CLOSE_STRONG;
+    d.open = open_disk, d.close = close_disk, d.write = write_disk, d.read = read_disk,
+    d.truncate = truncate_disk;
+    d.query = [](const H5FD_t*, unsigned long* flags) -> herr_t {
+      *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_ACCUMULATE_METADATA;
+      return 0;
+    };
+    d.get_eoa = [](const H5FD_t* f, H5FD_mem_t) { return disk_of(f)->end; };
+    d.set_eoa = [](H5FD_t* f, H5FD_mem_t, haddr_t end) -> herr_t {
+      disk_of(f)->end = end;
+      return 0;
+    };
+    d.get_eof = [](const H5FD_t* f, H5FD_mem_t) { return std::max(disk_of(f)->used, disk_of(f)->end); };
+    const H5FD_mem_t map[] = H5FD_FLMAP_DICHOTOMY;
+    std::copy(std::begin(map), std::end(map), d.fl_map);
+    return d;
+  }();
+  static const hid_t driver = H5FDregister(&kDriver);
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_driver(access, driver, nullptr);
+  return access;
+}
+
 hid_t hdf5_type(Hdf5Type type) {
   switch (type) {
     case Hdf5Type::Int32:
@@ -68,7 +167,7 @@ struct Hdf5Output::State {
       : path(p), lock(std::move(held)), file(f, H5Fclose), links(l, H5Pclose) {}
 
   [[noreturn]] void fail() const {
-    const int reason = errno;
+    const int reason = disk_error;
     throw Error("write-failed",
                 "cannot write '" + path.string() +
                     "': " + (reason ? std::strerror(reason) : "the HDF5 library failed"),
@@ -83,10 +182,10 @@ struct Hdf5Output::State {
 Hdf5Output::Hdf5Output(const std::filesystem::path& path) {
   std::unique_lock<std::mutex> lock(library_mutex());
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported, not printed
-  errno = 0;
   const hid_t links = H5Pcreate(H5P_LINK_CREATE);
   H5Pset_create_intermediate_group(links, 1);
-  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  Hdf5Handle access(disk_access(), H5Pclose);
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   state_ = std::make_unique<State>(path, file, links, std::move(lock));
   state_->checked(file);
 }
@@ -121,9 +220,8 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
     start[0] = first, part[0] = count;
     Hdf5Handle memory(state_->checked(H5Screate_simple(static_cast<int>(part.size()), part.data(), nullptr)),
                       H5Sclose);
-    errno = 0;
     if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr) < 0 ||
-        H5Dwrite(data, hdf5_type(type), memory, space, H5P_DEFAULT, block.data()) < 0)
+        H5Dwrite(data, hdf5_type(type), memory, space, H5P_DEFAULT, block.data()) < 0 || disk_error != 0)
       state_->fail();
   }
   if (!data.close()) state_->fail();
@@ -187,8 +285,8 @@ void Hdf5Output::attribute(const std::string& path, const std::string& name, Hdf
 }
 
 void Hdf5Output::finish() {
-  errno = 0;
-  if (!state_->links.close() || !state_->file.close()) state_->fail();
+  const bool closed = state_->links.close() && state_->file.close();
+  if (!closed || disk_error != 0) state_->fail();
   state_.reset();
 }
 
