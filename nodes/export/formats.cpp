@@ -14,6 +14,7 @@ const std::vector<Format>& formats() {
       {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
       {".vdb", {"Volume"}},
       {".vti", {"Volume", "Particles"}, {"Volume"}, true},
+      {".dream3d", {"Volume", "Particles"}, {"Volume"}, true},
       {".inp", {"Volume", "Particles"}, {"Volume"}, true},
       {".npy", {"Volume", "Labels"}},
       {".nii.gz", {"Volume"}},
@@ -27,7 +28,8 @@ const std::vector<Format>& formats() {
       {".json", {}},
       {".obj", {"Shapes"}},
       {".ply", {"Shapes"}},
-      {".stl", {"Shapes"}},
+      {".stl", {"Shapes", "Volume", "Particles"}, {}, true},
+      {".msh", {"Volume", "Particles"}, {"Volume"}, true},
   };
   return all;
 }

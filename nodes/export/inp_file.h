@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/export/regions.h"
-#include "nodes/export/voxel_source.h"
 #include "runtime/work.h"
 
 namespace terrazzo::exporting {

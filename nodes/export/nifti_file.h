@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "nodes/export/voxel_source.h"
+#include "nodes/common/geometry/voxel_source.h"
 #include "runtime/work.h"
 
 namespace terrazzo::exporting {

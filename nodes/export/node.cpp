@@ -8,6 +8,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/csv.h"
+#include "nodes/export/dream3d_file.h"
 #include "nodes/export/formats.h"
 #include "nodes/export/gltf.h"
 #include "nodes/export/inp_file.h"
@@ -16,6 +17,7 @@
 #include "nodes/export/nifti_file.h"
 #include "nodes/export/npy_file.h"
 #include "nodes/export/picture_file.h"
+#include "nodes/export/surface_file.h"
 #include "nodes/export/usda_file.h"
 #include "nodes/export/vdb_file.h"
 #include "nodes/export/vti_file.h"
@@ -130,7 +132,8 @@ Volume chosen_grids(const Context& c, const Volume& volume) {
 // The one grid of a file that holds only one.
 VoxelSource only_grid(const Context& c, const Volume& volume, const VoxelBox& box) {
   const auto all = grid_names(volume);
-  std::vector<std::string> names = c.keyword("grids").empty() ? c.texts("grids") : std::vector<std::string>();
+  std::vector<std::string> names =
+      c.keyword("grids").empty() ? grid_names(chosen_grids(c, volume)) : std::vector<std::string>();
   if (names.empty() && std::find(all.begin(), all.end(), "id") != all.end()) names = {"id"};
   if (names.empty() && all.size() == 1) names = all;
   if (names.size() != 1)
@@ -174,6 +177,31 @@ void export_vti(Context& c, const std::string& path, const Volume& volume, const
   if (id) write_region_table(c, path, regions, content.box, particles);
 }
 
+void export_dream3d(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
+  Dream3dContent content;
+  content.box = voxel_box(volume);
+  content.provenance = c.provenance();
+  content.particles = particles;
+  for (const std::string& name : grid_names(chosen_grids(c, volume)))
+    content.grids.emplace_back(volume, name, content.box);
+  const auto all = grid_names(volume);
+  std::optional<VoxelSource> id;
+  if (std::find(all.begin(), all.end(), "id") != all.end()) id.emplace(volume, "id", content.box);
+  if (id && !id->whole()) {
+    c.warn("the grid id does not contain whole numbers, so the file has no features");
+    id.reset();
+  }
+  Regions regions;
+  if (id) {
+    regions =
+        find_regions(*id, content.box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.2));
+    content.id = &*id, content.regions = &regions;
+  }
+  write_named(c, path, [&](const std::filesystem::path& file) {
+    write_dream3d(file, content, c.work().part(0.2, 1));
+  });
+}
+
 void export_inp(Context& c, const std::string& path, const Format& format, const Volume& volume,
                 const Particles* particles) {
   const VoxelBox box = voxel_box(volume);
@@ -191,6 +219,30 @@ void export_inp(Context& c, const std::string& path, const Format& format, const
     write_named(c, beside(path, format, "_periodic.inp"), [&](const std::filesystem::path& file) {
       write_periodic_inp(file, box, c.work().part(0.9, 1));
     });
+  write_region_table(c, path, regions, box, particles);
+}
+
+// Surfaces of the regions of a volume.
+void export_surfaces(Context& c, const std::string& path, const Format& format, const Volume& volume,
+                     const Particles* particles) {
+  const VoxelBox box = voxel_box(volume);
+  const auto all = grid_names(volume);
+  if (std::find(all.begin(), all.end(), "id") == all.end())
+    throw Error("no-id", "the volume has no grid id, which tells particles apart", "connect Voxelize.volume");
+  const VoxelSource id(volume, "id", box);
+  const Regions regions =
+      find_regions(id, box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.1));
+  const SurfaceNet net = surface_net(id, box, regions, static_cast<int>(c.integer("smoothing")), c.memory(),
+                                     c.work().part(0.1, 0.6));
+  c.metric("nodes", static_cast<double>(net.nodes.size()));
+  c.metric("triangles", static_cast<double>(net.corners.size()));
+  write_named(c, path, [&](const std::filesystem::path& file) {
+    (format.extension == ".msh" ? write_msh : write_surface_stl)(file, net, regions, c.work().part(0.6, 1));
+  });
+  if (format.extension != ".msh") return;
+  write_named(c, beside(path, format, ".geo"), [&](const std::filesystem::path& file) {
+    write_geo(file, std::filesystem::path(path).filename().string(), net, regions);
+  });
   write_region_table(c, path, regions, box, particles);
 }
 
@@ -227,7 +279,18 @@ void compute(Context& c) {
     return values.count("Particles") ? &values.at("Particles").as<Particles>() : nullptr;
   };
   if (extension == ".vti") return export_vti(c, path, *volume(), particles());
+  if (extension == ".dream3d") return export_dream3d(c, path, *volume(), particles());
   if (extension == ".inp") return export_inp(c, path, format, *volume(), particles());
+  if (extension == ".msh" || (extension == ".stl" && !values.count("Shapes"))) {
+    if (!volume())
+      throw Error("missing-input", "particles without their shapes and volume have no surface",
+                  "connect Voxelize.volume, or shapes");
+    return export_surfaces(c, path, format, *volume(), particles());
+  }
+  if (extension == ".stl" && values.size() > 1)
+    throw Error("format-does-not-fit", "a .stl file holds one shape, or the surface of a volume, not both",
+                "use one Export node for each")
+        .parameter("path");
   if (extension == ".usda")
     return export_usda(c, path, format, *particles(), values.at("Shapes").as<Shapes>(), volume());
   if (first.is<Image>() && extension != ".json")
@@ -270,14 +333,18 @@ NodeType export_node() {
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
-          "glTF 2.0 with EXT_mesh_gpu_instancing; OpenUSD; OpenVDB; VTK XML 1.0; NIfTI-1; Abaqus keywords; "
+          "glTF 2.0 with EXT_mesh_gpu_instancing; OpenUSD; OpenVDB; VTK XML 1.0; DREAM3D file version 7.0; "
+          "NIfTI-1; "
+          "Abaqus keywords; Gmsh MSH 2.2; "
           "OpenImageIO; RFC 4180");
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
       .parameter(Parameter::output_path("path").doc_(
           "File to write: .glb (particles with shapes, or shapes), .usda (particles with shapes, and a "
           "volume as "
-          ".vdb beside it), .vdb (volume), .vti (volume), .inp (volume as a mesh of voxels), .npy (one grid "
+          ".vdb beside it), .vdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "
+          "voxels), "
+          ".msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one grid "
           "of a "
           "volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr (images; a "
           "stack becomes name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv (tables, "
@@ -297,15 +364,23 @@ NodeType export_node() {
           Parameter::choice("id_type", "float", {"float", "int32"})
               .doc_(".vdb: type of the grids of whole numbers (id, source). float: more programs read it; "
                     "exact up to 2^24. int32: unchanged. LoadVolume gives the same grids for both."))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
-              .count(1, 64)
-              .doc_(".vdb, .vti, .usda: names of the grids to write. .npy, .nii: name of the one grid. "
-                    "auto: all; for .npy and .nii, id or the only grid."))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
+                     .count(1, 64)
+                     .doc_(".vdb, .vti, .dream3d, .usda: names of the grids to write. .npy, .nii: name of "
+                           "the one grid. "
+                           "auto: all; for .npy and .nii, id or the only grid."))
       .parameter(
           Parameter::choice("regions", "particles", {"particles", "phases"})
-              .doc_(".vti, .inp: what has a number or element set of its own, besides the binder: every "
-                    "particle, or every class of particles and all voids together (needs particles)."))
+              .doc_(
+                  ".vti, .dream3d, .inp, .msh: what has a number, element set or surface of its own, besides "
+                  "the binder: every particle, or every class of particles and all voids together (needs "
+                  "particles)."))
+      .parameter(
+          Parameter::integer("smoothing", 10)
+              .range(0, 1000)
+              .doc_(
+                  ".msh and .stl of a volume: how often each node moves toward the mean of its neighbors on "
+                  "the same surface, by at most half a voxel in all. 0: faces of voxels."))
       .parameter(
           Parameter::choice("compression", "zlib", {"zlib", "none"}).doc_(".vti: compression of the voxels."))
       .writes_files_()

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/data/labels.h"
-#include "nodes/export/voxel_source.h"
 #include "runtime/work.h"
 
 namespace terrazzo::exporting {

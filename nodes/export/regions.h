@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/table.h"
-#include "nodes/export/voxel_source.h"
 #include "runtime/work.h"
 
 namespace terrazzo::exporting {

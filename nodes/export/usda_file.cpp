@@ -7,9 +7,9 @@
 #include <set>
 
 #include "nodes/common/geometry/render_mesh.h"
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/instances.h"
-#include "nodes/export/voxel_source.h"
 
 namespace terrazzo::exporting {
 namespace {

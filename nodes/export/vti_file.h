@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/export/regions.h"
-#include "nodes/export/voxel_source.h"
 #include "runtime/work.h"
 
 namespace terrazzo::exporting {

@@ -6,6 +6,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/common/geometry/voxel_grids.h"
+#include "nodes/load_volume/dream3d.h"
 #include "nodes/load_volume/scan.h"
 #include "nodes/load_volume/vdb.h"
 #include "nodes/load_volume/vti.h"
@@ -104,11 +105,14 @@ void compute(Context& c) {
     c.output("volume", std::move(volume));
     return;
   }
-  if (is_vti(files[0])) {
-    require_one(files, "VTK");
+  const bool vti = is_vti(files[0]);
+  if (vti || is_hdf5(files[0])) {
+    const char* format = vti ? "VTK" : "DREAM3D";
+    require_one(files, format);
     if (c.keyword("slope").empty() || c.keyword("intercept").empty())
-      c.warn("slope and intercept have no effect on VTK files");
-    Volume volume = read_vti(files[0], name, given_spacing(c), reading_of(c), c.work());
+      c.warn(fmt::format("slope and intercept have no effect on {} files", format));
+    Volume volume =
+        (vti ? read_vti : read_dream3d)(files[0], name, given_spacing(c), reading_of(c), c.work());
     for (const auto& note : make_names_valid(volume)) c.warn(note);
     c.output("volume", std::move(volume));
     return;
@@ -138,19 +142,21 @@ void compute(Context& c) {
 NodeType load_volume_node() {
   return NodeType("LoadVolume", 3)
       .doc_(
-          "Reads a volume: OpenVDB, VTK image data, NIfTI, a NumPy array, a DICOM series, or a stack of gray "
-          "images.")
-      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, NumPy .npy")
+          "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, a NumPy array, a DICOM series, or a "
+          "stack of "
+          "gray images.")
+      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, DREAM3D file version 7.0, NumPy .npy")
       .output(
           "volume", "Volume",
           "A scan becomes one float grid, in Hounsfield units or the units of its rescale, with x to the "
           "right, y to the front and z to the head. Grids of an OpenVDB file are returned unchanged, cell "
-          "data of a VTK file as grids of the same names.")
+          "data of VTK and DREAM3D files as grids of the same names; FeatureIds of a DREAM3D file, less 1, "
+          "as the grid id.")
       .parameter(Parameter::input_path("path").doc_("Volume file, or a glob that names the slices of one "
                                                     "series or stack. The content determines the format."))
       .parameter(
           Parameter::text("grid", "")
-              .doc_("OpenVDB and VTK: name of the single grid to read; empty: all grids. Other "
+              .doc_("OpenVDB, VTK and DREAM3D: name of the single grid to read; empty: all grids. Other "
                     "formats: name of the output grid; empty: density; id: whole numbers, the index of "
                     "the particle at each voxel, negative in the binder."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
@@ -158,7 +164,8 @@ NodeType load_volume_node() {
                      .count(1, 3)
                      .unit_("mm")
                      .doc_("Edge lengths of a voxel, one number or three. auto: from the file; image stacks "
-                           "and NumPy arrays contain no spacing. Lengths in VTK files are meters."))
+                           "and NumPy arrays contain no spacing. Lengths in VTK files are meters, in DREAM3D "
+                           "files micrometers."))
       .parameter(Parameter::optional_number("slope", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Factor in value = slope · stored + intercept. auto: from the file, else 1."))
@@ -166,7 +173,7 @@ NodeType load_volume_node() {
                      .range(-1e12, 1e12)
                      .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
       .companion_files_([](const std::filesystem::path& path) {
-        return is_vdb(path) || is_vti(path) || is_npy(path) || is_dicom(path)
+        return is_vdb(path) || is_vti(path) || is_hdf5(path) || is_npy(path) || is_dicom(path)
                    ? std::vector<std::filesystem::path>()
                    : nifti_companions(path);
       })

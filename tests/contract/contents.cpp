@@ -80,13 +80,12 @@ json this_machine() {
 }
 
 fs::path example_file(const NodeType& type) {
-  std::string folder;  // ShapeEstimate → shape_estimate
+  std::string folder;  // ShapeEstimate → shape_estimate, Measure3D → measure3d
   for (std::size_t i = 0; i < type.name.size(); ++i) {
-    const auto upper = [&](std::size_t k) {
-      return std::isupper(static_cast<unsigned char>(type.name[k])) != 0;
-    };
-    if (i && upper(i) && !upper(i - 1)) folder += '_';
-    folder += static_cast<char>(std::tolower(static_cast<unsigned char>(type.name[i])));
+    const auto letter = static_cast<unsigned char>(type.name[i]);
+    if (i && std::isupper(letter) && std::islower(static_cast<unsigned char>(type.name[i - 1])))
+      folder += '_';
+    folder += static_cast<char>(std::tolower(letter));
   }
   return fs::path(TERRAZZO_SOURCE) / "nodes" / (type.name == "KMatrix" ? "kmatrix" : folder) / "example.yaml";
 }

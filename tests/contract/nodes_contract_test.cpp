@@ -28,12 +28,12 @@ namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 
-// ShapeEstimate → shape_estimate
+// ShapeEstimate → shape_estimate, Measure3D → measure3d
 std::string folder_of(const std::string& type) {
   std::string out;
   for (std::size_t i = 0; i < type.size(); ++i) {
     if (i && std::isupper(static_cast<unsigned char>(type[i])) &&
-        !std::isupper(static_cast<unsigned char>(type[i - 1])))
+        std::islower(static_cast<unsigned char>(type[i - 1])))
       out += '_';
     out += static_cast<char>(std::tolower(static_cast<unsigned char>(type[i])));
   }

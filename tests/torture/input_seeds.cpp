@@ -10,6 +10,7 @@
 #include "nodes/data/labels.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
+#include "nodes/export/dream3d_file.h"
 #include "nodes/export/mesh_file.h"
 #include "nodes/export/nifti_file.h"
 #include "nodes/export/npy_file.h"
@@ -142,6 +143,9 @@ void voxel_files(Writer& w) {
          "<CellData><DataArray type=\"Int8\" Name=\"a\">1 2</DataArray><DataArray type=\"UInt8\" Name=\"b\" "
          "format=\"appended\" offset=\"0\"/></CellData></Piece></ImageData><AppendedData encoding=\"raw\">_" +
              std::string("\2\0\0\0\1\2", 6) + "</AppendedData></VTKFile>");
+  for (const char* reader : {"LoadVolume.dream3d", "provenance.dream3d"})
+    write_dream3d(w.place(reader, "a.dream3d"),
+                  {box, {ids, colors}, &ids, &regions, nullptr, "{\"document\":\"\"}"});
   write_npy(w.place("LoadVolume.npy", "a.npy"), ids, box);
   write_nifti(w.place("provenance.nii", "a.nii"), ids, box, "{\"document\":\"\"}");
 }

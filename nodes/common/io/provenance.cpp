@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/hdf5_input.h"
 #include "nodes/common/io/picture_input.h"
 #include "nodes/common/io/provenance_text.h"
 #include "nodes/common/io/reading.h"
@@ -47,6 +48,18 @@ std::string from_vdb(const std::filesystem::path& path, const Reading& reading) 
   }
 }
 
+std::string from_dream3d(const std::filesystem::path& path, const Reading& reading) {
+  try {
+    const std::string content = read_whole(path, reading);
+    const Hdf5Input file(content);
+    const auto at = file.find("/Terrazzo/Provenance");
+    if (at == 0 || file.array(at).kind != Hdf5Kind::Text || file.array(at).count() != 1) return "";
+    return file.read(at).c_str();  // ends with 0
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 }  // namespace
 
 std::string read_provenance(const std::filesystem::path& path) {
@@ -54,6 +67,7 @@ std::string read_provenance(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".glb") return from_glb(path, reading);
   if (extension == ".vdb") return from_vdb(path, reading);
+  if (extension == ".dream3d") return from_dream3d(path, reading);
   if (extension == ".vti") return provenance_in_vti(path);
   if (extension == ".usda") return provenance_in_usda(path);
   if (extension == ".inp") return provenance_in_inp(path);

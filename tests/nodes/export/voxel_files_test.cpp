@@ -6,11 +6,11 @@
 #include <set>
 #include <sstream>
 
+#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/common/io/base64.h"
 #include "nodes/common/io/provenance.h"
 #include "nodes/export/inp_file.h"
 #include "nodes/export/regions.h"
-#include "nodes/export/voxel_source.h"
 #include "runtime/codec.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/nodes/export/voxel_support.h"

@@ -1,5 +1,4 @@
-// A volume as plain arrays of voxels, which most formats other than OpenVDB hold. Reads a few planes at a
-// time, so that no writer needs a whole grid in memory.
+// A volume as plain arrays of voxels, a few planes at a time, so that no reader needs a whole grid in memory.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +8,9 @@
 
 #include "nodes/data/opaque_volume.h"
 
-namespace terrazzo::exporting {
+namespace terrazzo {
 
-// The voxels that a file holds: one period, or the active voxels of all grids if the volume does not tile.
+// The voxels of a volume: one period, or the active voxels of all grids if the volume does not tile.
 struct VoxelBox {
   Vec3i first = Vec3i::Zero(), size = Vec3i::Zero();  // voxels
   Vec3 spacing = Vec3::Ones();                        // edges of a voxel, mm
@@ -37,6 +36,7 @@ class VoxelSource {
   const std::string& name() const { return name_; }
   int components() const { return components_; }  // 1 or 3
   bool whole() const { return whole_; }           // whether the values are whole numbers
+  bool yes_no() const { return yes_no_; }         // whether they are only 0 and 1, those of a bool grid
   std::size_t voxel_bytes() const { return 4 * static_cast<std::size_t>(components_); }
   // Reads the planes z0 ≤ z < z1 of the box: x fastest, a voxel's components together. Grids of whole numbers
   // give std::int32_t (bool: 0 or 1), the others float. Several threads may read at once.
@@ -47,7 +47,7 @@ class VoxelSource {
   VoxelBox box_;
   std::string name_;
   int components_ = 1;
-  bool whole_ = false;
+  bool whole_ = false, yes_no_ = false;
 };
 
-}  // namespace terrazzo::exporting
+}  // namespace terrazzo

@@ -1,4 +1,4 @@
-#include "nodes/export/voxel_source.h"
+#include "nodes/common/geometry/voxel_source.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "nodes/data/volume.h"
 
-namespace terrazzo::exporting {
+namespace terrazzo {
 namespace {
 
 template <class Grid>
@@ -57,12 +57,11 @@ std::pair<Vec3, Vec3> lattice_of(const openvdb::GridBase& grid) {
       const double v = m[i][j];
       if (i == j) spacing[i] = v;
       if (i == j ? !(v > 0) || !std::isfinite(v) : v != 0)
-        throw Error(
-            "tilted-volume",
-            fmt::format("the voxels of grid '{}' are rotated, sheared or mirrored: the format holds only "
-                        "edges along x, y and z",
-                        grid.getName()),
-            "resample the volume, or export it as .vdb");
+        throw Error("tilted-volume",
+                    fmt::format("the voxels of grid '{}' are rotated, sheared or mirrored, but must have "
+                                "edges along x, y and z",
+                                grid.getName()),
+                    "resample the volume; only .vdb files hold such grids");
     }
   return {spacing, Vec3(m[3][0], m[3][1], m[3][2]) - 0.5 * spacing};
 }
@@ -70,7 +69,7 @@ std::pair<Vec3, Vec3> lattice_of(const openvdb::GridBase& grid) {
 }  // namespace
 
 VoxelBox voxel_box(const Volume& volume) {
-  if (volume.grids.empty()) throw Error("no-grids", "the volume has no grids to write");
+  if (volume.grids.empty()) throw Error("no-grids", "the volume has no grids");
   VoxelBox box;
   Vec3 corner;
   std::tie(box.spacing, corner) = lattice_of(*volume.grids[0]);
@@ -80,7 +79,7 @@ VoxelBox voxel_box(const Volume& volume) {
       throw Error("size-mismatch",
                   fmt::format("the grids '{}' and '{}' have different voxels", volume.grids[0]->getName(),
                               g->getName()),
-                  "export them separately");
+                  "use grids of equal voxels");
   }
   box.periodic = volume.resolution.minCoeff() > 0;
   if (box.periodic) {
@@ -109,12 +108,12 @@ VoxelSource::VoxelSource(const Volume& volume, const std::string& grid, const Vo
     throw Error(
         "no-such-grid",
         fmt::format("the volume has no grid '{}' (its grids: {})", grid, fmt::join(grid_names(volume), ", ")),
-        "choose one of them with grids")
-        .parameter("grids");
+        "choose one of them");
   const bool known = with_grid(*grid_, [&]<class Grid>(const Grid& g) {
     components_ = is_vector<Grid> ? 3 : 1;
     whole_ = std::is_same_v<Grid, openvdb::Int32Grid> || std::is_same_v<Grid, openvdb::Vec3IGrid> ||
              std::is_same_v<Grid, openvdb::BoolGrid>;
+    yes_no_ = std::is_same_v<Grid, openvdb::BoolGrid>;
     if (!whole_) check_finite(g);
   });
   if (!known)
@@ -143,4 +142,4 @@ void VoxelSource::read(int z0, int z1, void* out) const {
   });
 }
 
-}  // namespace terrazzo::exporting
+}  // namespace terrazzo

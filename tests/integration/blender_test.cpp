@@ -1,0 +1,112 @@
+// The add-on for Blender, run in Blender without a window: instances, colors, ids, voxels.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "nodes/common/geometry/voxel_grids.h"
+#include "nodes/data/opaque_volume.h"
+#include "nodes/export/gltf.h"
+#include "nodes/export/vdb_file.h"
+#include "tests/nodes/export/export_support.h"
+#include "tests/support/readers.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+using namespace exporting;
+namespace fs = std::filesystem;
+
+nlohmann::json in_blender(const fs::path& file) {
+  const fs::path source = test::source_folder(), out = file.string() + ".json";
+  const auto run = test::run_command({"blender", "--background", "--factory-startup", "--python",
+                                      (source / "tests/integration/readers/read_blender.py").string(), "--",
+                                      (source / "nodes/export/blender/terrazzo_import.py").string(),
+                                      file.string(), out.string()});
+  std::ifstream in(out);
+  auto json = nlohmann::json::parse(in, nullptr, false);
+  EXPECT_FALSE(json.is_discarded()) << run.out << run.err;
+  return json;
+}
+
+// Voxels of 0.5 mm that fill a box of 20 × 28 × 40 mm. Blender tells the box of whole blocks of 8 voxels.
+void write_grids(const fs::path& file) {
+  Volume v;
+  v.resolution = Vec3i(40, 56, 80);
+  add_number_grid(v, "density", v.resolution, Vec3::Constant(0.5), {},
+                  [](std::size_t i) { return 0.5f + float(i % 2); });
+  write_vdb(file, v, "{}");
+}
+
+TEST(BlenderAddOn, ImportsParticlesWithColorsAndIdsAndTheVolume) {
+  if (!test::has_program("blender")) GTEST_SKIP() << "blender is not installed";
+  const fs::path out = test::temporary_folder();
+  const Particles particles = test::some_particles(300);
+  const Shapes shapes = test::two_shapes();
+  write_glb(out / "p.glb", particles, shapes, "{}");
+  write_grids(out / "p.vdb");
+  const auto j = in_blender(out / "p.glb");
+  EXPECT_EQ(j["result"], std::vector<std::string>{"FINISHED"}) << j["error"];
+  // One mesh per shape with particles; faces of the faceted shape share their vertices again.
+  EXPECT_EQ(j["meshes"]["faceted"], (std::vector<int>{4, 4}));
+  EXPECT_EQ(j["meshes"].size(), 2u);
+  ASSERT_EQ(j["particles"].size(), 300u);
+  std::set<std::size_t> ids;
+  for (const auto& p : j["particles"]) {
+    const auto i = p["id"].get<std::size_t>();
+    ASSERT_LT(i, 300u);
+    ids.insert(i);
+    EXPECT_EQ(p["mesh"], shapes.shapes[static_cast<std::size_t>(particles.shape[i])].name);
+    EXPECT_EQ(p["material"], "Terrazzo particle");
+    // A corner of the tetrahedron: whichever Blender has first, one must be there, in mm with z up.
+    double nearest = 1e9;
+    for (const Vec3& v : shapes.shapes[0].mesh.vertices) {
+      const Vec3 at = particles.position[i] + particles.scale[i] * (particles.orientation[i] * v);
+      nearest = std::min(nearest, (at - Vec3(p["corner"][0], p["corner"][1], p["corner"][2])).norm());
+    }
+    EXPECT_LT(nearest, 1e-4);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(p["place"][static_cast<std::size_t>(k)], particles.position[i][k], 1e-4);
+      EXPECT_NEAR(p["color"][static_cast<std::size_t>(k)], particles.color[i][k], 1e-6);
+    }
+  }
+  EXPECT_EQ(ids.size(), 300u);
+  ASSERT_EQ(j["volumes"].size(), 1u);
+  EXPECT_TRUE(j["volumes"][0]["hidden"].get<bool>());
+  const auto& grid = j["volumes"][0]["grids"]["density"];
+  EXPECT_EQ(grid[0], "FLOAT");
+  // The box reaches from the first to the last voxel center.
+  const auto& box = j["volumes"][0]["box"];
+  const int size[] = {40, 56, 80};
+  for (std::size_t a = 0; a < 3; ++a) {
+    double low = 1e9, high = -1e9;
+    for (const auto& corner : box)
+      low = std::min<double>(low, corner[a]), high = std::max<double>(high, corner[a]);
+    EXPECT_NEAR((high - low) / grid[2][a][a].get<double>() + 1, size[a], 1e-3);
+    EXPECT_NEAR(low, 0.25, 1e-5);
+  }
+}
+
+TEST(BlenderAddOn, ImportsAVolumeAloneAndRefusesOtherFiles) {
+  if (!test::has_program("blender")) GTEST_SKIP() << "blender is not installed";
+  const fs::path out = test::temporary_folder();
+  write_grids(out / "v.vdb");
+  const auto volume = in_blender(out / "v.vdb");
+  ASSERT_EQ(volume["volumes"].size(), 1u);
+  EXPECT_FALSE(volume["volumes"][0]["hidden"].get<bool>());
+  EXPECT_EQ(volume["particles"].size(), 0u);
+
+  write_glb(out / "s.glb", test::two_shapes());  // shapes without particles
+  const auto shapes = in_blender(out / "s.glb");
+  EXPECT_EQ(shapes["result"], std::vector<std::string>{"CANCELLED"});
+  EXPECT_NE(shapes["error"].get<std::string>().find("instancing: extension"), std::string::npos);
+  write_glb(out / "t.glb", test::some_particles(9), test::two_shapes(), "{}");
+  fs::resize_file(out / "t.glb", fs::file_size(out / "t.glb") - 100);
+  EXPECT_NE(in_blender(out / "t.glb")["error"].get<std::string>().find("truncated"), std::string::npos);
+  std::ofstream(out / "v.vdb") << "nothing";
+  EXPECT_NE(in_blender(out / "v.vdb")["error"].get<std::string>().find("cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace terrazzo
