@@ -140,7 +140,7 @@ TEST(StudioNewMaterial, ThePhotographsGraphIsCompleteAndComputesNothingElse) {
   const Graph graph = load_graph_text(text, test::source_folder() / "graphs/x.yaml", registry, {}, found);
   for (const auto& d : found) EXPECT_EQ(d.code, "no-file") << d.text();
   EXPECT_EQ(graph.name, "Stone");
-  EXPECT_NE(text.find("# each at all depths"), std::string::npos);
+  EXPECT_NE(text.find("# at the photograph's scale"), std::string::npos);
   EXPECT_GE(graph.find("segment"), 0);
   EXPECT_EQ(graph.find("voxels_2004"), -1);
   for (const int i : graph.sinks()) {
