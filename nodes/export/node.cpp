@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -152,51 +153,49 @@ void write_region_table(Context& c, const std::string& path, const Regions& regi
   });
 }
 
-void export_vti(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
-  VtiContent content;
+// The grid id of a volume and its regions, to which the content of a file of voxels refers.
+struct Identified {
+  std::optional<VoxelSource> id;  // none if the volume has no such grid of whole numbers
+  Regions regions;
+};
+
+// Fills in the parts that files of voxels share. `content` refers to the result. `lost`: what the file lacks
+// without regions.
+template <class Content>
+std::unique_ptr<Identified> fill_content(Context& c, Content& content, const Volume& volume,
+                                         const Particles* particles, const std::string& lost) {
   content.box = voxel_box(volume);
-  content.compression = c.choice<VtiCompression>("compression");
   content.provenance = c.provenance();
   for (const std::string& name : grid_names(chosen_grids(c, volume)))
     content.grids.emplace_back(volume, name, content.box);
+  auto out = std::make_unique<Identified>();
   const auto all = grid_names(volume);
-  std::optional<VoxelSource> id;
-  if (std::find(all.begin(), all.end(), "id") != all.end()) id.emplace(volume, "id", content.box);
-  if (id && !id->whole()) {
-    c.warn("the grid id does not contain whole numbers, so the file has no array material");
-    id.reset();
+  if (std::find(all.begin(), all.end(), "id") != all.end()) out->id.emplace(volume, "id", content.box);
+  if (out->id && !out->id->whole()) {
+    c.warn("the grid id does not contain whole numbers, so the file has no " + lost);
+    out->id.reset();
   }
-  Regions regions;
-  if (id) {
-    regions =
-        find_regions(*id, content.box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.2));
-    content.id = &*id, content.regions = &regions;
+  if (out->id) {
+    out->regions = find_regions(*out->id, content.box, particles, c.choice<RegionKind>("regions"),
+                                c.work().part(0, 0.2));
+    content.id = &*out->id, content.regions = &out->regions;
   }
+  return out;
+}
+
+void export_vti(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
+  VtiContent content;
+  content.compression = c.choice<VtiCompression>("compression");
+  const auto found = fill_content(c, content, volume, particles, "array material");
   write_named(c, path,
               [&](const std::filesystem::path& file) { write_vti(file, content, c.work().part(0.2, 1)); });
-  if (id) write_region_table(c, path, regions, content.box, particles);
+  if (found->id) write_region_table(c, path, found->regions, content.box, particles);
 }
 
 void export_dream3d(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
   Dream3dContent content;
-  content.box = voxel_box(volume);
-  content.provenance = c.provenance();
   content.particles = particles;
-  for (const std::string& name : grid_names(chosen_grids(c, volume)))
-    content.grids.emplace_back(volume, name, content.box);
-  const auto all = grid_names(volume);
-  std::optional<VoxelSource> id;
-  if (std::find(all.begin(), all.end(), "id") != all.end()) id.emplace(volume, "id", content.box);
-  if (id && !id->whole()) {
-    c.warn("the grid id does not contain whole numbers, so the file has no features");
-    id.reset();
-  }
-  Regions regions;
-  if (id) {
-    regions =
-        find_regions(*id, content.box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.2));
-    content.id = &*id, content.regions = &regions;
-  }
+  const auto found = fill_content(c, content, volume, particles, "features");
   write_named(c, path, [&](const std::filesystem::path& file) {
     write_dream3d(file, content, c.work().part(0.2, 1));
   });
