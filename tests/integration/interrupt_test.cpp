@@ -14,21 +14,21 @@ namespace fs = std::filesystem;
 using test::ProgramOptions;
 using test::ProgramRun;
 
-// A packing that would take hours.
-const char* const endless =
+// A packing of so many particles that it still moves them when a signal comes after a second.
+const char* const long_packing =
     "terrazzo: 1\n"
     "nodes:\n"
     "  stone: {type: Shape, params: {kind: sphere, size: 1}}\n"
     "  sizes: {type: Distribution, params: {kind: lognormal, mean: 1, sd: 0.2, min: 0.6, max: 1.6, "
     "volume_fraction: 0.72}}\n"
     "  pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: stone.shapes}, "
-    "params: {count: 590, iterations: 1000000}}\n";
+    "params: {count: 20000, iterations: 1000000}}\n";
 
 class CtrlC : public ::testing::Test {
  protected:
   fs::path folder = test::temporary_folder();
   fs::path graph = folder / "g.yaml", out = folder / "out";
-  void SetUp() override { std::ofstream(graph) << endless; }
+  void SetUp() override { std::ofstream(graph) << long_packing; }
 
   // Runs until the packing is interrupted after particles have been moved: on a slow machine, the first
   // attempts may be too early.
@@ -50,7 +50,7 @@ TEST_F(CtrlC, LeavesAPackingFromWhichARunContinues) {
   const fs::path file = out / "pack.interrupted.json";
   EXPECT_NE(r.err.find(file.string()), std::string::npos) << r.err;
   EXPECT_NE(r.err.find("LoadParticles"), std::string::npos) << r.err;
-  std::string resumed = endless;
+  std::string resumed = long_packing;
   resumed += "  so_far: {type: LoadParticles, params: {path: out/pack.interrupted.json}}\n";
   resumed.replace(resumed.find("stone.shapes}, "), 15, "stone.shapes, start: so_far.particles}, ");
   std::ofstream(folder / "resumed.yaml") << resumed;
