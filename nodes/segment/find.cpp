@@ -7,8 +7,10 @@
 #include <optional>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/segment/contacts.h"
 #include "nodes/segment/fill_gaps.h"
 #include "nodes/segment/network_particles.h"
+#include "nodes/segment/smooth_outlines.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -133,6 +135,17 @@ struct Attempt {
     labels.ids = std::move(filled), confidence = std::move(filled_confidence);
     labels.classes.assign(confidence.size(), 0);
     coverage.assign(coverage.size(), 1);
+  }
+
+  // Corrects the outlines in a section by its colors.
+  void refine(int section, const Image& image, const Work& work) {
+    const auto plane = static_cast<std::ptrdiff_t>(image.width) * image.height, first = section * plane;
+    std::vector<std::int32_t> ids(labels.ids.begin() + first, labels.ids.begin() + first + plane);
+    std::vector<float> shares(coverage.begin() + first, coverage.begin() + first + plane);
+    open_contacts(image, section, ids, shares, work);
+    smooth_outlines(image, section, ids, shares, work);
+    std::copy(ids.begin(), ids.end(), labels.ids.begin() + first);
+    std::copy(shares.begin(), shares.end(), coverage.begin() + first);
   }
 
   void add_chosen(NetworkView::Found chosen) {
@@ -308,9 +321,12 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   } else {
     best = network ? std::move(by_network) : s.method == Method::Scribbles ? by_scribbles() : by_clusters();
   }
-  if (fills)
-    for (int i = 0; i < sections; ++i)
+  for (int i = 0; i < sections; ++i) {
+    if (fills)
       best.fill(i, image, network ? view_of(i, work.quiet()).get() : nullptr, work);
+    else
+      best.refine(i, image, work.quiet());
+  }
   s.labels = std::move(best.labels);
   s.labels.width = image.width, s.labels.height = image.height, s.labels.sections = sections;
   s.labels.pixel_size = image.pixel_size;
