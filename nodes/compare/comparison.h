@@ -7,6 +7,7 @@
 
 #include "nodes/common/plot/plot.h"
 #include "nodes/data/image.h"
+#include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/table.h"
@@ -39,8 +40,9 @@ struct Comparison {
 
 struct CompareChoice {
   bool size_classes = true, area_fraction = true, color = true;
-  bool circularity = true, total_curvature = true;                                       // profiles
-  bool bands = true, patches = true, two_point = true, lineal_path = true, seam = true;  // images
+  bool circularity = true, total_curvature = true;  // profiles
+  bool two_point = true, lineal_path = true;        // images, and profiles with labels
+  bool bands = true, patches = true, seam = true;   // images
   int classes = 10;
   double smallest = 0;  // mm; size_classes omits profiles with a smaller diameter √(4A/π)
 };
@@ -69,6 +71,14 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
 // image. seam: step across the wrap / mean step inside, without a tolerance. Throws Error "no-pixels",
 // "bad-pixels".
 Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& = {});
+
+// How particles and binder are arranged in the sections of two sets: two_point is the probability that both
+// ends of a segment are in particles, lineal_path that all of it is in one particle, or in the binder
+// (Torquato 2002, 2.1 and 2.4), along rows and columns up to four mean intercepts or a quarter of a side.
+// Compares the largest difference at any distance. Its tolerance is the 95th percentile of the same
+// difference between one section and the others of the set with more sections (below four, quarters of
+// sections), scaled to the areas of both sets.
+void compare_phases(const Labels& a, const Labels& b, const CompareChoice&, Comparison&, const Work&);
 
 // Parts of the above, in compare_textures.cpp and compare_outlines.cpp.
 void compare_textures(const Image& a, const Image& b, const CompareChoice&, Comparison&, const Work&);

@@ -14,8 +14,8 @@ namespace terrazzo {
 namespace {
 using namespace compare;
 
-const std::vector<std::string> of_profiles = {"size_classes", "area_fraction", "color", "circularity",
-                                              "total_curvature"};
+const std::vector<std::string> of_profiles = {"size_classes",    "area_fraction", "color",      "circularity",
+                                              "total_curvature", "two_point",     "lineal_path"};
 const std::vector<std::string> of_images = {"color", "bands", "patches", "two_point", "lineal_path", "seam"};
 
 // The measures available for a value type.
@@ -59,17 +59,31 @@ double both_show(const Profiles& a, const Profiles& b) {
   return std::max(smallest(a), smallest(b)) * (1 - 1e-9);
 }
 
+Comparison compare_sections(Context& c, const CompareChoice& choice) {
+  Comparison out = compare::compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
+  if (const auto* a = c.optional<Labels>("labels_a"))
+    compare_phases(*a, c.input<Labels>("labels_b"), choice, out, c.work());
+  return out;
+}
+
 void compute(Context& c) {
   const std::string type = c.value("a").type().name, other = c.value("b").type().name;
   if (type != other)
     throw Error("different-types", fmt::format("a has type {}, but b has type {}", type, other),
                 "connect two values of the same type");
+  if (c.has("labels_a") != c.has("labels_b"))
+    throw Error("missing-input", "one of labels_a and labels_b is connected, but not the other",
+                "connect both, or none");
+  if (c.has("labels_a") && type != "Profiles")
+    throw Error("different-types",
+                fmt::format("labels are compared along with Profiles, but a has type {}", type),
+                "disconnect labels_a and labels_b");
   CompareChoice choice = choice_of(c, type);
   if (type == "Profiles" && !c.keyword("smallest").empty())
     choice.smallest = both_show(c.input<Profiles>("a"), c.input<Profiles>("b"));
   Comparison comparison;
   if (type == "Profiles")
-    comparison = compare::compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
+    comparison = compare_sections(c, choice);
   else if (type == "SizeDistribution")
     comparison = compare::compare(c.input<SizeDistribution>("a"), c.input<SizeDistribution>("b"), choice);
   else
@@ -79,7 +93,8 @@ void compute(Context& c) {
     for (const auto& m : c.texts("measures"))
       if (std::none_of(comparison.numbers.begin(), comparison.numbers.end(),
                        [&](const auto& n) { return n.measure == m; }))
-        c.warn(fmt::format("{} is not compared: a or b lacks the data for it, such as outlines", m));
+        c.warn(
+            fmt::format("{} is not compared: a or b lacks the data for it, such as outlines or labels", m));
   double exceeding = 0;
   for (const auto& n : comparison.numbers) exceeding += n.exceeds();
   comparison.metrics["exceeding"] = exceeding;
@@ -94,7 +109,9 @@ void compute(Context& c) {
 NodeType compare_node() {
   Parameter measures = Parameter::with_keyword(ParameterKind::Texts, "measures", "all");
   measures.choices = of_profiles;
-  measures.choices.insert(measures.choices.end(), of_images.begin() + 1, of_images.end());
+  for (const auto& m : of_images)
+    if (std::find(of_profiles.begin(), of_profiles.end(), m) == of_profiles.end())
+      measures.choices.push_back(m);
   NodeType type("Compare", 4);
   type.doc_(
           "Compares two sets of profiles, two size distributions or two images, and reports which "
@@ -105,15 +122,17 @@ NodeType compare_node() {
       .optional_input("a", {"Profiles", "SizeDistribution", "Image"}, "Reference")
       .optional_input("b", {"Profiles", "SizeDistribution", "Image"},
                       "Value to compare with a, of the same type")
+      .optional_input("labels_a", {"Labels"}, "Labels of a's profiles, to compare two_point and lineal_path")
+      .optional_input("labels_b", {"Labels"}, "Labels of b's profiles")
       .output("table", "Table",
               "One row per compared number: measure, item, unit, lower and upper bin edge, a, b, difference "
               "b − a, tolerance, exceeds (0 or 1)")
       .output("figure", "Image",
               "Bars of a and b by class, area fractions, mean colors, and curves of the other measures")
       .parameter(measures.doc_(
-          "Measures to compare. Profiles: size_classes, area_fraction, color, circularity, total_curvature. "
-          "Distributions: size_classes. Images: color and the texture measures bands, patches, two_point, "
-          "lineal_path, seam. all: every measure that applies."))
+          "Measures to compare. Profiles: size_classes, area_fraction, color, circularity, total_curvature, "
+          "and with labels two_point and lineal_path. Distributions: size_classes. Images: color and the "
+          "texture measures bands, patches, two_point, lineal_path, seam. all: every measure that applies."))
       .parameter(
           Parameter::integer("classes", 10)
               .range(1, 1000)
@@ -127,7 +146,8 @@ NodeType compare_node() {
                            "diameters."))
       .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("Names of a and b in the figure."))
       .compute_(compute);
-  for (auto& port : type.inputs) port.optional = false;
+  for (auto& port : type.inputs)
+    if (port.name == "a" || port.name == "b") port.optional = false;
   return type;
 }
 
