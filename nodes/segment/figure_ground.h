@@ -30,4 +30,8 @@ struct Ground {
 // removed from the mosaics. Throws Error "one-color" if there are fewer than two clusters.
 Ground find_ground(std::vector<Mosaic>&, int k, const Hint&, double split, std::uint64_t seed, const Work&);
 
+// Removes slow changes of light from sections where they are strong compared with the distances of the
+// clusters' colors. Returns whether any changed.
+bool even_light(std::vector<Mosaic>& sections, const Clusters&, const Work&);
+
 }  // namespace terrazzo::segment

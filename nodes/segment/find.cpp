@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
 
 #include "nodes/common/geometry/components.h"
-#include "nodes/segment/contacts.h"
-#include "nodes/segment/fill_gaps.h"
+#include "nodes/segment/attempt.h"
 #include "nodes/segment/network_particles.h"
-#include "nodes/segment/smooth_outlines.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -46,11 +43,6 @@ void ignore_objects(const std::vector<float>& not_material, int section, const I
   ignored.resize(image.pixels.size(), 0);
   for (std::size_t i = 0; i < parts.ids.size(); ++i)
     if (const auto k = parts.ids[i]; k > 0 && counts(k - 1)) ignored[image.index(0, 0, section) + i] = 1;
-}
-
-std::vector<double> confidences_of(std::vector<double> scores) {
-  for (double& s : scores) s = confidence_of_score(s);
-  return scores;
 }
 
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
@@ -95,78 +87,6 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   }
   return found;
 }
-
-// The particles of all sections by one method, and what the network thinks of them.
-struct Attempt {
-  Labels labels;
-  std::vector<float> coverage;
-  std::vector<double> confidence;
-  double min_area = 0;
-  std::int64_t specks = 0, speck_pixels = 0, holes = 0;
-  std::vector<std::int32_t> filled;  // by fill(), until its last section
-  std::vector<double> filled_confidence;
-
-  void add(Particles2D found, const std::vector<double>& judged) {
-    const std::int32_t before = labels.count();
-    for (const auto l : found.labels) labels.ids.push_back(l == 0 ? 0 : l + before);
-    labels.classes.resize(before + judged.size(), 0);
-    confidence.insert(confidence.end(), judged.begin(), judged.end());
-    coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
-    min_area = found.min_area;
-    specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
-  }
-
-  // Leaves no pixel of the section without a particle. Called for the sections in order, from the first.
-  void fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
-    const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
-    if (section == 0) filled = {}, filled_confidence = {};
-    const auto begin = labels.ids.begin() + static_cast<std::ptrdiff_t>(section * plane);
-    std::vector<std::int32_t> own(begin, begin + static_cast<std::ptrdiff_t>(plane));
-    std::map<std::int32_t, std::int32_t> names;  // numbers of all sections → 1 to n
-    for (auto& id : own)
-      if (id > 0) id = names.try_emplace(id, static_cast<std::int32_t>(names.size()) + 1).first->second;
-    const std::int32_t count = fill_gaps(own, image, section);
-    std::vector<double> judged(count, 1);
-    if (judge) judged = confidences_of(judge->scores(own, count, work.quiet()));
-    const auto before = static_cast<std::int32_t>(filled_confidence.size());
-    for (const auto id : own) filled.push_back(id + before);
-    filled_confidence.insert(filled_confidence.end(), judged.begin(), judged.end());
-    if (section + 1 < image.sections) return;
-    labels.ids = std::move(filled), confidence = std::move(filled_confidence);
-    labels.classes.assign(confidence.size(), 0);
-    coverage.assign(coverage.size(), 1);
-  }
-
-  // Corrects the outlines in a section by its colors.
-  void refine(int section, const Image& image, const Work& work) {
-    const auto plane = static_cast<std::ptrdiff_t>(image.width) * image.height, first = section * plane;
-    std::vector<std::int32_t> ids(labels.ids.begin() + first, labels.ids.begin() + first + plane);
-    std::vector<float> shares(coverage.begin() + first, coverage.begin() + first + plane);
-    open_contacts(image, section, ids, shares, work);
-    smooth_outlines(image, section, ids, shares, work);
-    std::copy(ids.begin(), ids.end(), labels.ids.begin() + first);
-    std::copy(shares.begin(), shares.end(), coverage.begin() + first);
-  }
-
-  void add_chosen(NetworkView::Found chosen) {
-    add(std::move(chosen.particles), confidences_of(chosen.scores));
-  }
-
-  // What is expected to be right and what was found in all, each particle counted by the length of its
-  // outline: by area, one boulder would decide, by number, the crumbs.
-  struct Weight {
-    double right = 0, found = 0;
-  };
-  Weight weight() const {
-    std::vector<double> area(confidence.size(), 0);
-    for (const auto id : labels.ids)
-      if (id > 0) ++area[id - 1];
-    Weight w;
-    for (std::size_t k = 0; k < area.size(); ++k)
-      w.right += std::sqrt(area[k]) * confidence[k], w.found += std::sqrt(area[k]);
-    return w;
-  }
-};
 
 }  // namespace
 

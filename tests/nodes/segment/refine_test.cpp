@@ -1,4 +1,4 @@
-// Corrections of outlines by color: binder between touching particles, and ragged outlines.
+// Corrections by color: binder between touching particles, ragged outlines, particles of two materials.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "nodes/data/image.h"
 #include "nodes/segment/contacts.h"
 #include "nodes/segment/smooth_outlines.h"
+#include "nodes/segment/two_materials.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -143,6 +144,56 @@ TEST(SmoothOutlines, TouchingParticlesShareNoPixelAndKeepTheirAreas) {
     EXPECT_NEAR(static_cast<double>(s.pixels_of(id)), static_cast<double>(before.pixels_of(id)),
                 0.02 * static_cast<double>(before.pixels_of(id)));
   s.expect_coverage_agrees();
+}
+
+// A dark disc of radius 25 and a gray one of radius `attached` at its side, as one particle.
+LabeledScene pore_and_grain(double attached, const Vec3f& gray) {
+  LabeledScene s;
+  s.image = Image(kSceneSize, kSceneSize, 1, 1);
+  s.labels.assign(s.image.pixels.size(), 0);
+  for (int y = 0; y < kSceneSize; ++y)
+    for (int x = 0; x < kSceneSize; ++x) {
+      const bool pore = std::hypot(x - 40, y - 48) < 25, grain = std::hypot(x - 67, y - 48) < attached;
+      s.image.pixels[s.at(x, y)] = pore ? kDark : grain ? gray : Vec3f(0.6f, 0.6f, 0.6f);
+      s.labels[s.at(x, y)] = pore || grain;
+    }
+  s.cover();
+  return s;
+}
+
+TEST(TwoMaterials, AGrainAtAPoreBecomesAParticle) {
+  LabeledScene s = pore_and_grain(10, Vec3f(0.25f, 0.25f, 0.25f));
+  const std::ptrdiff_t all = s.pixels_of(1);
+  EXPECT_EQ(segment::split_two_materials(s.image, 0, s.labels, 7, {}), std::vector<std::int32_t>{1});
+  EXPECT_EQ(s.pixels_of(1) + s.pixels_of(7), all);
+  EXPECT_EQ(s.labels[s.at(40, 48)], 1);
+  EXPECT_EQ(s.labels[s.at(72, 48)], 7);
+  double wrong = 0;
+  for (std::size_t i = 0; i < s.labels.size(); ++i)
+    wrong += s.labels[i] > 0 && (s.labels[i] == 1) != (s.image.pixels[i] == kDark);
+  EXPECT_LT(wrong, 30);
+}
+
+TEST(TwoMaterials, VeinsRimsSpecksAndShadingStay) {
+  const auto splits = [](LabeledScene s) {
+    return segment::split_two_materials(s.image, 0, s.labels, 2, {}).size();
+  };
+  const Vec3f gray(0.25f, 0.25f, 0.25f);
+  EXPECT_EQ(splits(pore_and_grain(10, gray)), 1u);
+  EXPECT_EQ(splits(pore_and_grain(10, kDark)), 0u);  // one color
+  EXPECT_EQ(splits(pore_and_grain(3, gray)), 0u);    // a speck at the rim
+  LabeledScene vein = pore_and_grain(0, gray), rim = vein, shaded = vein;
+  for (int y = 0; y < kSceneSize; ++y)
+    for (int x = 0; x < kSceneSize; ++x) {
+      const std::size_t i = vein.at(x, y);
+      if (vein.labels[i] == 0) continue;
+      if (std::abs(y - 48) < 4) vein.image.pixels[i] = gray;
+      if (std::hypot(x - 40, y - 48) > 19) rim.image.pixels[i] = gray;
+      shaded.image.pixels[i] = (0.1f + 0.01f * static_cast<float>(x)) * Vec3f(0.5f, 0.5f, 0.5f);
+    }
+  EXPECT_EQ(splits(vein), 0u);
+  EXPECT_EQ(splits(rim), 0u);
+  EXPECT_EQ(splits(shaded), 0u);
 }
 
 }  // namespace
