@@ -54,6 +54,19 @@ struct LiveGraph::Watcher : Observer {
                       json_text({{"path", path(node)}, {"progress", s->progress}, {"note", s->note}}));
   }
 
+  bool wants_previews(int node) override {
+    const std::lock_guard lock(owner.mutex_);
+    return pending(node);
+  }
+
+  void preview(int node, const std::string& port, const Value& value) override {
+    const std::lock_guard lock(owner.mutex_);
+    NodeState* s = pending(node);
+    if (!s) return;
+    s->previews.insert_or_assign(port, Preview{++owner.previews_, value});
+    owner.tell_node(path(node));
+  }
+
   void finished(int node, const NodeResult& r) override {
     const std::lock_guard lock(owner.mutex_);
     if (!current) return;
@@ -66,7 +79,7 @@ struct LiveGraph::Watcher : Observer {
     const auto word = words.find(r.status);
     s.state = word == words.end() ? "stale" : word->second;
     s.seconds = r.status == Status::Computed ? r.seconds : r.cached_seconds;
-    s.progress = 0, s.note.clear();
+    s.progress = 0, s.note.clear(), s.previews.clear();
     if (r.status == Status::Cancelled || r.status == Status::Skipped)
       s.result.error.reset();  // keeps the outputs of the run before
     else
@@ -81,10 +94,19 @@ struct LiveGraph::Running {
   std::shared_ptr<Evaluation> evaluation;  // destroyed first: it uses the watcher
 };
 
+namespace {
+
+SessionOptions for_editing(SessionOptions options) {
+  options.keep_intermediates = true;
+  return options;
+}
+
+}  // namespace
+
 LiveGraph::LiveGraph(const Registry& registry, const ValueTypes& types, SessionOptions options,
                      Document document, Overrides overrides, bool live)
     : registry_(registry),
-      session_(registry, types, std::move(options)),
+      session_(registry, types, for_editing(std::move(options))),
       document_(std::move(document)),
       overrides_(std::move(overrides)),
       live_(live) {
@@ -261,6 +283,14 @@ Value LiveGraph::value(const std::string& hash) {
   Value v = session_.evaluator().store().get_value(record);
   if (!v) throw Error("lost-value", "the value is no longer in the cache", "run the node again");
   return v;
+}
+
+Value LiveGraph::preview(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [path, s] : states_)
+    for (const auto& [port, p] : s.previews)
+      if (p.number == number) return p.value;
+  return {};
 }
 
 void LiveGraph::watch() {
