@@ -80,7 +80,7 @@ export function PanZoom({ width, height, children, hover, pen = null, smooth = f
         drag.current = null;
       }} onPointerLeave={() => setNote('')}>
       {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}{draft && <Draft pen={pen!} state={draft} k={view.k} width={width} height={height} />}</div>}
-      <output className="readout">{note || (view ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
+      <output className="readout">{note || (view && !smooth ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
     </div>
   );
 }
