@@ -29,10 +29,10 @@ TEST(Intermediates, AreMadeOncePerKeyAndDroppedByMemory) {
   EXPECT_EQ(get(key_of("b", 1, Vec3(1, 2, 3)), 100)->made, 2);
   EXPECT_EQ(get(key_of("a", 2, Vec3(1, 2, 3)), 100)->made, 3);
   EXPECT_EQ(get(key_of("a", 1, Vec3(1, 2, 4)), 100)->made, 4);
-  EXPECT_EQ(get(key_of("large"), 2000)->made, 5);  // more than the store keeps
-  EXPECT_EQ(get(key_of("large"), 2000)->made, 6);
+  EXPECT_EQ(get(key_of("large", 0), 2000)->made, 5);  // more than the store keeps
+  EXPECT_EQ(get(key_of("large", 0), 2000)->made, 6);
   const Intermediates none;
-  for (int k = 0; k < 2; ++k) none.get<Bytes>(key_of("a"), [&] { return Bytes{++made, 1}; });
+  for (int k = 0; k < 2; ++k) none.get<Bytes>(key_of("a", 0), [&] { return Bytes{++made, 1}; });
   EXPECT_EQ(made, 8);
 }
 

@@ -61,7 +61,7 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
-export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; to?: string; index?: number };
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number };
 // `merge`: one of many edits while a control moves. Those within a second are one step of undo.
 let moving = { what: '', group: 0, at: 0 };
 export function edit(edits: Edit[], merge = false): Promise<boolean> {
