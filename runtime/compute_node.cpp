@@ -75,9 +75,7 @@ class NodeContext : public Context {
       request_.save_interrupted({extension, what, hint, write});
   }
 
-  bool watched() const override {
-    return request_.watched && !work_.cancelled() && request_.watched();
-  }
+  bool watched() const override { return request_.watched && !work_.cancelled() && request_.watched(); }
 
   ComputeResult result;
 

@@ -1,4 +1,4 @@
-// node studio.mjs REPOSITORY: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
+// node studio.mjs REPOSITORY [GRAPH]: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
 // final one, and how long the nodes compute that a page without previews and kept geometry waits for.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -7,7 +7,7 @@ import { createRequire } from 'node:module';
 import { loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 
-const [, , repository] = process.argv;
+const [, , repository, only = ''] = process.argv;
 const { chromium } = createRequire(join(repository, 'build/studio/package.json'))('playwright-core');
 const executablePath = process.env.CHROMIUM ?? '/usr/bin/chromium';
 const folder = mkdtempSync(join(tmpdir(), 'terrazzo-bench-'));
@@ -86,7 +86,7 @@ async function measure(graph, list) {
 }
 
 try {
-  for (const [graph, list] of Object.entries(cases)) await measure(graph, list);
+  for (const [graph, list] of Object.entries(cases)) if (graph.includes(only)) await measure(graph, list);
 } finally {
   rmSync(folder, { recursive: true });
 }
