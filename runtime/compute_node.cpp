@@ -45,6 +45,7 @@ class NodeContext : public Context {
     type_ = request_.type;
     parameters_ = std::move(request_.parameters);
     files_ = std::move(request_.files);
+    intermediates_ = request_.intermediates;
   }
 
   void metric(const std::string& name, double v) override { result.metrics[name] = v; }
@@ -74,18 +75,28 @@ class NodeContext : public Context {
       request_.save_interrupted({extension, what, hint, write});
   }
 
+  bool watched() const override { return request_.watched && !work_.cancelled() && request_.watched(); }
+
   ComputeResult result;
 
  protected:
   void set_output(const std::string& name, Value v) override {
+    check_output(name, v);
+    result.outputs[name] = std::move(v);
+  }
+  void set_preview(const std::string& name, Value v) override {
+    check_output(name, v);
+    request_.preview(name, std::move(v));
+  }
+
+ private:
+  void check_output(const std::string& name, const Value& v) const {
     const Port* port = request_.type->find_output(name);
     if (!port || !port->accepts(v.type().name))
       throw Error("node-bug", request_.type->name + " sets an output '" + name + "' (" + v.type().name +
                                   ") that it does not declare");
-    result.outputs[name] = std::move(v);
   }
 
- private:
   ComputeRequest request_;
 };
 

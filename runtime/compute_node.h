@@ -27,7 +27,10 @@ struct ComputeRequest {
   std::string provenance;                              // JSON
   Work work;
   std::function<void(const InterruptedWork&)> save_interrupted;  // null: nothing is saved
-  std::uint64_t memory = 0;  // bytes that loaders may allocate; 0: all available memory
+  std::uint64_t memory = 0;       // bytes that loaders may allocate; 0: all available memory
+  std::function<bool()> watched;  // null: never
+  std::function<void(const std::string& port, Value)> preview;  // set if `watched` is
+  Intermediates intermediates;
 };
 
 struct ComputeResult {

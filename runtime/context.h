@@ -12,6 +12,7 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "runtime/intermediates.h"
 #include "runtime/value.h"
 #include "runtime/work.h"
 
@@ -71,14 +72,29 @@ class Context : public NodeParameters {
   // upstream nodes.
   virtual std::string provenance() const = 0;
 
+  // --- Previews.
+  // Whether somebody watches, so that preliminary values are worth their time. It may change at any time.
+  virtual bool watched() const = 0;
+  // Shows a preliminary value of an output, such as a picture with few samples, until the result is there. It
+  // is no result: no key, cache or file knows it. Does nothing unless watched().
+  template <class T>
+  void preview(const std::string& name, T v) {
+    if (watched()) set_preview(name, Value::of<T>(std::move(v)));
+  }
+
+  // --- Parts of this computation that later ones can use again.
+  const Intermediates& intermediates() const { return intermediates_; }
+
   // --- Loops, progress and cancellation. Pass it to the algorithm.
   const Work& work() const { return work_; }
 
  protected:
   const Value* find(const std::string& name) const;
   virtual void set_output(const std::string& name, Value v) = 0;
+  virtual void set_preview(const std::string& name, Value v) = 0;
 
   Work work_;
+  Intermediates intermediates_;
   std::uint64_t memory_ = 0;
   std::map<std::string, std::vector<Value>> inputs_;
   std::map<std::string, std::vector<std::filesystem::path>> files_;

@@ -304,6 +304,13 @@ class Run {
     if (q.type->writes_files) q.provenance = provenance(i), q.protected_files = all_input_files();
     q.work = std::move(work);
     q.memory = options_.memory;
+    if (options_.keep_intermediates) q.intermediates = Intermediates(e_.store_);
+    if (options_.observer) {
+      q.watched = [this, i] { return options_.observer->wants_previews(i); };
+      q.preview = [this, i](const std::string& port, const Value& v) {
+        tell([&](Observer& o) { o.preview(i, port, v); });
+      };
+    }
     q.save_interrupted = [this, i](const InterruptedWork& work) {
       if (run_is_cancelled()) result(i).saved = save(work, node(i), options_.output_folder);
     };

@@ -22,6 +22,10 @@ struct Observer {
   virtual ~Observer() = default;
   virtual void started(int /*node*/) {}
   virtual void progress(int /*node*/, double /*fraction*/, const std::string& /*note*/) {}
+  // Whether preliminary values of a node are wanted now. Called from any thread, at any time.
+  virtual bool wants_previews(int /*node*/) { return false; }
+  // A preliminary value of an output. The node's result follows, unless it is canceled or fails.
+  virtual void preview(int /*node*/, const std::string& /*port*/, const Value&) {}
   // Called once per node. If a cached node's value is lost and needed later, the node starts without another
   // call to finished().
   virtual void finished(int /*node*/, const NodeResult&) {}
@@ -38,7 +42,9 @@ struct RunOptions {
   const std::atomic<bool>* cancel_all = nullptr;
   Observer* observer = nullptr;
   std::uint64_t memory = 0;  // bytes that loading one file may take; 0: all available memory
-  std::string provenance;    // JSON object for nodes that write files
+  // Keep intermediate results in the store's memory. For graphs that are evaluated again and again.
+  bool keep_intermediates = false;
+  std::string provenance;  // JSON object for nodes that write files
 };
 
 class Evaluator {

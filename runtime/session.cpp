@@ -147,6 +147,7 @@ std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& ta
   o.output_folder = options_.output_folder;
   o.threads = options_.threads;
   o.memory = options_.file_memory;
+  o.keep_intermediates = options_.keep_intermediates;
   o.cancel = options_.cancel;
   o.cancel_node = &e->cancel_node_;
   o.cancel_all = &e->cancel_;

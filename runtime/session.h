@@ -26,6 +26,7 @@ struct SessionOptions {
   std::uint64_t file_memory = 0;  // bytes that loading one file may take; 0: all available memory
   std::filesystem::path output_folder = "out";
   int threads = 0;                            // 0: one per CPU core
+  bool keep_intermediates = false;            // see RunOptions; for sessions that evaluate again and again
   const std::atomic<bool>* cancel = nullptr;  // cancels all evaluations
 };
 

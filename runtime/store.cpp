@@ -238,17 +238,26 @@ bool Store::has_value(const OutputRecord& r) {
   return !folder_.empty() && fs::exists(cache_entry(folder_, "values", r.content), error);
 }
 
+Value Store::find_in_memory(const Hash& key) {
+  const std::lock_guard lock(mutex_);
+  const auto it = values_.find(key);
+  if (it == values_.end()) return {};
+  Kept& kept = it->second;
+  by_worth_.erase({kept.worth, key});
+  kept.worth = left_worth_ + kept.per_byte;
+  by_worth_.insert({kept.worth, key});
+  return kept.value;
+}
+
+std::shared_ptr<const void> Store::find_kept(const Hash& key) { return find_in_memory(key).share(); }
+
+void Store::keep(const Hash& key, std::shared_ptr<const void> data, std::uint64_t bytes, double seconds) {
+  static const ValueType none;  // intermediate results have no type, and are never encoded
+  keep_in_memory(key, Value(&none, std::move(data)), bytes, seconds);
+}
+
 Value Store::get_value(const OutputRecord& r, double seconds) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (const auto it = values_.find(r.content); it != values_.end()) {
-      Kept& kept = it->second;
-      by_worth_.erase({kept.worth, r.content});
-      kept.worth = left_worth_ + kept.per_byte;
-      by_worth_.insert({kept.worth, r.content});
-      return kept.value;
-    }
-  }
+  if (Value v = find_in_memory(r.content)) return v;
   const ValueType* type = types_.find(r.type);
   if (folder_.empty() || !type) return {};
   const fs::path path = cache_entry(folder_, "values", r.content);

@@ -49,6 +49,10 @@ class Store {
   Value get_value(const OutputRecord&, double seconds = 0);
   bool has_value(const OutputRecord&);
 
+  // Intermediate results (runtime/intermediates.h): in memory only, evicted like values.
+  std::shared_ptr<const void> find_kept(const Hash& key);
+  void keep(const Hash& key, std::shared_ptr<const void>, std::uint64_t bytes, double seconds);
+
   const std::filesystem::path& folder() const { return folder_; }
   // Whether values can be read back from the disk later: there is a folder, and no write failed.
   bool keeps_on_disk() const { return !folder_.empty() && trouble().empty(); }
@@ -63,6 +67,7 @@ class Store {
 
  private:
   void keep_in_memory(const Hash&, const Value&, std::uint64_t bytes, double seconds);
+  Value find_in_memory(const Hash&);
   void note_trouble(const std::string&);
   void note_usage(std::int64_t bytes);
 

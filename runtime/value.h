@@ -45,6 +45,7 @@ class Value {
   explicit operator bool() const { return data_ != nullptr; }
   const ValueType& type() const { return *type_; }
   const void* data() const { return data_.get(); }
+  std::shared_ptr<const void> share() const { return data_; }
   template <class T>
   bool is() const {
     return type_ && type_->name == value_type<T>().name;

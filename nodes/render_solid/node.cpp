@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
@@ -149,6 +151,21 @@ std::unique_ptr<Solid> solid_of(Context& c, Mode mode, Material& m, std::uint64_
   return particle_solid(particles, shapes, m.residual.get());
 }
 
+// Larger pictures have no previews.
+constexpr std::size_t kMostShown = std::size_t{1} << 23;  // pixels
+
+// Settings for a picture that is there at once.
+RenderSettings coarse(RenderSettings settings) {
+  constexpr double kPixels = 40000;
+  const double reduced = std::sqrt(kPixels / (double(settings.width) * settings.height));
+  if (reduced < 1) {
+    settings.width = std::max(1, static_cast<int>(reduced * settings.width));
+    settings.height = std::max(1, static_cast<int>(reduced * settings.height));
+  }
+  settings.samples = std::min(settings.samples, 4);
+  return settings;
+}
+
 void check(const NodeParameters& p) { placement_of(p); }
 
 void compute(Context& c) {
@@ -176,13 +193,21 @@ void compute(Context& c) {
 
   const int frames = static_cast<int>(c.integer("frames"));
   Image turn(settings.width, settings.height, frames, 1);
+  const auto show = [&](Image image) {
+    tone.apply(image);
+    c.preview("image", std::move(image));
+  };
   for (int i = 0; i < frames; ++i) {
     const float at = azimuth + 6.28318531f * static_cast<float>(i) / static_cast<float>(frames);
     Studio::Settings light;
     light.lamp_azimuth = at - 0.95f;  // to the camera's left
     const Camera camera = Camera::framing(solid->bounds(), at, elevation, settings.width, settings.height);
+    // Of a turn, only the first frame is shown before the result.
+    const bool shown = i == 0 && c.watched() && turn.index(0, 0, 1) <= kMostShown;
+    if (shown) show(render(*solid, Studio(light), camera, coarse(settings), c.work().quiet()));
     Image image = render(*solid, Studio(light), camera, settings,
-                         c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames));
+                         c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames),
+                         shown ? show : std::function<void(Image)>());
     tone.apply(image);
     std::copy(image.pixels.begin(), image.pixels.end(),
               turn.pixels.begin() + static_cast<std::ptrdiff_t>(turn.index(0, 0, i)));

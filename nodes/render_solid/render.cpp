@@ -132,31 +132,44 @@ float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 -
 }  // namespace
 
 Image render(const Solid& solid, const Studio& studio, const Camera& camera, const RenderSettings& settings,
-             const Work& work) {
-  Image image(settings.width, settings.height, 1, 1);
+             const Work& work, const std::function<void(Image)>& refined) {
+  Image image(settings.width, settings.height, 1, 1);  // sums, until all samples are taken
   const Paths paths(solid, studio, settings);
   constexpr int tile = 16;
   const int across = (settings.width + tile - 1) / tile, down = (settings.height + tile - 1) / tile;
-  work.parallel(static_cast<std::size_t>(across) * down, 1, [&](std::size_t begin, std::size_t) {
-    const int x0 = static_cast<int>(begin) % across * tile, y0 = static_cast<int>(begin) / across * tile;
-    for (int y = y0; y < std::min(y0 + tile, settings.height); ++y)
-      for (int x = x0; x < std::min(x0 + tile, settings.width); ++x) {
-        work.check();
-        PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
-        Vec3f sum = Vec3f::Zero();
-        for (int i = 0; i < settings.samples; ++i) {
-          random.start(static_cast<std::uint32_t>(i));
-          float u, v;
-          random.next(u, v);
-          const Vec3f d =
-              camera.direction(float(x) + 0.5f + 0.75f * tent(u), float(y) + 0.5f + 0.75f * tent(v),
-                               settings.width, settings.height);
-          sum += paths.from_camera(camera.position, d, random);
+  const auto divide = [](Image& sums, int samples) {
+    for (Vec3f& pixel : sums.pixels) pixel /= float(samples);
+  };
+  for (int from = 0; from < settings.samples;) {
+    const int to = refined ? std::min(std::max(1, 2 * from), settings.samples) : settings.samples;
+    const Work part = work.part(double(from) / settings.samples, double(to) / settings.samples);
+    part.parallel(static_cast<std::size_t>(across) * down, 1, [&](std::size_t begin, std::size_t) {
+      const int x0 = static_cast<int>(begin) % across * tile, y0 = static_cast<int>(begin) / across * tile;
+      for (int y = y0; y < std::min(y0 + tile, settings.height); ++y)
+        for (int x = x0; x < std::min(x0 + tile, settings.width); ++x) {
+          work.check();
+          PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
+          Vec3f sum = image.at(x, y);
+          for (int i = from; i < to; ++i) {
+            random.start(static_cast<std::uint32_t>(i));
+            float u, v;
+            random.next(u, v);
+            const Vec3f d =
+                camera.direction(float(x) + 0.5f + 0.75f * tent(u), float(y) + 0.5f + 0.75f * tent(v),
+                                 settings.width, settings.height);
+            sum += paths.from_camera(camera.position, d, random);
+          }
+          image.at(x, y) = sum;
         }
-        sum /= float(settings.samples);
-        image.at(x, y) = sum;
-      }
-  });
+    });
+    from = to;
+    if (refined && from < settings.samples) {
+      Image shown = image;
+      divide(shown, from);
+      refined(std::move(shown));
+    }
+  }
+  divide(image, settings.samples);
   return image;
 }
 

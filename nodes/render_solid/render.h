@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "nodes/common/geometry/camera.h"
 #include "nodes/data/image.h"
@@ -22,7 +23,9 @@ struct RenderSettings {
 // Returns the scene-linear radiance of each pixel, in units of the light reflected by an unshadowed white
 // surface facing up. The result does not depend on the number of threads. The light on an unoccluded surface
 // is computed in closed form, and the changes made by occluders are sampled and added (a control variate).
-// Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased.
-Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {});
+// Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased. `refined`
+// receives the picture after 1, 2, 4, … paths per pixel; the result is the same to the bit.
+Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {},
+             const std::function<void(Image)>& refined = {});
 
 }  // namespace terrazzo::render_solid

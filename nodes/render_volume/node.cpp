@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "graph/node_type.h"
 #include "nodes/common/gl/open_gl.h"
@@ -63,6 +64,21 @@ Look look_of(const Context& c) {
   return l;
 }
 
+// Shows the first frame with few rays.
+void show_coarse(Context& c, Scene& scene, const Bricks& bricks) {
+  constexpr double kRays = 20000;
+  const Look look = scene.look;
+  const double reduced = std::min(1.0, std::sqrt(kRays / (double(look.width) * look.height)));
+  scene.look.width = std::max(1, static_cast<int>(reduced * look.width));
+  scene.look.height = std::max(1, static_cast<int>(reduced * look.height));
+  scene.look.samples = 1;
+  Image image(scene.look.width, scene.look.height, 1, 1);
+  FrameCounts ignored;
+  image.pixels = march(scene, frame_of(scene, look.azimuth), bricks, ignored, c.work().quiet());
+  scene.look = look;
+  c.preview("image", std::move(image));
+}
+
 void compute(Context& c) {
   const Look look = look_of(c);
   std::vector<Tissue> tissues = parse_tissues(c.texts("classes"));
@@ -70,7 +86,7 @@ void compute(Context& c) {
   std::vector<SolidTexture> textures;
   for (const Value& v : c.list("textures"))
     textures.push_back(SolidTexture::of(v.as<Volume>(), c.work().quiet()));
-  const Scene scene(std::move(scan), std::move(tissues), std::move(textures), look);
+  Scene scene(std::move(scan), std::move(tissues), std::move(textures), look);
   const Bricks bricks(scene.scan, scene.intervals, c.work().part(0.1, 0.2));
   if (bricks.visible_share() == 0) {
     const double high = scene.scan.low + 65535.0 * scene.scan.step;
@@ -83,6 +99,7 @@ void compute(Context& c) {
   const int frames = static_cast<int>(c.integer("frames"));
   const auto gl = open_gl(
       c, "rendered", [&](GlDevice device) { return std::make_unique<GlMarcher>(scene, bricks, device); });
+  if (!gl && c.watched()) show_coarse(c, scene, bricks);
   Image image(look.width, look.height, frames, 1);
   Table table;
   table.columns = {"frame", "azimuth degrees", "rays", "samples", "texture lookups"};

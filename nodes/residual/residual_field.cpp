@@ -191,6 +191,7 @@ void ResidualField::place_cells(int size, double voxel) {
         for (int a = 0; a < 3; ++a) seed[a] += static_cast<float>(random.uniform(0.15, 0.85));
         cell_.push_back(
             random_place(cell_stream, item, seed.cwiseQuotient(cells_.cast<float>()).cwiseProduct(box_)));
+        centers_.push_back(cell_.back().center);
       }
 }
 
@@ -209,7 +210,9 @@ ResidualField::Place ResidualField::random_place(std::uint64_t stream, std::uint
 }
 
 Vec3f ResidualField::nearest_image(Vec3f offset) const {
-  for (int a = 0; a < 3; ++a) offset[a] -= box_[a] * static_cast<float>(floor_of(offset[a] / box_[a] + 0.5f));
+  for (int a = 0; a < 3; ++a)
+    if (std::abs(offset[a]) > 0.499f * box_[a])  // else the number of edges is 0
+      offset[a] -= box_[a] * static_cast<float>(floor_of(offset[a] / box_[a] + 0.5f));
   return offset;
 }
 
@@ -227,30 +230,33 @@ Vec3f ResidualField::moved(std::uint64_t stream, std::uint64_t item) const {
 // Cells are those of the nearest center. Where centers are almost equally near, their tiles are averaged with
 // the deviation preserved.
 Vec3f ResidualField::binder(const Vec3f& mm) const {
-  int home[3];
-  for (int a = 0; a < 3; ++a) home[a] = floor_of(mm[a] / box_[a] * static_cast<float>(cells_[a]));
+  int near[3][3], nears[3];  // along each axis: cells around the point's, without repetition, and how many
+  for (int a = 0; a < 3; ++a) {
+    const int home = floor_of(mm[a] / box_[a] * static_cast<float>(cells_[a]));
+    nears[a] = std::min(cells_[a], 3);
+    for (int k = 0; k < nears[a]; ++k) near[a][k] = wrap_index(home + k - 1, cells_[a]);
+  }
   std::size_t index[27];
-  float distance[27];
+  float squared[27], least = 1e30f;
   int count = 0;
-  float nearest = 1e30f;
-  for (int z = -1; z <= 1; ++z)
-    for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x) {
-        const Vec3i c(wrap_index(home[0] + x, cells_[0]), wrap_index(home[1] + y, cells_[1]),
-                      wrap_index(home[2] + z, cells_[2]));
-        const std::size_t i =
-            (static_cast<std::size_t>(c.z()) * cells_.y() + c.y()) * static_cast<std::size_t>(cells_.x()) +
-            c.x();
-        if (std::find(index, index + count, i) != index + count) continue;
-        index[count] = i;
-        distance[count] = nearest_image(mm - cell_[i].center).norm() * voxels_per_mm_.x();
-        nearest = std::min(nearest, distance[count++]);
+  for (int z = 0; z < nears[2]; ++z)
+    for (int y = 0; y < nears[1]; ++y) {
+      const std::size_t row = (static_cast<std::size_t>(near[2][z]) * cells_.y() + near[1][y]) *
+                              static_cast<std::size_t>(cells_.x());
+      for (int x = 0; x < nears[0]; ++x, ++count) {
+        index[count] = row + static_cast<std::size_t>(near[0][x]);
+        squared[count] = nearest_image(mm - centers_[index[count]]).squaredNorm();
+        least = std::min(least, squared[count]);
       }
+    }
+  const float nearest = std::sqrt(least) * voxels_per_mm_.x();
+  const float far = (nearest + 1.01f * kBlend) / voxels_per_mm_.x();
   const Tile& tile = tiles_[0];
   Vec3f sum = Vec3f::Zero();
   float squares = 0;
   for (int n = 0; n < count; ++n) {
-    float w = 1 - (distance[n] - nearest) / kBlend;
+    if (squared[n] > far * far) continue;  // clearly; spares the root
+    float w = 1 - (std::sqrt(squared[n]) * voxels_per_mm_.x() - nearest) / kBlend;
     if (w <= 0) continue;
     w = w * w * (3 - 2 * w);
     sum += w * (placed(tile, cell_[index[n]], mm) - tile.mean);

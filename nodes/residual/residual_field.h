@@ -74,7 +74,8 @@ class ResidualField {
   std::vector<float> scales_;              // of the offsets of each particle
   std::vector<Eigen::Vector2f> contrast_;  // of each particle, as in Detail
   Vec3i cells_ = Vec3i::Ones();
-  std::vector<Place> cell_;  // of each of the binder's cells, x fastest
+  std::vector<Place> cell_;     // of each of the binder's cells, x fastest
+  std::vector<Vec3f> centers_;  // theirs
   float rims_per_mm_ = 1;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "nodes/common/geometry/floor_of.h"
@@ -149,9 +150,10 @@ SplineTile::SplineTile(std::vector<Vec3f> values, const Vec3i& size, Keep keep, 
   float most = 1e-6f;
   for (const Vec3f& v : values) most = std::max(most, v.cwiseAbs().maxCoeff());
   unit_ = most / 32767;
-  coefficients_.reserve(3 * values.size());
+  coefficients_.reserve(3 * values.size() + 1);
   for (const Vec3f& v : values)
     for (int k = 0; k < 3; ++k) coefficients_.push_back(static_cast<std::int16_t>(std::lround(v[k] / unit_)));
+  coefficients_.push_back(0);  // at() reads four at a time
 }
 
 Vec3f SplineTile::at(const Vec3f& p) const {
@@ -165,17 +167,21 @@ Vec3f SplineTile::at(const Vec3f& p) const {
     for (int i = 0; i < 4; ++i)
       at[k][i] = static_cast<std::size_t>(wrap_index(low + i - 1, size_[k])) * step[k];
   }
-  Vec3f sum = Vec3f::Zero();
+  // Three channels and, unused, the first one of the next voxel.
+  using Lanes = float __attribute__((vector_size(16)));
+  using Stored = std::int16_t __attribute__((vector_size(8)));
+  Lanes sum = {};
   for (int z = 0; z < 4; ++z)
     for (int y = 0; y < 4; ++y) {
-      Vec3f row = Vec3f::Zero();
+      Lanes row = {};
       for (int x = 0; x < 4; ++x) {
-        const std::int16_t* c = &coefficients_[3 * (at[2][z] + at[1][y] + at[0][x])];
-        row += w[0][x] * Vec3f(c[0], c[1], c[2]);
+        Stored c;
+        std::memcpy(&c, &coefficients_[3 * (at[2][z] + at[1][y] + at[0][x])], sizeof c);
+        row += w[0][x] * __builtin_convertvector(c, Lanes);
       }
       sum += w[2][z] * w[1][y] * row;
     }
-  return unit_ * sum;
+  return unit_ * Vec3f(sum[0], sum[1], sum[2]);
 }
 
 }  // namespace terrazzo::residual

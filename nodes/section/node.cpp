@@ -81,8 +81,11 @@ Section section_of_particles(Context& c) {
     detail.emplace(*given, *particles, layout.pixel_size,
                    on_lattice(layout, given->pixel_size) ? residual::Keep::Values : residual::Keep::Power,
                    c.work().part(0, 0.1));
-  Section section = cut_section(*particles, *shapes, layout, c.work().part(0.1, 1),
-                                detail ? &*detail : nullptr, given ? given->softness * given->pixel_size : 0);
+  Section section =
+      cut_section(*particles, *shapes, layout, c.work().part(0.1, 1), detail ? &*detail : nullptr,
+                  given ? given->softness * given->pixel_size : 0, [&](const Image& flat) {
+                    if (c.watched()) c.preview("image", flat);
+                  });
   if (section.overlap > 1e-4)
     c.warn(fmt::format(
         "particles overlap in a share of {:.2g} of the sections' area, which area_fraction counts once",

@@ -102,7 +102,8 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
 // Paints one section. Where particles overlap, their colors are averaged.
 void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
            const PixelGrid& grid, const Vec3f& binder, const SectionPlane& plane,
-           const residual::ResidualField* detail, double softness, const Work& work) {
+           const residual::ResidualField* detail, double softness,
+           const std::function<void(const Image&)>& flat, const Work& work) {
   const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
   Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f), {}, {}};
   if (detail) canvas.owner.assign(pixels, -1), canvas.share.assign(pixels, 0.0f);
@@ -129,6 +130,7 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
         c > 1 ? Vec3f(canvas.color[at] / c) : Vec3f(canvas.color[at] + (1 - c) * binder);
   }
   if (!detail) return;
+  if (flat && out.image.sections == 1) flat(out.image);
   soften(&out.image.pixels[section * pixels], canvas, grid, softness / grid.mm_x);
   add_detail(&out.image.pixels[section * pixels], canvas, grid, plane, *detail, work);
 }
@@ -136,7 +138,8 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
 }  // namespace
 
 Section cut_section(const Particles& particles, const Shapes& shapes, const SectionLayout& layout,
-                    const Work& work, const residual::ResidualField* detail, double softness) {
+                    const Work& work, const residual::ResidualField* detail, double softness,
+                    const std::function<void(const Image&)>& flat) {
   check_particles(particles, shapes);
   const std::vector<Cut> cuts = cut_particles(particles, shapes, layout, work.part(0, 0.5));
   const int sections = static_cast<int>(layout.planes.size());
@@ -176,7 +179,7 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
   std::vector<double> covered(sections, 0.0);
   work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
     paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color, layout.planes[s],
-          detail, softness, work);
+          detail, softness, flat, work);
     covered[s] =
         union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
   });

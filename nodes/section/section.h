@@ -1,6 +1,8 @@
 // Plane sections of a packing: image, labels and exact profiles.
 #pragma once
 
+#include <functional>
+
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/particles.h"
@@ -25,8 +27,10 @@ struct Section {
 // a window, profiles cut by the border have weight 0 and the area and outline of their visible part. Other
 // profiles have the weight window area / (area in which a profile of their width and height is entirely
 // visible), after Miles (1974) and Lantuéjoul (1978). `detail` may be null. `softness`: standard deviation of
-// the blur of outlines, mm. Throws the errors of check_particles.
+// the blur of outlines, mm. `flat` receives the picture of a single section before its detail is added.
+// Throws the errors of check_particles.
 Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {},
-                    const residual::ResidualField* detail = nullptr, double softness = 0);
+                    const residual::ResidualField* detail = nullptr, double softness = 0,
+                    const std::function<void(const Image&)>& flat = {});
 
 }  // namespace terrazzo::section

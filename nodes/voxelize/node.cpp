@@ -14,8 +14,9 @@ void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
   const Lattice lattice = choose_lattice(particles.box, c.ints("resolution"));
   VoxelReport report;
-  Volume volume = voxelize::voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("detail"),
-                                     lattice, report, c.work(), c.optional<Detail>("detail"));
+  Volume volume =
+      voxelize::voxelize(particles, c.input<Shapes>("shapes"), c.optional<Volume>("detail"), lattice, report,
+                         c.work(), c.optional<Detail>("detail"), c.intermediates());
   c.metric("volume_fraction", report.volume_fraction);
   c.metric("exact_volume_fraction", report.exact_volume_fraction);
   if (c.input<Particles>("particles").void_count() > 0) {

@@ -10,9 +10,16 @@ namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
   const std::size_t n = static_cast<std::size_t>(lattice.x()) * lattice.y() * (z1 - z0);
-  coverage.assign(n, 0), color.assign(n, Vec3f::Zero());
+  coverage.assign(n, 0), owner.assign(n, kNone), shares.resize(static_cast<std::size_t>(z1 - z0));
   distance.assign(n, static_cast<float>(kBand)), id.assign(n, -1);
   if (has_voids) holes.assign(n, 0);
+}
+
+std::size_t Slab::bytes() const {
+  std::size_t out =
+      sizeof(*this) + 4 * (coverage.size() + owner.size() + distance.size() + id.size() + holes.size());
+  for (const auto& plane : shares) out += sizeof(plane) + plane.capacity() * sizeof(Share);
+  return out;
 }
 
 namespace {
@@ -81,12 +88,28 @@ void make_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, co
     if (stamp.scan.inside[at]) stamp.distance[at] = -stamp.distance[at];
 }
 
+namespace {
+
+void share(Slab& slab, std::size_t plane, std::size_t at, std::int32_t particle, float cover) {
+  const auto cell = static_cast<std::uint32_t>(at - slab.index(0, 0, static_cast<int>(plane)));
+  std::int32_t& owner = slab.owner[at];
+  if (owner == Slab::kNone) {
+    owner = particle;
+  } else {
+    if (owner != Slab::kSeveral) slab.shares[plane].push_back({cell, owner, slab.coverage[at]});
+    slab.shares[plane].push_back({cell, particle, cover});
+    owner = Slab::kSeveral;
+  }
+  slab.coverage[at] += cover;
+}
+
+}  // namespace
+
 void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& particles, const Work& work) {
   const int nx = slab.lattice.x(), ny = slab.lattice.y(), nz = slab.lattice.z();
   work.parallel(slab.z1 - slab.z0, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t plane = begin; plane < end; ++plane)
       for (const Stamp& s : stamps) {
-        const Vec3f color = particles.color[s.particle];
         const bool hole = particles.is_void(s.particle);
         const Vec3i lo = s.box.lo, hi = s.box.lo + s.box.size;
         // Every nz-th plane of the stamp maps to this plane.
@@ -104,14 +127,23 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
               if (hole) {
                 slab.holes[to] += c;
               } else {
-                slab.coverage[to] += c;
-                slab.color[to] += c * color;
+                share(slab, plane, to, s.particle, c);
               }
               if (s.scan.inside[from] && slab.id[to] < 0) slab.id[to] = s.particle;
             }
           }
       }
   });
+}
+
+void add_colors(const Slab& slab, std::size_t k, const Particles& particles, Vec3f* colors) {
+  const std::size_t first = slab.index(0, 0, static_cast<int>(k)), count = slab.index(0, 0, 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    colors[i].setZero();
+    if (const std::int32_t p = slab.owner[first + i]; p >= 0)
+      colors[i] += slab.coverage[first + i] * particles.color[p];
+  }
+  for (const Slab::Share& s : slab.shares[k]) colors[s.cell] += s.cover * particles.color[s.particle];
 }
 
 }  // namespace terrazzo::voxelize

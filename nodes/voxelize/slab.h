@@ -16,14 +16,23 @@ namespace terrazzo::voxelize {
 constexpr double kBand = 3;
 
 struct Slab {
+  struct Share {
+    std::uint32_t cell;  // in its plane
+    std::int32_t particle;
+    float cover;
+  };
+  static constexpr std::int32_t kNone = -1, kSeveral = -2;
+
   int z0 = 0, z1 = 0;  // planes [z0, z1)
   Vec3i lattice = Vec3i::Zero();
-  std::vector<float> coverage;   // sum over solid particles; may exceed 1
-  std::vector<Vec3f> color;      // sum of coverage · color
-  std::vector<float> distance;   // voxels, within ±kBand
-  std::vector<std::int32_t> id;  // −1 outside
-  std::vector<float> holes;      // sum over voids; empty if there are none
+  std::vector<float> coverage;             // sum over solid particles; may exceed 1
+  std::vector<std::int32_t> owner;         // the solid particle that covers, or kNone, or kSeveral
+  std::vector<std::vector<Share>> shares;  // by plane, of kSeveral, in the order of their sums
+  std::vector<float> distance;             // voxels, within ±kBand
+  std::vector<std::int32_t> id;            // −1 outside
+  std::vector<float> holes;                // sum over voids; empty if there are none
   Slab(const Vec3i& lattice, int z0, int z1, bool has_voids);
+  std::size_t bytes() const;
   std::size_t index(int i, int j, int k) const {  // k is relative to z0
     return (static_cast<std::size_t>(k) * lattice.y() + j) * lattice.x() + i;
   }
@@ -41,7 +50,10 @@ struct Stamp {
 // distances are computed from the triangles.
 void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf* sdf, double voxel);
 
-// Adds the stamps in order, independent of the number of threads.
+// Adds the stamps in order, independent of the number of threads. Reads no colors.
 void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);
+
+// The sums of coverage · color in plane k of the slab.
+void add_colors(const Slab&, std::size_t k, const Particles&, Vec3f* colors);
 
 }  // namespace terrazzo::voxelize

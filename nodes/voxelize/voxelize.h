@@ -6,6 +6,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/voxelize/lattice.h"
+#include "runtime/intermediates.h"
 #include "runtime/work.h"
 
 namespace terrazzo::voxelize {
@@ -28,6 +29,6 @@ struct VoxelReport {
 // id: int32, index of the particle (or void) that contains the voxel's center, the smaller if there are two;
 // −1 outside. void, only if there are voids: float, like density.
 Volume voxelize(const Particles&, const Shapes&, const Volume* residual, const Lattice&, VoxelReport&,
-                const Work& = {}, const Detail* detail = nullptr);
+                const Work& = {}, const Detail* detail = nullptr, const Intermediates& = {});
 
 }  // namespace terrazzo::voxelize

@@ -6,85 +6,29 @@
 #include "graph/element_name.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
+#include "runtime/studio/live_graph_watcher.h"
 
 namespace terrazzo::studio {
 using nlohmann::json;
-
-// Receives the events of one evaluation. Later evaluations may start while it goes on: then only what starts
-// and how far it is still counts, because its results belong to an earlier graph.
-struct LiveGraph::Watcher : Observer {
-  LiveGraph& owner;
-  std::shared_ptr<const Graph> graph;
-  bool current = true;  // with owner.mutex_ held
-  bool left = false;    // the document was closed
-  bool continues;       // an evaluation of the same graph, which was planned with it
-
-  Watcher(LiveGraph& owner, std::shared_ptr<const Graph> graph, bool continues)
-      : owner(owner), graph(std::move(graph)), continues(continues) {}
-
-  const std::string& path(int node) const { return graph->nodes[static_cast<std::size_t>(node)].path; }
-
-  // The node's state, or null if it no longer awaits a result.
-  NodeState* pending(int node) {
-    if (left) return nullptr;
-    const auto it = owner.states_.find(path(node));
-    if (it == owner.states_.end()) return nullptr;
-    const bool done = it->second.state != "waiting" && it->second.state != "running";
-    return done && !current ? nullptr : &it->second;
-  }
-
-  void started(int node) override {
-    const std::lock_guard lock(owner.mutex_);
-    NodeState* s = pending(node);
-    if (!s) return;
-    s->state = "running", s->progress = 0, s->note.clear();
-    owner.tell_node(path(node));
-  }
-
-  void progress(int node, double fraction, const std::string& note) override {
-    const std::lock_guard lock(owner.mutex_);
-    NodeState* s = pending(node);
-    if (!s) return;
-    s->state = "running", s->progress = fraction;
-    if (!note.empty()) s->note = note;
-    const auto now = std::chrono::steady_clock::now();
-    if (now - s->told < std::chrono::milliseconds(100)) return;
-    s->told = now;
-    owner.events_.add("progress",
-                      json_text({{"path", path(node)}, {"progress", s->progress}, {"note", s->note}}));
-  }
-
-  void finished(int node, const NodeResult& r) override {
-    const std::lock_guard lock(owner.mutex_);
-    if (!current) return;
-    NodeState& s = owner.states_[path(node)];
-    const bool found = r.status == Status::Memory || r.status == Status::Disk;
-    if (continues && found && s.state == "computed") return;
-    static const std::map<Status, const char*> words = {
-        {Status::Computed, "computed"}, {Status::Memory, "cached"},   {Status::Disk, "cached"},
-        {Status::Failed, "failed"},     {Status::Skipped, "skipped"}, {Status::Cancelled, "canceled"}};
-    const auto word = words.find(r.status);
-    s.state = word == words.end() ? "stale" : word->second;
-    s.seconds = r.status == Status::Computed ? r.seconds : r.cached_seconds;
-    s.progress = 0, s.note.clear();
-    if (r.status == Status::Cancelled || r.status == Status::Skipped)
-      s.result.error.reset();  // keeps the outputs of the run before
-    else
-      s.result = r;
-    for (const auto& [port, o] : r.outputs) owner.values_[o.content.text()] = o;
-    owner.tell_node(path(node));
-  }
-};
 
 struct LiveGraph::Running {
   std::unique_ptr<Watcher> watcher;
   std::shared_ptr<Evaluation> evaluation;  // destroyed first: it uses the watcher
 };
 
+namespace {
+
+SessionOptions for_editing(SessionOptions options) {
+  options.keep_intermediates = true;
+  return options;
+}
+
+}  // namespace
+
 LiveGraph::LiveGraph(const Registry& registry, const ValueTypes& types, SessionOptions options,
                      Document document, Overrides overrides, bool live)
     : registry_(registry),
-      session_(registry, types, std::move(options)),
+      session_(registry, types, for_editing(std::move(options))),
       document_(std::move(document)),
       overrides_(std::move(overrides)),
       live_(live) {
@@ -261,6 +205,14 @@ Value LiveGraph::value(const std::string& hash) {
   Value v = session_.evaluator().store().get_value(record);
   if (!v) throw Error("lost-value", "the value is no longer in the cache", "run the node again");
   return v;
+}
+
+Value LiveGraph::preview(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [path, s] : states_)
+    for (const auto& [port, p] : s.previews)
+      if (p.number == number) return p.value;
+  return {};
 }
 
 void LiveGraph::watch() {

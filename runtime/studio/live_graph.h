@@ -53,6 +53,8 @@ class LiveGraph {
   // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
   // "lost-value".
   Value value(const std::string& hash);
+  // A preview by its number. Empty if there is a newer one, or the result.
+  Value preview(std::uint64_t number);
 
  private:
   struct Running;
@@ -83,6 +85,7 @@ class LiveGraph {
   double seconds_ = 0;         // of the last run that ended
   std::string trouble_;
   std::map<std::string, OutputRecord> values_;
+  std::uint64_t previews_ = 0;                              // made so far
   std::vector<std::unique_ptr<Running>> running_;           // the last one is current
   std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
   std::string shown_;

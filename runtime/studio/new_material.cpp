@@ -101,13 +101,25 @@ void check_picture(const fs::path& file, const std::string& name) try { read_ima
   throw Error(d);
 }
 
-fs::path write_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
-  SaveFile file = SaveFile::numbered(folder / (photo.stem().string() + ".yaml"));
-  file.write([&](const fs::path& path) {
-    const std::string relative = photo.lexically_proximate(path.parent_path()).string();
-    return graph_of_photograph(relative, photo.stem().string(), settings);
-  });
-  return file.path();
+// Writes a file under a name, or with a number if that exists. If one of these files has the content already,
+// it is taken.
+NewFile write_once(const fs::path& name, const std::string& content) {
+  fs::path next = name;
+  std::error_code error;
+  for (int number = 2; fs::exists(next, error); ++number) {
+    if (read_file(next) == content) return {next, false};
+    next = name.parent_path() /
+           (name.stem().string() + "_" + std::to_string(number) + name.extension().string());
+  }
+  SaveFile file = SaveFile::numbered(name);
+  file.write([&](const fs::path&) { return content; });
+  return {file.path(), true};
+}
+
+NewFile write_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
+  const std::string relative = photo.lexically_proximate(fs::absolute(folder)).string();
+  return write_once(folder / (photo.stem().string() + ".yaml"),
+                    graph_of_photograph(relative, photo.stem().string(), settings));
 }
 
 // The new reference to a file, or nothing if the value is no relative path.
@@ -147,7 +159,7 @@ std::string graph_of_photograph(const std::string& photo, const std::string& tit
   return set_yaml_entry(text, {"name"}, yaml_word(title)).value_or(text);
 }
 
-fs::path create_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
+NewFile create_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
   check_picture(photo, photo.string());
   const fs::path full = fs::absolute(photo).lexically_normal();
   if (full.string().find_first_of("*?[]$") != std::string::npos)
@@ -156,8 +168,8 @@ fs::path create_graph(const fs::path& photo, const fs::path& folder, const Setti
   return write_graph(full, folder, settings);
 }
 
-fs::path create_graph(const std::string& bytes, const std::string& name, const fs::path& folder,
-                      const Settings& settings) {
+NewFile create_graph(const std::string& bytes, const std::string& name, const fs::path& folder,
+                     const Settings& settings) {
   if (!is_picture_name(name))
     throw Error("unknown-format", "'" + name + "' is not a picture that can be read",
                 "use JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM");
@@ -171,9 +183,7 @@ fs::path create_graph(const std::string& bytes, const std::string& name, const f
   fs::create_directories(folder, error);
   if (error)
     throw Error("write-failed", "cannot create the folder '" + folder.string() + "': " + error.message());
-  SaveFile photo = SaveFile::numbered(folder / name);
-  photo.write([&](const fs::path&) { return bytes; });
-  return write_graph(photo.path(), folder, settings);
+  return write_graph(fs::absolute(write_once(folder / name, bytes).path), folder, settings);
 }
 
 std::string relocated(const std::string& text, const fs::path& from, const fs::path& to,

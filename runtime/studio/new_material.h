@@ -22,15 +22,20 @@ bool is_picture_name(const std::filesystem::path&);
 // installed, and what edit_document() throws.
 std::string graph_of_photograph(const std::string& photo, const std::string& title, const Settings&);
 
-// Writes a graph of the photograph into a folder, as "STEM.yaml", or with a number if that exists. Returns
-// its path. Throws Error "unreadable-image" and others of read_image(), "bad-name", "write-failed".
-std::filesystem::path create_graph(const std::filesystem::path& photo, const std::filesystem::path& folder,
-                                   const Settings&);
+struct NewFile {
+  std::filesystem::path path;
+  bool written;  // else the file existed, with this content
+};
+
+// Writes a graph of the photograph into a folder, as "STEM.yaml", or with a number if that is another graph.
+// Throws Error "unreadable-image" and others of read_image(), "bad-name", "write-failed".
+NewFile create_graph(const std::filesystem::path& photo, const std::filesystem::path& folder,
+                     const Settings&);
 
 // The same for a photograph's bytes, which are written beside the graph under `name`, or with a number if
-// that exists. Writes nothing if they are no picture.
-std::filesystem::path create_graph(const std::string& bytes, const std::string& name,
-                                   const std::filesystem::path& folder, const Settings&);
+// that is another picture. Writes nothing if they are no picture.
+NewFile create_graph(const std::string& bytes, const std::string& name, const std::filesystem::path& folder,
+                     const Settings&);
 
 // The text of a graph at `from` as it must be at `to`, so that it refers to the same files. References are
 // relative if both lie in the workspace, otherwise absolute.

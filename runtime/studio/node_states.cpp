@@ -22,14 +22,16 @@ json json_of(const Diagnostic& d) {
 }
 
 json json_of(const NodeState& s) {
-  json outputs = json::object(), files = json::array();
+  json outputs = json::object(), files = json::array(), previews = json::object();
   for (const auto& [port, o] : s.result.outputs)
     outputs[port] = {{"type", o.type}, {"hash", o.content.text()}, {"bytes", o.bytes}};
   for (const auto& f : s.result.files) files.push_back(f.path);
+  for (const auto& [port, p] : s.previews)
+    previews[port] = {{"type", p.value.type().name}, {"number", p.number}};
   json out = {{"state", s.state},     {"progress", s.progress},      {"note", s.note},
               {"seconds", s.seconds}, {"expected", s.expected},      {"reasons", s.reasons},
               {"outputs", outputs},   {"metrics", s.result.metrics}, {"warnings", s.result.warnings},
-              {"files", files}};
+              {"files", files},       {"previews", previews}};
   if (s.result.error) out["error"] = json_of(*s.result.error);
   return out;
 }
@@ -43,12 +45,13 @@ void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool r
     const Plan::Node& p = plan.nodes[i];
     s.expected = p.seconds, s.progress = 0, s.note.clear();
     if (p.step == Plan::Step::Cached) {
-      s.state = "cached", s.seconds = p.seconds;
+      s.state = "cached", s.seconds = p.seconds, s.previews.clear();
     } else if (p.step == Plan::Step::Unneeded) {
-      s.state = "stale", s.reasons.clear();
+      s.state = "stale", s.reasons.clear(), s.previews.clear();
     } else {
       s.state = running ? "waiting" : "stale", s.reasons = p.reasons;
       s.result.error.reset();
+      if (!running) s.previews.clear();
     }
     now[path] = std::move(s);
   }

@@ -11,6 +11,12 @@
 
 namespace terrazzo::studio {
 
+// A preliminary value of an output.
+struct Preview {
+  std::uint64_t number;  // of all previews of the session
+  Value value;
+};
+
 struct NodeState {
   // "cached", "stale", "waiting", "running", "computed", "failed", "skipped", "canceled"
   std::string state = "stale";
@@ -20,6 +26,8 @@ struct NodeState {
   double expected = 0;               // of the last computation; 0 if unknown
   std::vector<std::string> reasons;  // why it runs or ran
   NodeResult result;                 // of the last run; of an earlier graph while the state is not final
+  // By port. While the node waits and runs; the last ones of an earlier run stay until there are new ones.
+  std::map<std::string, Preview> previews = {};
   std::chrono::steady_clock::time_point told{};  // when progress was last reported
 };
 

@@ -75,7 +75,7 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
             throw Error("bad-value", "the size of a pixel is not a number of mm from 0.000001 to 1,000,000");
           settings.emplace_back("pixel_size", text);
         }
-        open(Document(create_graph(in.body, name, folder, settings)), discard, out);
+        open(Document(create_graph(in.body, name, folder, settings).path), discard, out);
       }));
   http.Post("/api/save_as", server.handler([&](const In&, const json& body, Out& out) {
     fs::path file = start.workspace.resolve(body.at("file").get<std::string>());

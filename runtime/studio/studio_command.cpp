@@ -43,8 +43,9 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
   fs::path file = is_default ? cli::default_graph() : fs::path(o.graph);
   Overrides overrides = cli::overrides(o);
   if (is_picture_name(file)) {
-    file = create_graph(file, fs::current_path(), std::exchange(overrides.parameters, {}));
-    std::cerr << "Wrote " << file.string() << ".\n";
+    const NewFile made = create_graph(file, fs::current_path(), std::exchange(overrides.parameters, {}));
+    file = made.path;
+    if (made.written) std::cerr << "Wrote " << file.string() << ".\n";
   }
   if (file.empty())
     throw Error("usage", "no graph is given, and the default graph is not installed with this program",

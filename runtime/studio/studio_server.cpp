@@ -113,27 +113,27 @@ struct StudioServer::Impl {
         });
   }
 
+  static ValueView view(const httplib::Request& in, const Value& v) {
+    return view_of(v, in.get_param_value("as"), number_in(in, "section", 0, 0, 1 << 20),
+                   number_in(in, "most", 2048, 16, 8192));
+  }
+
   void value(const httplib::Request& in, httplib::Response& out) {
-    const std::string hash = in.matches[1], as = in.get_param_value("as");
-    const int section = number_in(in, "section", 0, 0, 1 << 20);
-    const int most = number_in(in, "most", 2048, 16, 8192);
-    const std::string tag =
-        "\"" + hash + "." + as + "." + std::to_string(section) + "." + std::to_string(most) + "\"";
-    out.headers.erase("Cache-Control");
-    out.set_header("Cache-Control", "private, max-age=31536000, immutable");
-    out.set_header("ETag", tag);
+    std::string tag = "\"" + in.matches[1].str();
+    for (const char* name : {"as", "section", "most"}) tag += "." + in.get_param_value(name);
+    tag += "\"";
+    const auto set_cached = [&] {
+      out.headers.erase("Cache-Control");
+      out.set_header("Cache-Control", "private, max-age=31536000, immutable");
+      out.set_header("ETag", tag);
+    };
     if (in.get_header_value("If-None-Match") == tag) {
+      set_cached();
       out.status = 304;
       return;
     }
-    ValueView v;
-    try {
-      v = view_of(live.value(hash), as, section, most);
-    } catch (...) {
-      out.headers.erase("Cache-Control"), out.headers.erase("ETag");
-      out.set_header("Cache-Control", "no-store");
-      throw;
-    }
+    const ValueView v = view(in, live.value(in.matches[1]));
+    set_cached();
     out.set_content(v.body, v.type.c_str());
   }
 
@@ -160,6 +160,15 @@ struct StudioServer::Impl {
     http.Get(kEvents, server.handler([this](const In& in, const json&, Out& out) { stream(in, out); }));
     http.Get("/api/value/([0-9a-f]{8,64})",
              server.handler([this](const In& in, const json&, Out& out) { value(in, out); }));
+    http.Get("/api/preview/([0-9]{1,18})", server.handler([this](const In& in, const json&, Out& out) {
+      const Value preview = live.preview(std::stoull(in.matches[1]));
+      if (!preview) {
+        out.status = 204;
+        return;
+      }
+      const ValueView v = view(in, preview);
+      out.set_content(v.body, v.type.c_str());
+    }));
     const auto post = [&](const char* path, auto act) {
       http.Post(path, server.handler([this, act](const In&, const json& body, Out& out) {
         act(body);

@@ -3,18 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <random>
-
-#include "graph/raw_document.h"
-#include "graph/yaml_tree.h"
-#include "runtime/files.h"
 #include "tests/support/code_of.h"
-#include "tests/support/program.h"
 
 namespace terrazzo {
 namespace {
-namespace fs = std::filesystem;
 using Kind = Edit::Kind;
 
 const std::string kGraph =
@@ -171,119 +163,6 @@ TEST(EditDocument, OddTextIsKeptOrRefused) {
   EXPECT_EQ(test::code_of([] { after(set("sgment", "p", "2")); }), "unknown-node");
   EXPECT_EQ(test::code_of([] { after({.kind = Kind::AddNode, .node = "pack", .type = "X"}); }), "name-taken");
   EXPECT_EQ(test::code_of([] { after({.kind = Kind::AddNode, .node = "a.b", .type = "X"}); }), "bad-name");
-}
-
-std::vector<std::string> lines(const std::string& text) {
-  std::vector<std::string> out{""};
-  for (const char c : text) {
-    out.back() += c;
-    if (c == '\n') out.emplace_back();
-  }
-  return out;
-}
-
-// The lines that differ, after equal lines at both ends are left out.
-std::size_t changed_lines(const std::string& before, const std::string& now) {
-  const auto a = lines(before), b = lines(now);
-  std::size_t top = 0, bottom = 0;
-  while (top < std::min(a.size(), b.size()) && a[top] == b[top]) ++top;
-  while (bottom < std::min(a.size(), b.size()) - top && a[a.size() - 1 - bottom] == b[b.size() - 1 - bottom])
-    ++bottom;
-  return std::max(a.size(), b.size()) - top - bottom;
-}
-
-// The lines from the key of an entry to the end of its value.
-std::size_t lines_of(const YamlNode& root, const std::vector<std::string>& path, const std::string& text) {
-  const YamlNode* map = &root;
-  std::size_t begin = 0;
-  for (const auto& key : path)
-    for (const auto& [k, v] : map->entries)
-      if (k.text == key) {
-        begin = k.begin, map = &v;
-        break;
-      }
-  return lines(text.substr(begin, map->end - begin)).size();
-}
-
-std::vector<fs::path> every_graph() {
-  std::vector<fs::path> files;
-  for (const char* folder : {"graphs", "nodes"})
-    for (const auto& e : fs::recursive_directory_iterator(test::source_folder() / folder))
-      if (e.path().extension() == ".yaml") files.push_back(e.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-// Random edits of every graph in the repository. edit_document() itself compares the result with the intended
-// document, so this checks which lines change.
-TEST(EditDocument, RandomEditsOfEveryGraphChangeTheirOwnLines) {
-  const auto files = every_graph();
-  ASSERT_GT(files.size(), 80u);
-  std::mt19937 random(1);
-  std::size_t edits = 0;
-  for (const auto& file : files) {
-    const std::string text = *read_file(file);
-    Diagnostics found;
-    const RawDocument doc = read_document(text, file, found);
-    if (has_errors(found) || doc.nodes.empty()) continue;
-    const auto tree = read_yaml_tree(text);
-    ASSERT_TRUE(tree) << file;
-    for (int k = 0; k < 60; ++k, ++edits) {
-      const RawNode& node = doc.nodes[random() % doc.nodes.size()];
-      Edit e{Kind::SetParameter, node.name, "new_" + std::to_string(k), {false, {"-1.5e3 # \"x\": y"}, {}}};
-      std::size_t most = 1;
-      if (!node.params.empty() && random() % 4) {
-        e.name = node.params[random() % node.params.size()].first;
-        if (random() % 4 == 0) e.kind = Kind::ResetParameter;
-        if (random() % 3 == 0) e.value = {true, {"1", "a b", "", "${x}"}, {}};
-        most = lines_of(*tree, {"nodes", node.name, "params", e.name}, text);
-        most += e.kind == Kind::ResetParameter && node.params.size() == 1;  // the line of `params:`
-      } else if (!node.inputs.empty() && random() % 2) {
-        e.kind = Kind::Connect, e.name = node.inputs[random() % node.inputs.size()].first;
-        if (random() % 2) e.wires = {doc.nodes.front().name + ".x", "a.b"};
-        most = lines_of(*tree, {"nodes", node.name, "inputs", e.name}, text);
-        most += e.wires.empty() && node.inputs.size() == 1;
-      }
-      std::string now;
-      ASSERT_NO_THROW(now = edit_document(text, file, e)) << file << " " << e.node << "." << e.name;
-      EXPECT_NE(now, text);
-      EXPECT_LE(changed_lines(text, now), most) << file << " " << e.node << "." << e.name;
-    }
-  }
-  EXPECT_GE(edits, 5000u);
-}
-
-// Long series of edits, each on the result of the one before: nodes come and go, are renamed and wired.
-TEST(EditDocument, SeriesOfEditsKeepEveryComment) {
-  std::mt19937 random(2);
-  const auto comments = [](const std::string& text) {
-    std::vector<std::string> out;
-    for (const auto& line : lines(text))
-      if (const auto at = line.find_first_not_of(' '); at != std::string::npos && line[at] == '#')
-        out.push_back(line);
-    return out;
-  };
-  std::size_t edits = 0;
-  for (const auto& file : every_graph()) {
-    std::string text = *read_file(file);
-    const auto before = comments(text);
-    for (int k = 0; k < 12; ++k, ++edits) {
-      Diagnostics found;
-      const RawDocument doc = read_document(text, file, found);
-      ASSERT_FALSE(has_errors(found)) << file;
-      const std::string node = doc.nodes[random() % doc.nodes.size()].name,
-                        fresh = "node_" + std::to_string(k);
-      const Edit all[] = {
-          {.kind = Kind::AddNode, .node = fresh, .type = "Section"},
-          {.kind = Kind::RenameNode, .node = node, .to = fresh},
-          {.kind = Kind::Connect, .node = node, .name = "in", .wires = {node + ".out"}},
-          {.kind = Kind::SetParameter, .node = node, .name = "x", .value = {false, {"1"}, {}}}};
-      ASSERT_NO_THROW(text = edit_document(text, file, all[random() % 4])) << file << " " << node << "\n"
-                                                                           << text;
-    }
-    EXPECT_EQ(comments(text), before) << file;
-  }
-  EXPECT_GE(edits, 1000u);
 }
 
 }  // namespace

@@ -53,8 +53,9 @@ TEST(Edits, AreIncrementalAndMinimal) {
   register_nodes(registry);
   const auto base = test::temporary_folder();
   const auto file = test::source_folder() / "graphs/materials/terrazzo.yaml";
-  Session session(registry, test::value_types(),
-                  {.cache_folder = base / "cache", .output_folder = base / "out"});
+  Session session(
+      registry, test::value_types(),
+      {.cache_folder = base / "cache", .output_folder = base / "out", .keep_intermediates = true});
   for (const auto& d : session.open(file, small)) ADD_FAILURE() << d.text();
   std::set<Hash> known;
   std::map<std::string, Hash> written;  // action record behind each written file

@@ -60,6 +60,11 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_EQ(r["saved"], text + "  export:\n    type: Export\n    inputs: {image: sheet.image}\n");
   EXPECT_EQ(r["offered"], "Add a node that accepts Image");
   EXPECT_EQ(r["removed"], true);
+  EXPECT_EQ(r["duplicated"], text +
+                                 "  sheet_2:\n    type: ContactSheet\n    params: {cell: 300}\n    inputs: "
+                                 "{images: picture.image}\n");
+  EXPECT_EQ(r["duplicate_undone"], true);
+  EXPECT_EQ(r["pasted"], true);
   EXPECT_EQ(r["offline"], true);
 }
 

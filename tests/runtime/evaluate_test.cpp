@@ -177,6 +177,33 @@ TEST_F(Evaluate, AnObserverThatThrowsCostsNoResult) {
   EXPECT_EQ(r.trouble, "the progress display stopped: no terminal");
 }
 
+TEST_F(Evaluate, PreviewsReachOnlyObserversThatWantThemAndAreNoResults) {
+  const Graph g = graph_of("nodes:\n  a: {type: Sketch, params: {value: 8}}\n");
+  struct Watcher : Observer {
+    bool wants_previews(int) override { return wants; }
+    void preview(int node, const std::string& port, const Value& v) override {
+      EXPECT_EQ(node, 0);
+      EXPECT_EQ(port, "out");
+      seen.push_back(test::number_of(v));
+    }
+    bool wants = false;
+    std::vector<double> seen;
+  } observer;
+  RunOptions o;
+  o.observer = &observer;
+  const RunResult plain = run(g, o);
+  EXPECT_TRUE(observer.seen.empty());
+  std::filesystem::remove_all(cache);
+  observer.wants = true;
+  const RunResult watched = run(g, o);
+  EXPECT_EQ(observer.seen, std::vector<double>{4});
+  EXPECT_EQ(watched.nodes[0].outputs, plain.nodes[0].outputs);
+  EXPECT_EQ(watched.nodes[0].key, plain.nodes[0].key);
+  observer.seen.clear();
+  EXPECT_EQ(count(run(g, o), Status::Disk), 1);
+  EXPECT_TRUE(observer.seen.empty());
+}
+
 TEST_F(Evaluate, DamagedCacheFilesAreMissesNeverResults) {
   const Graph g = graph_of(chain);
   const RunResult clean = run(g);

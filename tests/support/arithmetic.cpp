@@ -63,6 +63,17 @@ const Registry& arithmetic() {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     }));
+    r.add(type("Sketch",
+               [](Context& c) {  // half of `value`, then all of it, or an endless wait
+                 c.preview("out", table(c.number("value") / 2));
+                 while (c.number("wait") != 0) {
+                   c.work().check();
+                   std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                 }
+                 c.output("out", table(c.number("value")));
+               })
+              .parameter(Parameter::number("value", 0).doc_("v"))
+              .parameter(Parameter::number("wait", 0).doc_("w")));
     r.add(type("Big",
                [](Context& c) {  // a table with many rows, all equal to `value`
                  Table t{{"value"}, {}};

@@ -110,6 +110,22 @@ try {
   result.removed = (await text()) === before;
   result.errors_before_end = [...result.errors];
 
+  // A copy has the same entries, and is one step of undo.
+  await card('sheet').click();
+  await page.keyboard.press('Control+d');
+  await card('sheet_2').waitFor();
+  result.duplicated = await text();
+  await page.keyboard.press('Control+c');
+  await page.click('button:has-text("Undo")');
+  await card('sheet_2').waitFor({ state: 'detached' });
+  result.duplicate_undone = (await text()) === before;
+  await card('sheet').click();
+  await page.keyboard.press('Control+c');
+  await page.keyboard.press('Control+v');
+  await card('sheet_2').waitFor();
+  result.pasted = (await text()) === result.duplicated;
+  result.errors_before_end = [...result.errors];
+
   server.kill('SIGKILL');
   await page.waitForFunction(() => document.querySelector('.status').textContent === 'not connected');
   result.offline = true;

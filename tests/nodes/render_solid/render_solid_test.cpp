@@ -120,6 +120,27 @@ TEST(RenderSolid, AConvexBodyInAFurnaceShowsItsAlbedo) {
   }
 }
 
+TEST(RenderSolid, PicturesThatAreRefinedEndInTheSameBits) {
+  const ColorField field = uniform_field(Vec3f(0.8f, 0.3f, 0.05f));
+  const auto solid = block(field, 1, 0.5);
+  const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 40, 30);
+  for (const int samples : {1, 2, 11, 16}) {
+    RenderSettings settings = plain(40, samples);
+    settings.height = 30, settings.gloss = 0.4f;
+    std::vector<Image> shown;
+    const Image refined = render(*solid, Studio({}), camera, settings, {},
+                                 [&](Image image) { shown.push_back(std::move(image)); }),
+                whole = render(*solid, Studio({}), camera, settings);
+    EXPECT_EQ(refined.pixels, whole.pixels);
+    EXPECT_EQ(shown.size(), samples == 1 ? 0u : samples == 2 ? 1u : 4u);
+    for (const Image& image : shown) {
+      Vec3f sum = Vec3f::Zero();
+      for (std::size_t i = 0; i < image.pixels.size(); ++i) sum += image.pixels[i] - whole.pixels[i];
+      EXPECT_LT(sum.norm() / static_cast<float>(image.pixels.size()), 0.02f);
+    }
+  }
+}
+
 TEST(RenderSolid, AWhiteBodyVanishesInAFurnace) {
   const ColorField field = uniform_field(Vec3f::Ones());
   const auto solid = block(field, 1, 0.5);  // concave: light bounces inside

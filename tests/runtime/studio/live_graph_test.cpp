@@ -250,5 +250,33 @@ TEST_F(LiveGraphTest, EventsResume) {
   EXPECT_EQ(test::code_of([&] { live->value("0123"); }), "unknown-value");
 }
 
+TEST_F(LiveGraphTest, ShowsPreviewsUntilTheResult) {
+  open("terrazzo: 1\nnodes:\n  a: {type: Sketch, params: {value: 8, wait: 1}}\n");
+  const auto preview = [](const json& s) -> const json& { return s["nodes"]["a"]["previews"]; };
+  json s = when([&](const json& now) { return preview(now).contains("out"); });
+  EXPECT_EQ(preview(s)["out"]["type"], "Table");
+  const std::uint64_t first = preview(s)["out"]["number"];
+  EXPECT_EQ(test::number_of(live->preview(first)), 4);
+  // The next computation's preview takes its place; none of the canceled one arrives later.
+  set("a", "value", "10");
+  s = when([&](const json& now) {
+    return preview(now).contains("out") && preview(now)["out"]["number"] != first;
+  });
+  EXPECT_EQ(test::number_of(live->preview(preview(s)["out"]["number"])), 5);
+  EXPECT_FALSE(live->preview(first));
+  set("a", "wait", "0");
+  s = settled();
+  EXPECT_EQ(number(s, "a"), 10);
+  EXPECT_TRUE(preview(s).empty());
+  // A canceled node shows its earlier result.
+  set("a", "wait", "2");
+  when([&](const json& now) { return preview(now).contains("out"); });
+  live->cancel("a");
+  s = settled();
+  EXPECT_EQ(s["nodes"]["a"]["state"], "canceled");
+  EXPECT_TRUE(preview(s).empty());
+  EXPECT_EQ(number(s, "a"), 10);
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -81,9 +81,13 @@ TEST_F(StudioStarts, AnUploadedPhotographBecomesAGraphBesideIt) {
   EXPECT_NE(text.find("photo: {type: path, default: my stone.png, "), std::string::npos) << text;
   EXPECT_NE(text.find("pixel_size: {type: number, default: 0.05, "), std::string::npos);
   EXPECT_EQ(json::parse(client().Get("/api/start")->body)["welcome"], false);
-  // A second one replaces nothing.
+  // The same again opens the same file. Once that is another graph, it is not replaced.
+  EXPECT_EQ(upload(query, bytes)["file"], (folder / "stone/my stone.yaml").string());
+  write_text_atomically(folder / "stone/my stone.yaml", text + "# mine\n");
   EXPECT_EQ(upload(query, bytes)["file"], (folder / "stone/my stone_2.yaml").string());
-  EXPECT_EQ(*read_file(folder / "stone/my stone.yaml"), text);
+  EXPECT_EQ(*read_file(folder / "stone/my stone.yaml"), text + "# mine\n");
+  EXPECT_EQ(upload(query, bytes)["file"], (folder / "stone/my stone_2.yaml").string());
+  EXPECT_FALSE(fs::exists(folder / "stone/my stone_2.png"));
 }
 
 TEST_F(StudioStarts, WhatIsNoPictureLeavesNothingBehind) {

@@ -116,6 +116,26 @@ TEST_F(Studio, ValuesHaveAnETag) {
   EXPECT_EQ(client().Get("/api/value/0123456789abcdef?as=json")->status, 400);
 }
 
+TEST_F(Studio, PreviewsAreServedUntilTheyAreReplaced) {
+  EXPECT_EQ(
+      post("/api/text", {{"text", "terrazzo: 1\nnodes: {a: {type: Sketch, params: {value: 8, wait: 1}}}\n"}}),
+      200);
+  json s = get("/api/state");
+  for (int k = 0; k < 500 && s["nodes"]["a"]["previews"].empty(); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    s = get("/api/state");
+  }
+  const std::string path =
+      "/api/preview/" + std::to_string(s["nodes"]["a"]["previews"]["out"]["number"].get<int>());
+  const auto r = client().Get((path + "?as=json").c_str());
+  ASSERT_EQ(r->status, 200);
+  EXPECT_EQ(json::parse(r->body)["rows"], json::parse("[[4.0]]"));
+  EXPECT_EQ(r->get_header_value("Cache-Control"), "no-store");
+  EXPECT_EQ(client().Get((path + "?as=pixels").c_str())->status, 400);
+  EXPECT_EQ(client().Get("/api/preview/999?as=json")->status, 204);
+  EXPECT_EQ(client().Get("/api/preview/9999999999999999999999?as=json")->status, 404);
+}
+
 TEST_F(Studio, TheStreamStartsWithTheStateAndResumes) {
   const auto first = events(1);
   ASSERT_EQ(first.size(), 1u);

@@ -3,6 +3,7 @@ import {
 } from '@xyflow/react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
+import { copy, duplicate, paste } from './clipboard';
 import { typeColor } from './format';
 import { layout, nodeSize } from './layout';
 import { NodeCard, type GraphNode } from './node';
@@ -14,6 +15,8 @@ const nodeTypes = { node: NodeCard };
 const noPro = { hideAttribution: true };
 
 const places = (file: string) => `terrazzo.places.${file}`;
+
+const keepPlaces = (file: string, at: Record<string, { x: number; y: number }>) => localStorage.setItem(places(file), JSON.stringify(at));
 
 function readPlaces(file: string): Record<string, { x: number; y: number }> {
   try {
@@ -41,6 +44,8 @@ function wiresOf(doc: Doc, types: Map<string, NodeType>): Edge[] {
   return out;
 }
 
+const kMostNodes = 2000; // the layout of more takes minutes
+
 export function Canvas() {
   const doc = useStore(s => s.doc);
   const types = useStore(s => s.types);
@@ -49,12 +54,12 @@ export function Canvas() {
   const flow = useReactFlow();
   const far = useFlow(s => s.transform[2] < 0.6);
   const moved = useRef<Record<string, { x: number; y: number }>>({});
-  const shown = useRef('');
+  const shown = useRef(''), drawn = useRef(''); // the file; the names of its nodes
   const [nodes, setNodes] = useState<GraphNode[]>([]);
   const [search, setSearch] = useState<{ x: number; y: number; from?: { node: string; port: string; type: string } } | null>(null);
 
   const arrange = useCallback((keep: boolean) => {
-    if (!doc) return;
+    if (!doc || doc.nodes.length > kMostNodes) return;
     if (!keep) moved.current = {}, localStorage.removeItem(places(doc.file));
     const at = layout(doc, types);
     setNodes(before => doc.nodes.map(n => {
@@ -71,7 +76,14 @@ export function Canvas() {
   useEffect(() => {
     if (!doc) return;
     const first = shown.current !== doc.file;
-    if (first) moved.current = readPlaces(doc.file), shown.current = doc.file;
+    if (first) {
+      // Saved under another name, the graph has the same nodes, and they stay where they are.
+      const names = doc.nodes.map(n => n.name).join('\n'), same = shown.current && names === drawn.current;
+      moved.current = { ...(same ? moved.current : {}), ...readPlaces(doc.file) };
+      shown.current = doc.file;
+      if (same) keepPlaces(doc.file, moved.current);
+    }
+    drawn.current = doc.nodes.map(n => n.name).join('\n');
     arrange(true);
     if (first) setTimeout(() => flow.fitView({ padding: 0.06 }), 60);
   }, [doc, types, arrange, flow]);
@@ -80,7 +92,7 @@ export function Canvas() {
 
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
+    return doc && doc.nodes.length <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
   }, [doc, types, lit]);
 
   const onNodesChange = useCallback((changes: NodeChange<GraphNode>[]) => {
@@ -89,7 +101,7 @@ export function Canvas() {
       if (c.type === 'select' && c.selected) select(c.id);
       if (c.type === 'position' && c.position && c.dragging === false && shown.current) {
         moved.current[c.id] = c.position;
-        localStorage.setItem(places(shown.current), JSON.stringify(moved.current));
+        keepPlaces(shown.current, moved.current);
       }
     }
   }, []);
@@ -124,8 +136,25 @@ export function Canvas() {
   };
 
   useEffect(() => {
+    const chosen = nodes.filter(n => n.selected).map(n => n.id);
+    const place = (names: Map<string, string>) => {
+      for (const [from, to] of names) {
+        const at = nodes.find(n => n.id === from)?.position;
+        if (at) moved.current[to] = { x: at.x + 40, y: at.y + 40 };
+      }
+      keepPlaces(shown.current, moved.current);
+      const first = [...names.values()][0];
+      if (first) setTimeout(() => select(first), 80);
+    };
     const key = (e: KeyboardEvent) => {
       if (e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]')) return;
+      if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
+        if (e.key === 'c' && chosen.length && !window.getSelection()?.toString()) copy(doc, chosen);
+        else if (e.key === 'v') void paste(doc).then(place);
+        else if (e.key === 'd' && chosen.length) void duplicate(doc, chosen).then(place);
+        else return;
+        return e.preventDefault();
+      }
       if (e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === 'f') void flow.fitView({ padding: 0.06, duration: 150 });
       else if (e.key === 'l') arrange(false);
@@ -135,8 +164,10 @@ export function Canvas() {
     };
     window.addEventListener('keydown', key);
     return () => window.removeEventListener('keydown', key);
-  }, [flow, arrange]);
+  }, [flow, arrange, doc, nodes]);
 
+  if (doc && doc.nodes.length > kMostNodes)
+    return <main className="canvas" aria-label="Graph"><p className="none">The graph has {doc.nodes.length.toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
   return (
     <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph">
       <ReactFlow<GraphNode>

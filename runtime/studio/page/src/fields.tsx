@@ -1,5 +1,6 @@
 import { useEffect, useRef, useState } from 'react';
 
+import { steadily } from './store';
 import type { Written } from './types';
 
 export interface FieldSpec {
@@ -16,27 +17,27 @@ function written(text: string, kind: string): Written {
   return items.length > 1 ? items : items[0];
 }
 
-// Sends changes at most every 120 ms while a control moves, and always the last one.
-function useDebounced(send: (v: Written, merge: boolean) => void) {
-  const timer = useRef<ReturnType<typeof setTimeout> | undefined>(undefined);
-  const moving = useRef(false);
+type Send = (v: Written, merge: boolean) => Promise<unknown>;
+
+function useSender(send: Send) {
+  const latest = useRef(send);
+  latest.current = send;
+  const [moving] = useState(() => steadily((v: Written) => latest.current(v, true)));
   return {
-    move(v: Written) {
-      clearTimeout(timer.current);
-      timer.current = setTimeout(() => { send(v, true); moving.current = true; }, 120);
-    },
-    set(v: Written) { clearTimeout(timer.current); send(v, false); },
+    move: (v: Written) => void moving.move(v),
+    busy: moving.busy,
+    set(v: Written) { moving.drop(); void latest.current(v, false); },
   };
 }
 
-export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; send: (v: Written, merge: boolean) => void }) {
+export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; send: Send }) {
   const [draft, setDraft] = useState<string | null>(null);
-  const debounced = useDebounced(send);
+  const sender = useSender(send);
   const drag = useRef<{ x: number; start: number; step: number } | null>(null);
   const text = draft ?? textOf(value);
-  useEffect(() => setDraft(null), [value]);
+  useEffect(() => { if (!sender.busy()) setDraft(null); }, [value]); // else an earlier value arrives while the control moves
   const commit = () => {
-    if (draft !== null && draft !== textOf(value)) debounced.set(written(draft, spec.kind));
+    if (draft !== null && draft !== textOf(value)) sender.set(written(draft, spec.kind));
     else setDraft(null);
   };
   const id = `field-${spec.name}`;
@@ -45,7 +46,7 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
     const lo = spec.min ?? -Infinity, hi = spec.max ?? Infinity;
     const clamped = Math.min(Math.max(spec.kind === 'int' ? Math.round(v) : Number(v.toPrecision(6)), lo), hi);
     setDraft(String(clamped));
-    debounced.move(String(clamped));
+    sender.move(String(clamped));
   };
   const label = (
     <label htmlFor={id} className={number ? 'scrub' : ''} title={`${spec.doc}${number ? '\nDrag to change.' : ''}`}
@@ -63,10 +64,10 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
   );
   const isReference = text.includes('${');
   if (spec.kind === 'bool' && !isReference)
-    return <>{label}<input id={id} type="checkbox" checked={text === 'true'} onChange={e => debounced.set(String(e.target.checked))} /></>;
+    return <>{label}<input id={id} type="checkbox" checked={text === 'true'} onChange={e => sender.set(String(e.target.checked))} /></>;
   if (spec.kind === 'choice' && !isReference)
     return (
-      <>{label}<select id={id} value={text} onChange={e => debounced.set(e.target.value)}>
+      <>{label}<select id={id} value={text} onChange={e => sender.set(e.target.value)}>
         {[...spec.choices, ...spec.keywords, ...(spec.choices.concat(spec.keywords).includes(text) ? [] : [text])].map(c => <option key={c}>{c}</option>)}
       </select></>
     );
@@ -78,7 +79,7 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
           onChange={e => setDraft(e.target.value)} onBlur={commit}
           onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setDraft(null); }} />
         {spec.kind === 'color' && /^#[0-9a-f]{6}$/i.test(text) &&
-          <input type="color" value={text} aria-label={`${spec.name}, color`} onChange={e => { setDraft(e.target.value); debounced.move(e.target.value); }} />}
+          <input type="color" value={text} aria-label={`${spec.name}, color`} onChange={e => { setDraft(e.target.value); sender.move(e.target.value); }} />}
         {slider && <input type="range" aria-label={`${spec.name}, slider`} min={spec.min} max={spec.max} step={spec.kind === 'int' ? 1 : (spec.max! - spec.min!) / 200}
           value={Number(text)} onChange={e => move(Number(e.target.value))} />}
         {(spec.keywords.length > 0 || spec.choices.length > 0) && <datalist id={`${id}-words`}>{[...spec.keywords, ...spec.choices].map(k => <option key={k} value={k} />)}</datalist>}

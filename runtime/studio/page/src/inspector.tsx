@@ -97,7 +97,7 @@ function NodeInspector({ node }: { node: DocNode }) {
           return (
             <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
               <Field spec={p} value={own ? own.value : defaultText(p)}
-                send={(value, merge) => void edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} />
+                send={(value, merge) => edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} />
               {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
                 onClick={() => void edit([{ op: 'reset', node: node.name, name: p.name }])}>×</button> : <span />}
             </div>
@@ -121,7 +121,7 @@ function GraphInspector() {
       <div className="fields">
         {doc.parameters.map(p => (
           <div key={p.name} className="field own">
-            <Field spec={p} value={p.value} send={(value, merge) => void edit([{ op: 'set_default', name: p.name, value }], merge)} /><span />
+            <Field spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} /><span />
           </div>
         ))}
       </div>

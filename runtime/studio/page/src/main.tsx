@@ -9,7 +9,7 @@ import { Inspector } from './inspector';
 import { PlaneBar } from './plane';
 import { Splitter } from './splitter';
 import { Start } from './start';
-import { connect, declarationOf, nearest, post, save, stateOf, useStore, valueOf } from './store';
+import { connect, declarationOf, nearest, post, previewOf, save, stateOf, useStore, valueOf } from './store';
 import style from './style.css';
 import { LabelsView } from './labels';
 import { View } from './viewers';
@@ -29,16 +29,18 @@ function Viewer() {
   const node = doc?.nodes.find(n => n.name === name);
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [];
   const shown = pinned?.port ?? port ?? outputs[0]?.name ?? '';
-  const value = node && valueOf(node, shown, nodes);
+  const preview = node && previewOf(node, shown, nodes);
+  const value = preview ?? (node && valueOf(node, shown, nodes));
   const kind = outputs.find(p => p.name === shown)?.types[0];
   const state = node && stateOf(node, nodes);
-  const old = value && state && !['cached', 'computed'].includes(state.state);
+  const old = value && !preview && state && !['cached', 'computed'].includes(state.state);
   return (
     <section className="viewer" aria-label="Viewer">
       <div className="tabs">
         <b>{name ?? 'Viewer'}</b>
         {outputs.map(p => <button key={p.name} aria-pressed={p.name === shown} onClick={() => useStore.setState(pinned ? { pinned: { node: pinned.node, port: p.name } } : { port: p.name })}>{p.name}</button>)}
         <span className="space" />
+        {preview && <span className="old">preview{state?.state === 'running' ? `, ${Math.round(100 * state.progress)} %` : ''}</span>}
         {old && <span className="old">{state.state}: earlier result</span>}
         {node && <button aria-pressed={!!pinned} title={pinned ? 'Follow the selection' : 'Keep showing this node'}
           onClick={() => useStore.setState({ pinned: pinned ? null : { node: node.name, port: shown } })}>{pinned ? 'Pinned' : 'Pin'}</button>}

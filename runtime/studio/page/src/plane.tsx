@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState } from 'react';
 
 import { numberText } from './format';
-import { declarationOf, edit, splitWire, useStore, valueOf, type Edit } from './store';
+import { declarationOf, edit, splitWire, steadily, useStore, valueOf, type Edit } from './store';
 import type { DocNode } from './types';
 import { fetchJson, useLoaded } from './viewers';
 
@@ -20,22 +20,12 @@ function useBox(node: DocNode): number[] | null {
   return grid ? axes.map((_, k) => (grid.bounding_box[1][k] - grid.bounding_box[0][k] + 1) * grid.voxel_size) : null;
 }
 
-// Waits until the node has its new result, but not for long.
-async function settled(node: string) {
-  for (let k = 0; k < 30; ++k) {
-    await new Promise(done => setTimeout(done, 60));
-    if (!['waiting', 'running'].includes(useStore.getState().nodes[node]?.state)) return;
-  }
-}
-
-// Moves the plane of a Section along its axis. While it moves, the next position is sent when the last one is shown, because a
-// new one cancels what is computed for the last one.
+// Moves the plane of a Section along its axis.
 export function PlaneBar({ node }: { node: DocNode }) {
   const types = useStore(s => s.types);
   const box = useBox(node);
   const [index, setIndex] = useState(0);
   const [moved, setMoved] = useState<number | null>(null);
-  const sending = useRef({ busy: false, next: null as number | null });
   const text = (name: string) => {
     const own = node.params[name]?.value;
     return own === undefined ? String(declarationOf(node, types)?.parameters.find(p => p.name === name)?.default ?? '') : Array.isArray(own) ? own.join(' ') : own;
@@ -46,21 +36,14 @@ export function PlaneBar({ node }: { node: DocNode }) {
   const count = given ? own.length : Number(text('planes')) || 1;
   const offsets = given ? own : Array.from({ length: count }, (_, k) => ((k + 0.5) / count) * extent);
   const at = Math.min(index, count - 1), shown = moved ?? offsets[at] ?? 0;
-  useEffect(() => setMoved(null), [node.params.offsets?.value]);
 
-  const send = async (v: number) => {
-    const s = sending.current;
-    s.next = v;
-    if (s.busy) return;
-    s.busy = true;
-    while (s.next !== null) {
-      const now = offsets.map((o, k) => String(Number((k === at ? s.next! : o).toFixed(3))));
-      s.next = null;
-      await edit([{ op: 'set', node: node.name, name: 'offsets', value: now.length === 1 ? now[0] : now }], true);
-      await settled(node.name);
-    }
-    s.busy = false;
+  const send = useRef((_: number): Promise<unknown> => Promise.resolve());
+  send.current = v => {
+    const now = offsets.map((o, k) => String(Number((k === at ? v : o).toFixed(3))));
+    return edit([{ op: 'set', node: node.name, name: 'offsets', value: now.length === 1 ? now[0] : now }], true);
   };
+  const [sender] = useState(() => steadily((v: number) => send.current(v)));
+  useEffect(() => { if (!sender.busy()) setMoved(null); }, [sender, node.params.offsets?.value]);
   const choose = (a: string) => {
     const edits: Edit[] = [{ op: 'set', node: node.name, name: 'axis', value: a }];
     for (const p of a === 'random' ? ['offsets'] : ['width', 'height', 'offsets']) if (node.params[p]) edits.push({ op: 'reset', node: node.name, name: p });
@@ -73,7 +56,7 @@ export function PlaneBar({ node }: { node: DocNode }) {
         <>
           {count > 1 && <label>Plane <input type="number" min={1} max={count} value={at + 1} onChange={e => setIndex(Math.min(Math.max(Number(e.target.value) - 1, 0), count - 1))} /> of {count}</label>}
           <label className="wide">at <input type="range" aria-label={`Position of the plane along ${axis}, mm`} min={0} max={extent} step={extent / 500} value={shown}
-            onChange={e => { setMoved(Number(e.target.value)); void send(Number(e.target.value)); }} /> {numberText(Number(shown.toFixed(2)))} of {numberText(Number(extent.toFixed(2)))} mm</label>
+            onChange={e => { setMoved(Number(e.target.value)); void sender.move(Number(e.target.value)); }} /> {numberText(Number(shown.toFixed(2)))} of {numberText(Number(extent.toFixed(2)))} mm</label>
         </>
       )}
       {across < 0 && <span>Choose an axis to move the plane.</span>}

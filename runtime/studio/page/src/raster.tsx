@@ -4,8 +4,12 @@ import { Draft, usePen, type Pen, type View } from './pen';
 
 export interface Raster { width: number; height: number; sections: number; fullWidth: number; fullHeight: number; data: ArrayBuffer }
 
+export const isPreview = (hash: string) => hash.startsWith('preview/');
+export const urlOf = (hash: string) => (isPreview(hash) ? `/api/${hash}` : `/api/value/${hash}`);
+
 export async function fetchRaster(hash: string, as: string, section: number): Promise<Raster> {
-  const answer = await fetch(`/api/value/${hash}?as=${as}&section=${section}`);
+  const answer = await fetch(`${urlOf(hash)}?as=${as}&section=${section}`);
+  if (answer.status === 204) throw new Error('there is a newer preview');
   if (!answer.ok) throw new Error((await answer.json()).message);
   const bytes = await answer.arrayBuffer();
   const head = new Uint32Array(bytes, 0, 5);
@@ -23,8 +27,8 @@ export function Picture({ raster, opacity }: { raster: Raster; opacity?: number 
 }
 
 // Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture. With a pen, dragging
-// draws, and other buttons pan.
-export function PanZoom({ width, height, children, hover, pen = null }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string; pen?: Pen | null }) {
+// draws, and other buttons pan. A picture of other resolution takes the place of the one before. `smooth`: pixels are never sharp.
+export function PanZoom({ width, height, children, hover, pen = null, smooth = false }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string; pen?: Pen | null; smooth?: boolean }) {
   const box = useRef<HTMLDivElement>(null);
   const [view, setView] = useState<View | null>(null);
   const draft = usePen(pen, width, height);
@@ -36,7 +40,13 @@ export function PanZoom({ width, height, children, hover, pen = null }: { width:
     const k = Math.min((b.clientWidth - 16) / width, (b.clientHeight - 16) / height);
     setView({ k, x: (b.clientWidth - k * width) / 2, y: (b.clientHeight - k * height) / 2 });
   }, [width, height]);
-  useEffect(fit, [fit]);
+  const before = useRef({ width: 0, height: 0 });
+  useEffect(() => {
+    const old = before.current;
+    before.current = { width, height };
+    if (old.width && Math.abs(old.width / old.height / (width / height) - 1) < 0.02) setView(v => v && { ...v, k: (v.k * old.width) / width });
+    else fit();
+  }, [fit, width, height]);
   const wheel = (e: WheelEvent) => {
     if (!view) return;
     const r = box.current!.getBoundingClientRect(), px = e.clientX - r.left, py = e.clientY - r.top;
@@ -58,7 +68,7 @@ export function PanZoom({ width, height, children, hover, pen = null }: { width:
     setNote(hover && x >= 0 && y >= 0 && x < width && y < height ? hover(x, y) : '');
   };
   return (
-    <div ref={box} className={`panzoom${view && view.k > 2 ? ' sharp' : ''}${pen ? ' pen' : ''}`} onWheel={wheel} onDoubleClick={draft ? draft.twice : fit} onPointerMove={move} tabIndex={0} role="group"
+    <div ref={box} className={`panzoom${view && view.k > 2 && !smooth ? ' sharp' : ''}${pen ? ' pen' : ''}`} onWheel={wheel} onDoubleClick={draft ? draft.twice : fit} onPointerMove={move} tabIndex={0} role="group"
       aria-label={pen ? 'Picture: arrow keys move the cross, Space sets a point, Enter ends, Escape cancels' : 'Picture: zoom with the wheel, drag to pan, double click to fit'}
       onKeyDown={e => { if (e.key === '0') fit(); else if (view) draft?.key(e, view.k); }}
       onPointerDown={e => {
@@ -70,7 +80,7 @@ export function PanZoom({ width, height, children, hover, pen = null }: { width:
         drag.current = null;
       }} onPointerLeave={() => setNote('')}>
       {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}{draft && <Draft pen={pen!} state={draft} k={view.k} width={width} height={height} />}</div>}
-      <output className="readout">{note || (view ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
+      <output className="readout">{note || (view && !smooth ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
     </div>
   );
 }

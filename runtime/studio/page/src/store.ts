@@ -61,7 +61,7 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
-export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; to?: string; index?: number };
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number };
 // `merge`: one of many edits while a control moves. Those within a second are one step of undo.
 let moving = { what: '', group: 0, at: 0 };
 export function edit(edits: Edit[], merge = false): Promise<boolean> {
@@ -130,6 +130,30 @@ useStore.subscribe(s => {
   void fetch('/api/view', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ node: path }) }).catch(() => {});
 });
 
+// Sends values while a control moves. Each waits until what is shown has changed, if only as a preview, because it would cancel
+// what the last one started; but not for long.
+export function steadily<T>(send: (value: T) => Promise<unknown>) {
+  let next: { value: T } | null = null, busy = false;
+  const newest = () => Math.max(0, ...Object.values(useStore.getState().nodes[shown]?.previews ?? {}).map(p => p.number));
+  return {
+    async move(value: T) {
+      next = { value };
+      if (busy) return;
+      busy = true;
+      while (next) {
+        const now: T = next.value, before = newest(), end = performance.now() + 900;
+        next = null;
+        await send(now);
+        do await new Promise(done => setTimeout(done, 60));
+        while (performance.now() < end && newest() <= before && ['waiting', 'running'].includes(useStore.getState().nodes[shown]?.state));
+      }
+      busy = false;
+    },
+    drop() { next = null; },
+    busy: () => busy,
+  };
+}
+
 // --- nodes of the document
 
 export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
@@ -148,7 +172,7 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
   const inside = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
   if (!inside.length) return undefined;
   const out: NodeState = {
-    state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, metrics: {}, warnings: [], files: [],
+    state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [],
   };
   for (const [path, s] of inside) {
     if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;
@@ -161,11 +185,22 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
   return out;
 }
 
-export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
+function outputOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { state: NodeState; port: string } | undefined {
   const at = node.graph ? node.inner?.[port] : { path: node.name, port };
   if (!at) return undefined;
   const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path); // the first element
-  return path === undefined ? undefined : nodes[path].outputs[at.port];
+  return path === undefined ? undefined : { state: nodes[path], port: at.port };
+}
+
+export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
+  const at = outputOf(node, port, nodes);
+  return at?.state.outputs[at.port];
+}
+
+// What the node has made of a value so far, while it computes.
+export function previewOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
+  const at = outputOf(node, port, nodes), preview = at?.state.previews[at.port];
+  return preview && { type: preview.type, hash: `preview/${preview.number}`, bytes: 0 };
 }
 
 export function splitWire(wire: string, doc: Doc, types: Map<string, NodeType>): Target {

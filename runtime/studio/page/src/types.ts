@@ -32,11 +32,11 @@ export interface Doc {
   disk_changed: boolean; valid: boolean;
 }
 export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
-export interface OutputValue { type: string; hash: string; bytes: number }
+export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled';
 export interface NodeState {
   state: StateWord; progress: number; note: string; seconds: number; expected: number; reasons: string[];
-  outputs: Record<string, OutputValue>; metrics: Record<string, number>; warnings: string[]; files: string[];
+  outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>; metrics: Record<string, number>; warnings: string[]; files: string[];
   error?: Message;
 }
 export interface Run { running: boolean; live: boolean; seconds: number; expected: number; trouble: string }

@@ -2,8 +2,8 @@ import { useEffect, useMemo, useState } from 'react';
 
 import { numberText } from './format';
 import { LabelsView } from './labels';
-import { fetchRaster, PanZoom, Picture, type Raster } from './raster';
-import { nearest, useStore } from './store';
+import { fetchRaster, isPreview, PanZoom, Picture, urlOf, type Raster } from './raster';
+import { nearest, previewOf, useStore } from './store';
 import type { DocNode, OutputValue } from './types';
 
 // Loads something for a value; keeps what was shown before until the new value is there, so that nothing flickers.
@@ -11,7 +11,8 @@ export function useLoaded<T>(key: string, load: () => Promise<T>): { data: T | n
   const [state, setState] = useState<{ data: T | null; error: string }>({ data: null, error: '' });
   useEffect(() => {
     let current = true;
-    load().then(data => current && setState({ data, error: '' }), e => current && setState({ data: null, error: String(e.message ?? e) }));
+    // A preview that cannot be loaded has given way to a newer one, or to the result.
+    load().then(data => current && setState({ data, error: '' }), e => current && !isPreview(key) && setState({ data: null, error: String(e.message ?? e) }));
     return () => { current = false; };
     // eslint-disable-next-line react-hooks/exhaustive-deps
   }, [key]);
@@ -19,7 +20,8 @@ export function useLoaded<T>(key: string, load: () => Promise<T>): { data: T | n
 }
 
 export async function fetchJson<T>(hash: string, as: string): Promise<T> {
-  const answer = await fetch(`/api/value/${hash}?as=${as}`);
+  const answer = await fetch(`${urlOf(hash)}?as=${as}`);
+  if (answer.status === 204) throw new Error('there is a newer preview');
   const body = await answer.json();
   if (!answer.ok) throw new Error(body.message);
   return body as T;
@@ -42,7 +44,7 @@ function ImageView({ value }: { value: OutputValue }) {
   const factor = data.fullWidth / data.width;
   return (
     <>
-      <PanZoom width={data.width} height={data.height} hover={(x, y) => `${Math.round(x * factor)}, ${Math.round(y * factor)}   sRGB ${srgb(data, x, y)}`}>
+      <PanZoom width={data.width} height={data.height} smooth={isPreview(value.hash)} hover={(x, y) => `${Math.round(x * factor)}, ${Math.round(y * factor)}   sRGB ${srgb(data, x, y)}`}>
         <Picture raster={data} />
       </PanZoom>
       <div className="options"><Sections count={data.sections} section={section} set={setSection} />
@@ -170,9 +172,10 @@ function Summary({ value }: { value: OutputValue }) {
 function OtherView({ value, node }: { value: OutputValue; node: string }) {
   const doc = useStore(s => s.doc), types = useStore(s => s.types), nodes = useStore(s => s.nodes);
   const picture = useMemo(() => (['Volume', 'Shapes', 'Particles'].includes(value.type) ? nearest(node, 'Image', 'down', { doc, types, nodes }) : null), [value, node, doc, types, nodes]);
+  const from = doc?.nodes.find(n => n.name === picture?.target.node);
   return (
     <div className="both">
-      {picture && <figure><ImageView value={picture.value} /><figcaption>{picture.target.node}.{picture.target.port}, made from this value</figcaption></figure>}
+      {picture && <figure><ImageView value={(from && previewOf(from, picture.target.port, nodes)) ?? picture.value} /><figcaption>{picture.target.node}.{picture.target.port}, made from this value</figcaption></figure>}
       <Summary value={value} />
     </div>
   );

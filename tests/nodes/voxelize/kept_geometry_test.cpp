@@ -1,0 +1,66 @@
+// Geometry that is kept while colors change.
+#include <gtest/gtest.h>
+
+#include "nodes/data/volume.h"
+#include "nodes/voxelize/voxelize.h"
+#include "runtime/random.h"
+#include "runtime/store.h"
+#include "tests/nodes/voxelize/bodies.h"
+#include "tests/support/arithmetic.h"
+
+namespace terrazzo {
+namespace {
+
+// Many overlapping particles, some of them voids, that reach beyond the box.
+Particles colored(std::uint64_t seed, bool voids) {
+  Particles p;
+  p.box = Vec3(4, 4, 8);
+  p.resize(40);
+  if (voids) p.voids.assign(40, 0), p.voids[3] = p.voids[17] = 1;
+  for (std::size_t i = 0; i < 40; ++i) {
+    Random place(1, 0, i), color(seed, 1, i);
+    p.position[i] = p.box.cwiseProduct(Vec3(place.uniform(), place.uniform(), place.uniform()));
+    p.scale[i] = 0.4 + place.uniform();
+    p.orientation[i] = test::random_turn(place);
+    for (int k = 0; k < 3; ++k) p.color[i][k] = static_cast<float>(color.uniform());
+    p.cls[i] = static_cast<std::int32_t>(color.below(3));
+  }
+  Random binder(seed, 2, 0);
+  p.binder_color = Vec3f::Constant(static_cast<float>(binder.uniform()));
+  return p;
+}
+
+Hash content(const Volume& v) {
+  HashWriter w;
+  value_type<Volume>().encode(&v, w);
+  return w.hash();
+}
+
+// Colors of any packing give the same bits on kept geometry, and other geometry is never taken for it.
+TEST(Voxelize, KeptGeometryGivesTheBitsOfAFreshVoxelization) {
+  Store store(test::value_types(), {}, 1 << 30);
+  const Intermediates kept(store);
+  for (const bool voids : {false, true})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      Particles p = colored(seed, voids);
+      Shapes shapes = test::shapes_of(test::cube_mesh());
+      for (int change = 0; change < 6; ++change) {
+        if (change == 1) p.position[5].x() = 0.3;
+        if (change == 2) p.scale[6] *= 1.1;
+        if (change == 3) p.orientation[7] = p.orientation[8];
+        if (change == 4) shapes.shapes[0].mesh.vertices[0] *= 1.01;
+        const std::int64_t n = change == 5 ? 12 : 16;
+        voxelize::VoxelReport again, fresh;
+        const voxelize::Lattice lattice = voxelize::choose_lattice(p.box, {n, n, 2 * n});
+        EXPECT_EQ(content(voxelize::voxelize(p, shapes, nullptr, lattice, again, {}, nullptr, kept)),
+                  content(voxelize::voxelize(p, shapes, nullptr, lattice, fresh)))
+            << voids << seed << change;
+        EXPECT_EQ(again.volume_fraction, fresh.volume_fraction);
+        EXPECT_EQ(again.overlap_fraction, fresh.overlap_fraction);
+        EXPECT_GT(fresh.overlap_fraction, 0);
+      }
+    }
+}
+
+}  // namespace
+}  // namespace terrazzo
