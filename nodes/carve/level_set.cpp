@@ -37,9 +37,8 @@ openvdb::FloatGrid::Ptr grid_of(const Mesh& mesh, const std::vector<Triangle>& t
                          static_cast<openvdb::Index32>(t[2]));
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, corners);
   openvdb::util::NullInterrupter never;
-  // Its renormalization, for surfaces that overlap, would change exact distances.
   return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, *voxel_transform(voxel), band, band,
-                                                          openvdb::tools::DISABLE_RENORMALIZATION, nullptr);
+                                                          0, nullptr);
 }
 
 // The library fills cavities, so surfaces that face inward are subtracted.

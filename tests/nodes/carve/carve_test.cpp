@@ -85,7 +85,8 @@ TEST(Carve, ASphereOfOneColorHasItsAreaVolumeDistanceAndColor) {
   EXPECT_EQ(surface->activeVoxelCount(), colors->activeVoxelCount());
   for (auto at = surface->cbeginValueOn(); at; ++at) {
     const auto w = surface->transform().indexToWorld(at.getCoord());
-    ASSERT_NEAR(*at, w.length() - 5, 0.05);  // flat triangles
+    // OpenVDB's distances are exact near the surface and approximate at the border of the band.
+    ASSERT_NEAR(*at, w.length() - 5, std::abs(*at) < 0.3f ? 0.05 : 0.15);
     const auto c = colors->tree().getValue(at.getCoord());
     ASSERT_LT((Vec3f(c.x(), c.y(), c.z()) - red).norm(), 1e-4f);
   }
