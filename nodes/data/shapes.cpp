@@ -1,5 +1,6 @@
 #include "nodes/data/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -12,6 +13,13 @@ double Shape::size() const { return std::sqrt(4 * max_section_area / std::number
 
 namespace {
 
+// Colors and texture coordinates follow the classes, only if any shape has them, so that values without them
+// keep their content hashes.
+bool is_painted(const Shapes& v) {
+  return std::any_of(v.shapes.begin(), v.shapes.end(),
+                     [](const Shape& s) { return !s.color.empty() || !s.uv.empty(); });
+}
+
 void encode(const Shapes& v, Writer& w) {
   w.pod<std::uint64_t>(v.shapes.size());
   for (const auto& s : v.shapes) {
@@ -21,7 +29,11 @@ void encode(const Shapes& v, Writer& w) {
     w.pod<std::uint8_t>(s.smooth);
     w.raw_array(s.mesh.vertices), w.raw_array(s.mesh.triangles);
   }
-  encode_classes(v.shapes, w);
+  if (!is_painted(v)) return encode_classes(v.shapes, w);
+  std::vector<std::int32_t> classes;
+  for (const Shape& s : v.shapes) classes.push_back(s.cls);
+  w.array(classes);
+  for (const Shape& s : v.shapes) w.raw_array(s.color), w.raw_array(s.uv);
 }
 
 Shapes decode_shapes(Reader& r) {
@@ -39,6 +51,14 @@ Shapes decode_shapes(Reader& r) {
           throw Error("damaged", "a stored triangle refers to a missing vertex");
   }
   decode_classes(v.shapes, r);
+  if (r.left() == 0) return v;
+  for (auto& s : v.shapes) {
+    s.color = r.raw_array<Vec3f>(), s.uv = r.raw_array<CornerUv>();
+    if (!s.color.empty() && s.color.size() != s.mesh.vertices.size())
+      throw Error("damaged", "the stored colors are not one per vertex");
+    if (!s.uv.empty() && s.uv.size() != s.mesh.triangles.size())
+      throw Error("damaged", "the stored texture coordinates are not three per triangle");
+  }
   return v;
 }
 
@@ -56,6 +76,10 @@ nlohmann::json describe(const Shapes& v) {
                     {"size", s.size()},
                     {"smooth", s.smooth},
                     {"class", s.cls}});
+  for (std::size_t i = 0; i < v.shapes.size(); ++i) {  // as values without colors never had these members
+    if (!v.shapes[i].color.empty()) list[i]["colors"] = v.shapes[i].color.size();
+    if (!v.shapes[i].uv.empty()) list[i]["uv"] = v.shapes[i].uv.size();
+  }
   return {{"shapes", std::move(list)}};
 }
 

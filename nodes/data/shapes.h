@@ -12,6 +12,7 @@
 namespace terrazzo {
 
 using Triangle = std::array<std::int32_t, 3>;
+using CornerUv = std::array<Eigen::Vector2f, 3>;
 
 struct Mesh {
   std::vector<Vec3> vertices;       // mm
@@ -30,6 +31,10 @@ struct Shape {
   double mean_caliper = 0;      // mm; mean distance of parallel tangent planes over all directions
   double max_section_area = 0;  // mm², maximum over all planes
   bool smooth = false;          // render with interpolated normals
+  std::vector<Vec3f> color;     // of each vertex, scene-linear; empty: none
+  // Of each triangle's corners in a texture whose upper left corner is (0, 0) and lower right (1, 1); empty:
+  // none.
+  std::vector<CornerUv> uv;
 
   // A particle's size in mm: √(4·A_max/π), the diameter of a sphere.
   double size() const;

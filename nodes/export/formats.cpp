@@ -10,8 +10,8 @@ namespace {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      {".glb", {"Particles", "Shapes"}, {"Shapes"}, true},
-      {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
+      {".glb", {"Particles", "Shapes", "Image"}, {"Shapes"}, true},
+      {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes"}, true},
       {".vdb", {"Volume"}},
       {".vti", {"Volume", "Particles"}, {"Volume"}, true},
       {".dream3d", {"Volume", "Particles"}, {"Volume"}, true},

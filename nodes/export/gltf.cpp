@@ -1,5 +1,6 @@
 #include "nodes/export/gltf.h"
 
+#include <algorithm>
 #include <array>
 #include <map>
 
@@ -117,16 +118,25 @@ void write_glb(const std::filesystem::path& path, const Particles& particles, co
 }
 
 void write_glb(const std::filesystem::path& path, const Shapes& shapes, const std::string& provenance,
-               const Work& work) {
+               const Work& work, const Image* texture) {
   if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to write");
   GltfPacker pack;
   pack.material("particle", Vec3f::Ones());
+  int textured = -1;
+  if (texture) {
+    if (std::all_of(shapes.shapes.begin(), shapes.shapes.end(), [](const Shape& s) { return s.uv.empty(); }))
+      throw Error("no-uv", "an image is connected, but no shape has texture coordinates",
+                  "set texture of Carve, or disconnect the image");
+    textured = pack.textured_material("texture", *texture);
+  }
   double x = 0;  // mm, start of the next shape
   for (const Shape& shape : shapes.shapes) {
     work.check();
     tinygltf::Node node;
     node.name = shape.name;
-    node.mesh = pack.mesh(shape.name, pack.primitive(shape));
+    tinygltf::Primitive primitive = pack.primitive(shape, texture != nullptr);
+    if (texture && !shape.uv.empty()) primitive.material = textured;
+    node.mesh = pack.mesh(shape.name, primitive);
     Eigen::AlignedBox3d box;
     for (const Vec3& v : shape.mesh.vertices) box.extend(v);
     const double shift = shapes.shapes.size() == 1 ? 0 : x - box.min().x();

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "nodes/data/image.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"
@@ -37,8 +38,10 @@ void write_glb(const std::filesystem::path&, const Particles&, const Shapes&,
                const std::string& provenance = {}, const Work& = {}, Instancing = Instancing::Extension,
                int materials = 64);
 
-// Writes one node per shape, side by side along x. Throws Error "no-shapes", "too-large", "write-failed".
+// Writes one node per shape, side by side along x, with the colors of shapes that have them. With `texture`,
+// shapes with texture coordinates show it instead. Throws Error "no-shapes", "no-uv" if none has them,
+// "too-large", "write-failed".
 void write_glb(const std::filesystem::path&, const Shapes&, const std::string& provenance = {},
-               const Work& = {});
+               const Work& = {}, const Image* texture = nullptr);
 
 }  // namespace terrazzo::exporting

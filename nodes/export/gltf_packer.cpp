@@ -1,10 +1,12 @@
 #include "nodes/export/gltf_packer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/geometry/render_mesh.h"
 #include "nodes/common/io/checked_file.h"
+#include "nodes/export/picture_file.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -54,7 +56,8 @@ int GltfPacker::floats(const std::vector<float>& data, int components, int targe
   tinygltf::Accessor a;
   a.bufferView = view(data.data(), data.size() * sizeof(float), target);
   a.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
-  a.type = components == 1 ? TINYGLTF_TYPE_SCALAR : components == 3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4;
+  a.type =
+      components == 1 ? TINYGLTF_TYPE_SCALAR : components;  // a vector's type is its number of components
   a.count = data.size() / components;
   if (bounds) {
     a.minValues.assign(data.begin(), data.begin() + components), a.maxValues = a.minValues;
@@ -92,8 +95,35 @@ int GltfPacker::material(const std::string& name, const Vec3f& color) {
   return static_cast<int>(model.materials.size()) - 1;
 }
 
-tinygltf::Primitive GltfPacker::primitive(const Shape& shape) {
-  const RenderMesh m = render_mesh(shape);
+int GltfPacker::textured_material(const std::string& name, const Image& texture) {
+  const std::string png = png_of(texture);
+  tinygltf::Image image;
+  image.name = name;
+  image.mimeType = "image/png";
+  image.bufferView = view(png.data(), png.size(), 0);
+  model.images.push_back(std::move(image));
+  tinygltf::Texture t;
+  t.source = static_cast<int>(model.images.size()) - 1;
+  model.textures.push_back(t);
+  const int at = material(name, Vec3f::Ones());
+  model.materials.back().pbrMetallicRoughness.baseColorTexture.index =
+      static_cast<int>(model.textures.size()) - 1;
+  return at;
+}
+
+tinygltf::Primitive GltfPacker::primitive(const Shape& shape, bool textured) {
+  RenderMesh m = render_mesh(shape);
+  std::vector<float> uv;
+  if (textured && !shape.uv.empty()) {  // every corner has its own coordinates, so it is a vertex
+    RenderMesh split;
+    for (std::size_t i = 0; i < m.indices.size(); ++i) {
+      split.positions.push_back(m.positions[m.indices[i]]), split.normals.push_back(m.normals[m.indices[i]]);
+      split.indices.push_back(static_cast<std::uint32_t>(i));
+      const Eigen::Vector2f& at = shape.uv[m.triangle[i / 3]][i % 3];
+      uv.push_back(at.x()), uv.push_back(at.y());
+    }
+    m = std::move(split);
+  }
   std::vector<float> position, normal;
   position.reserve(m.positions.size() * 3), normal.reserve(m.positions.size() * 3);
   for (std::size_t v = 0; v < m.positions.size(); ++v) {
@@ -105,6 +135,14 @@ tinygltf::Primitive GltfPacker::primitive(const Shape& shape) {
   out.material = 0;
   out.attributes["POSITION"] = floats(position, 3, TINYGLTF_TARGET_ARRAY_BUFFER, true);
   out.attributes["NORMAL"] = floats(normal, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
+  if (!uv.empty()) {
+    out.attributes["TEXCOORD_0"] = floats(uv, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+  } else if (!shape.color.empty()) {
+    std::vector<float> color;
+    for (const std::uint32_t v : m.vertex)
+      for (int k = 0; k < 3; ++k) color.push_back(std::clamp(shape.color[v][k], 0.0f, 1.0f));
+    out.attributes["COLOR_0"] = floats(color, 3, TINYGLTF_TARGET_ARRAY_BUFFER);
+  }
   out.indices = triangles(m.indices, m.positions.size());
   return out;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/data/image.h"
 #include "nodes/data/shapes.h"
 
 namespace terrazzo::exporting {
@@ -26,8 +27,11 @@ class GltfPacker {
   int floats(const std::vector<float>& data, int components, int target, bool bounds = false);
   // A rough, not metallic material of that scene-linear color.
   int material(const std::string& name, const Vec3f& color);
-  // The shape's triangles with their normals, in meters and with y up.
-  tinygltf::Primitive primitive(const Shape&);
+  // The shape's triangles with their normals, in meters and with y up. With `textured`, the shape's texture
+  // coordinates, else its colors (COLOR_0), if it has any.
+  tinygltf::Primitive primitive(const Shape&, bool textured = false);
+  // A rough, not metallic material with that texture, as a PNG image inside the file.
+  int textured_material(const std::string& name, const Image& texture);
   int mesh(const std::string& name, const tinygltf::Primitive&);
   int node(tinygltf::Node);
   // Adds a node to the scene.

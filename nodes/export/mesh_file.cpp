@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "nodes/common/io/checked_file.h"
+#include "nodes/common/texture/color.h"
 #include "runtime/codec.h"
 
 namespace terrazzo::exporting {
@@ -15,7 +17,15 @@ std::string obj(const Shapes& shapes) {
   std::size_t first = 1;
   for (const Shape& s : shapes.shapes) {
     out += fmt::format("o {}\n", s.name.empty() ? "shape" : s.name);
-    for (const Vec3& v : s.mesh.vertices) out += fmt::format("v {} {} {}\n", v.x(), v.y(), v.z());
+    for (std::size_t i = 0; i < s.mesh.vertices.size(); ++i) {
+      const Vec3& v = s.mesh.vertices[i];
+      out += fmt::format("v {} {} {}", v.x(), v.y(), v.z());
+      if (!s.color.empty()) {
+        const Vec3f c = linear_to_srgb(s.color[i].cwiseMax(0.0f).cwiseMin(1.0f));
+        out += fmt::format(" {:.4g} {:.4g} {:.4g}", c.x(), c.y(), c.z());
+      }
+      out += '\n';
+    }
     for (const Triangle& t : s.mesh.triangles)
       out += fmt::format("f {} {} {}\n", first + t[0], first + t[1], first + t[2]);
     first += s.mesh.vertices.size();
@@ -23,16 +33,24 @@ std::string obj(const Shapes& shapes) {
   return out;
 }
 
-std::string binary_ply(const Mesh& mesh) {
+std::string binary_ply(const Shape& shape) {
+  const Mesh& mesh = shape.mesh;
   BufferWriter body;
-  for (const Vec3& v : mesh.vertices) body.bytes(v.data(), 3 * sizeof(double));
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    body.bytes(mesh.vertices[i].data(), 3 * sizeof(double));
+    if (shape.color.empty()) continue;
+    const Vec3f c = linear_to_srgb(shape.color[i].cwiseMax(0.0f).cwiseMin(1.0f));
+    for (int k = 0; k < 3; ++k) body.pod(static_cast<std::uint8_t>(std::lround(255 * c[k])));
+  }
   for (const Triangle& t : mesh.triangles) body.pod<std::uint8_t>(3), body.pod(t);
   return fmt::format(
              "ply\nformat binary_little_endian 1.0\ncomment Terrazzo, mm\nelement vertex {}\nproperty double "
              "x\n"
-             "property double y\nproperty double z\nelement face {}\nproperty list uchar int "
+             "property double y\nproperty double z\n{}element face {}\nproperty list uchar int "
              "vertex_indices\nend_header\n",
-             mesh.vertices.size(), mesh.triangles.size()) +
+             mesh.vertices.size(),
+             shape.color.empty() ? "" : "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+             mesh.triangles.size()) +
          std::string(body.buffer.begin(), body.buffer.end());
 }
 
@@ -63,8 +81,8 @@ void write_mesh(const std::filesystem::path& path, const Shapes& shapes) {
                 fmt::format("a {} file holds one mesh, but there are {} shapes", path.extension().string(),
                             shapes.shapes.size()),
                 "use .obj or .glb");
-  write_bytes(path, path.extension() == ".ply" ? binary_ply(shapes.shapes[0].mesh)
-                                               : binary_stl(shapes.shapes[0].mesh));
+  write_bytes(path,
+              path.extension() == ".ply" ? binary_ply(shapes.shapes[0]) : binary_stl(shapes.shapes[0].mesh));
 }
 
 }  // namespace terrazzo::exporting

@@ -34,7 +34,7 @@ struct Input {
   const char *name, *type, *doc;
 };
 constexpr std::array<Input, 9> inputs = {{
-    {"image", "Image", "Image or stack of images"},
+    {"image", "Image", "Image or stack of images. In a .glb file, the texture of the shapes"},
     {"labels", "Labels", "Profile id of each pixel"},
     {"profiles", "Profiles", "Profiles of plane sections"},
     {"shapes", "Shapes", "Shapes of the particles"},
@@ -245,9 +245,9 @@ void export_surfaces(Context& c, const std::string& path, const Format& format, 
   write_region_table(c, path, regions, box, particles);
 }
 
-void export_usda(Context& c, const std::string& path, const Format& format, const Particles& particles,
+void export_usda(Context& c, const std::string& path, const Format& format, const Particles* particles,
                  const Shapes& shapes, const Volume* volume) {
-  instances_of(particles, shapes);  // throws before the first of two files is written
+  if (particles) instances_of(*particles, shapes);  // throws before the first of two files is written
   UsdaVolume beside_it;
   Volume chosen;
   if (volume) {
@@ -262,7 +262,10 @@ void export_usda(Context& c, const std::string& path, const Format& format, cons
     });
   }
   write_named(c, path, [&](const std::filesystem::path& file) {
-    write_usda(file, particles, shapes, beside_it, c.provenance(), c.work());
+    if (particles)
+      write_usda(file, *particles, shapes, beside_it, c.provenance(), c.work());
+    else
+      write_usda(file, shapes, beside_it, c.provenance(), c.work());
   });
 }
 
@@ -291,19 +294,23 @@ void compute(Context& c) {
                 "use one Export node for each")
         .parameter("path");
   if (extension == ".usda")
-    return export_usda(c, path, format, *particles(), values.at("Shapes").as<Shapes>(), volume());
-  if (first.is<Image>() && extension != ".json")
+    return export_usda(c, path, format, particles(), values.at("Shapes").as<Shapes>(), volume());
+  if (first.is<Image>() && extension != ".json" && extension != ".glb")
     return write_sections(c, path, first.as<Image>(), write_picture);
   if (first.is<Labels>() && extension != ".json" && extension != ".npy")
     return write_sections(c, path, first.as<Labels>(), write_labels);
   write_named(c, path, [&](const std::filesystem::path& file) {
     if (extension == ".glb") {
       const Shapes& shapes = values.at("Shapes").as<Shapes>();
+      const Image* texture = values.count("Image") ? &values.at("Image").as<Image>() : nullptr;
+      if (particles() && texture)
+        throw Error("no-uv", "an image is the texture of shapes without particles; both are connected",
+                    "disconnect the image or the particles");
       if (particles())
         write_glb(file, *particles(), shapes, c.provenance(), c.work(), c.choice<Instancing>("instancing"),
                   static_cast<int>(c.integer("materials")));
       else
-        write_glb(file, shapes, c.provenance(), c.work());
+        write_glb(file, shapes, c.provenance(), c.work(), texture);
     } else if (extension == ".vdb") {
       write_vdb(file, chosen_grids(c, first.as<Volume>()), c.provenance(), c.choice<WholeNumbers>("id_type"));
     } else if (extension == ".npy" && first.is<Labels>()) {
@@ -339,9 +346,10 @@ NodeType export_node() {
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
       .parameter(Parameter::output_path("path").doc_(
-          "File to write: .glb (particles with shapes, or shapes), .usda (particles with shapes, and a "
-          "volume as "
-          ".vdb beside it), .vdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "
+          "File to write: .glb (particles with shapes, or shapes, with colors or a texture if they have "
+          "them), "
+          ".usda (particles with shapes, or shapes, and a volume as .vdb beside it), .vdb (volume), .vti "
+          "(volume), .dream3d (volume), .inp (volume as a mesh of "
           "voxels), "
           ".msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one grid "
           "of a "

@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/io/image_file.h"
+#include "nodes/common/texture/color.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -33,6 +35,26 @@ void write_picture(const std::filesystem::path& path, const Image& image, int se
                    const std::string& provenance) {
   write_image(path, image, section, provenance);
   verify(path);
+}
+
+std::string png_of(const Image& image) {
+  const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (count == 0 || image.pixels.size() < count) throw Error("empty-image", "the image has no pixels");
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f c = linear_to_srgb(image.pixels[i].cwiseMax(0.0f).cwiseMin(1.0f));
+    for (int k = 0; k < 3; ++k) bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * c[k])));
+  }
+  auto out = OIIO::ImageOutput::create("image.png");
+  if (!out) throw incomplete(OIIO::geterror());
+  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  OIIO::Filesystem::IOVecOutput memory;
+  if (!out->set_ioproxy(&memory) || !out->open("image.png", spec) ||
+      !out->write_image(OIIO::TypeDesc::UINT8, bytes.data()) || !out->close())
+    throw incomplete(out->geterror());
+  return {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()};
 }
 
 void write_labels(const std::filesystem::path& path, const Labels& labels, int section,

@@ -15,6 +15,10 @@ namespace terrazzo::exporting {
 void write_picture(const std::filesystem::path&, const Image&, int section,
                    const std::string& provenance = {});
 
+// The first section as a PNG file of 8 bits per channel, sRGB-encoded. Throws Error "empty-image",
+// "write-failed".
+std::string png_of(const Image&);
+
 // Writes the ids of one section as exact integers in one channel, without color space: .png 16 bit, .tif and
 // .exr 32 bit. Throws Error "too-many-labels" (an id above 65535 in a .png), "empty-labels", "bad-labels" (a
 // negative id), "write-failed".

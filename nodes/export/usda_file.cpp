@@ -82,29 +82,52 @@ Eigen::AlignedBox3d box_of(const std::vector<Vec3>& points) {
 }
 
 // Triangles as the shape has them, so that faceted shapes stay welded; normals only for smooth ones.
-Eigen::AlignedBox3d add_prototype(UsdaText& text, const Shape& shape, const std::string& name) {
+Eigen::AlignedBox3d add_mesh(UsdaText& text, int depth, const Shape& shape, const std::string& name) {
   const RenderMesh render = render_mesh(shape);  // checks the mesh, too
   const Mesh& mesh = shape.mesh;
   const auto box = box_of(mesh.vertices);
-  text.line(3, fmt::format("def Mesh \"{}\" (", name));
-  text.line(4, "prepend apiSchemas = [\"MaterialBindingAPI\"]");
-  text.line(4, fmt::format("customData = {{ string name = {} }}", usda_text(shape.name)));
-  text.line(3, ")");
-  text.line(3, "{");
-  text.line(4, fmt::format("float3[] extent = [{}, {}]", tuple(box.min()), tuple(box.max())));
-  text.array(4, "int[] faceVertexCounts", mesh.triangles.size(), [](std::size_t) { return "3"; });
-  text.array(4, "int[] faceVertexIndices", 3 * mesh.triangles.size(),
+  text.line(depth, fmt::format("def Mesh \"{}\" (", name));
+  text.line(depth + 1, "prepend apiSchemas = [\"MaterialBindingAPI\"]");
+  text.line(depth + 1, fmt::format("customData = {{ string name = {} }}", usda_text(shape.name)));
+  text.line(depth, ")");
+  text.line(depth, "{");
+  text.line(depth + 1, fmt::format("float3[] extent = [{}, {}]", tuple(box.min()), tuple(box.max())));
+  text.array(depth + 1, "int[] faceVertexCounts", mesh.triangles.size(), [](std::size_t) { return "3"; });
+  text.array(depth + 1, "int[] faceVertexIndices", 3 * mesh.triangles.size(),
              [&](std::size_t i) { return mesh.triangles[i / 3][i % 3]; });
-  text.array(4, "point3f[] points", mesh.vertices.size(),
+  text.array(depth + 1, "point3f[] points", mesh.vertices.size(),
              [&](std::size_t i) { return tuple(mesh.vertices[i]); });
   if (shape.smooth)
     text.array(
-        4, "normal3f[] normals", render.normals.size(),
+        depth + 1, "normal3f[] normals", render.normals.size(),
         [&](std::size_t i) { return tuple(render.normals[i]); }, kPerInstance);
-  text.line(4, "uniform token subdivisionScheme = \"none\"");
-  text.line(4, "rel material:binding = </Aggregate/Looks/Particle>");
-  text.line(3, "}");
+  if (!shape.color.empty())
+    text.array(
+        depth + 1, "color3f[] primvars:displayColor", shape.color.size(),
+        [&](std::size_t i) { return tuple(shape.color[i].cast<double>()); }, kPerInstance);
+  text.line(depth + 1, "uniform token subdivisionScheme = \"none\"");
+  text.line(depth + 1, "rel material:binding = </Aggregate/Looks/Particle>");
+  text.line(depth, "}");
   return box;
+}
+
+void add_header(UsdaText& text, const std::string& data, const std::string& provenance) {
+  text.line(0, "#usda 1.0");
+  text.line(0, "(");
+  text.line(1, "customLayerData = {");
+  text.line(2, "string creator = \"Terrazzo\"");
+  if (!data.empty()) text.line(2, data);
+  if (!provenance.empty()) text.line(2, "string provenance = " + usda_text(provenance));
+  text.line(1, "}");
+  text.line(1, "defaultPrim = \"Aggregate\"");
+  text.line(1, "metersPerUnit = 0.001");
+  text.line(1, "upAxis = \"Z\"");
+  text.line(0, ")");
+  text.line(0, "");
+  text.line(0, "def Xform \"Aggregate\" (");
+  text.line(1, "kind = \"component\"");
+  text.line(0, ")");
+  text.line(0, "{");
 }
 
 void add_material(UsdaText& text) {
@@ -157,6 +180,15 @@ void add_volume(UsdaText& text, const UsdaVolume& volume) {
   text.line(1, "}");
 }
 
+void add_end(UsdaText& text, const UsdaVolume& volume) {
+  add_material(text);
+  if (volume.volume) {
+    text.line(0, "");
+    add_volume(text, volume);
+  }
+  text.line(0, "}");
+}
+
 }  // namespace
 
 void write_usda(const std::filesystem::path& path, const Particles& particles, const Shapes& shapes,
@@ -189,23 +221,10 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
     UsdaText text(out, work);
-    text.line(0, "#usda 1.0");
-    text.line(0, "(");
-    text.line(1, "customLayerData = {");
-    text.line(2, "string creator = \"Terrazzo\"");
-    text.line(2, fmt::format("double3 box_mm = ({}, {}, {})", particles.box.x(), particles.box.y(),
-                             particles.box.z()));
-    if (!provenance.empty()) text.line(2, "string provenance = " + usda_text(provenance));
-    text.line(1, "}");
-    text.line(1, "defaultPrim = \"Aggregate\"");
-    text.line(1, "metersPerUnit = 0.001");
-    text.line(1, "upAxis = \"Z\"");
-    text.line(0, ")");
-    text.line(0, "");
-    text.line(0, "def Xform \"Aggregate\" (");
-    text.line(1, "kind = \"component\"");
-    text.line(0, ")");
-    text.line(0, "{");
+    add_header(
+        text,
+        fmt::format("double3 box_mm = ({}, {}, {})", particles.box.x(), particles.box.y(), particles.box.z()),
+        provenance);
     text.line(1, "def PointInstancer \"Particles\"");
     text.line(1, "{");
     text.line(2, fmt::format("float3[] extent = [{}, {}]", tuple(extent.min()), tuple(extent.max())));
@@ -239,17 +258,30 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
       work.check();
       work.progress(double(s) / double(members.size()));
       if (prototype[s] >= 0)
-        add_prototype(text, shapes.shapes[s], names[static_cast<std::size_t>(prototype[s])]);
+        add_mesh(text, 3, shapes.shapes[s], names[static_cast<std::size_t>(prototype[s])]);
     }
     text.line(2, "}");
     text.line(1, "}");
     text.line(0, "");
-    add_material(text);
-    if (volume.volume) {
+    add_end(text, volume);
+  });
+}
+
+void write_usda(const std::filesystem::path& path, const Shapes& shapes, const UsdaVolume& volume,
+                const std::string& provenance, const Work& work) {
+  if (shapes.shapes.empty()) throw Error("no-shapes", "there are no shapes to write");
+  for (const Shape& s : shapes.shapes) render_mesh(s);  // throws before anything is written
+  CheckedFile file(path);
+  file.guard([&](std::ostream& out) {
+    UsdaText text(out, work);
+    add_header(text, "", provenance);
+    std::set<std::string> taken = {"Looks", "Volume"};
+    for (const Shape& s : shapes.shapes) {
+      work.check();
+      add_mesh(text, 1, s, prim_name(s.name, "shape", taken));
       text.line(0, "");
-      add_volume(text, volume);
     }
-    text.line(0, "}");
+    add_end(text, volume);
   });
 }
 

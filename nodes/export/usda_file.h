@@ -31,4 +31,10 @@ struct UsdaVolume {
 void write_usda(const std::filesystem::path&, const Particles&, const Shapes&, const UsdaVolume& = {},
                 const std::string& provenance = {}, const Work& = {});
 
+// Shapes alone: one Mesh each in /Aggregate, all in the same place, with the colors of vertices as
+// displayColor (interpolation "vertex") if they have any. Throws Error "no-shapes" and the errors of
+// render_mesh.
+void write_usda(const std::filesystem::path&, const Shapes&, const UsdaVolume& = {},
+                const std::string& provenance = {}, const Work& = {});
+
 }  // namespace terrazzo::exporting

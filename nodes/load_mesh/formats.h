@@ -12,5 +12,8 @@ PolygonSoup read_obj(std::string_view);
 PolygonSoup read_off(std::string_view);
 PolygonSoup read_ply(std::string_view);
 PolygonSoup read_stl(std::string_view);
+// glTF 2.0, text or binary: all triangles of the default scene. Lengths become mm, and the z axis points up.
+// Reads no other file. Also throws "too-large".
+PolygonSoup read_gltf(std::string_view, const Reading&);
 
 }  // namespace terrazzo::load_mesh

@@ -80,12 +80,20 @@ void compute(Context& c) {
 NodeType load_mesh_node() {
   return NodeType("LoadMesh", 2)
       .doc_(
-          "Reads particle shapes from OBJ, PLY, STL or OFF files. A mesh must be watertight. Otherwise the "
+          "Reads particle shapes from OBJ, PLY, STL, OFF or glTF files. A mesh must be watertight. Otherwise "
+          "the "
           "node fails and lists the open or faulty edges, or closes the mesh if repair is true.")
       .output("shapes", "Shapes",
               "One shape per file, all with equal probability, with the centroid at the origin")
-      .parameter(Parameter::input_path("path").doc_("Mesh file. A glob loads several shapes."))
-      .parameter(Parameter::number("scale", 1).unit_("mm").above(0).doc_("Length of the file's unit"))
+      .parameter(Parameter::input_path("path").doc_(
+          "Mesh file: .obj, .ply, .stl, .off, .glb or .gltf. A glob loads several "
+          "shapes."))
+      .parameter(
+          Parameter::number("scale", 1)
+              .unit_("mm")
+              .above(0)
+              .doc_("Length of the file's unit. glTF files are in meters by definition, so for them it "
+                    "is the length of what they call a millimeter."))
       .parameter(Parameter::boolean("repair", false)
                      .doc_("Joins close vertices, drops degenerate and duplicate triangles, makes all "
                            "triangles face outward and fills holes. A warning lists the changes."))

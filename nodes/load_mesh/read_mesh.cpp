@@ -14,24 +14,26 @@ namespace {
 // bytes in memory while the list of faces grows.
 constexpr double kBytesPerByte = 30;
 
-using MeshReader = PolygonSoup (*)(std::string_view);
+using MeshReader = PolygonSoup (*)(std::string_view, const Reading&);
 
 MeshReader format_of(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
-  if (extension == ".obj") return load_mesh::read_obj;
-  if (extension == ".ply") return load_mesh::read_ply;
-  if (extension == ".stl") return load_mesh::read_stl;
-  if (extension == ".off") return load_mesh::read_off;
+  if (extension == ".obj") return [](std::string_view text, const Reading&) { return read_obj(text); };
+  if (extension == ".ply") return [](std::string_view text, const Reading&) { return read_ply(text); };
+  if (extension == ".stl") return [](std::string_view text, const Reading&) { return read_stl(text); };
+  if (extension == ".off") return [](std::string_view text, const Reading&) { return read_off(text); };
+  if (extension == ".glb" || extension == ".gltf") return read_gltf;
   throw Error("unknown-format",
               fmt::format("{}: unknown mesh file extension \"{}\"", path.filename().string(), extension),
-              "use an .obj, .ply, .stl or .off file");
+              "use an .obj, .ply, .stl, .off, .glb or .gltf file");
 }
 
-PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, const std::string& content) {
+PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, const std::string& content,
+                       const Reading& reading) {
   try {
-    return format(content);
+    return format(content, reading);
   } catch (const Error& e) {
     throw Error(e.diagnostic().code, path.filename().string() + ": " + e.diagnostic().message,
                 e.diagnostic().hint);
@@ -51,7 +53,7 @@ PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading)
     throw Error("unreadable-mesh", name + ": cannot be opened", "check the file's permissions");
   }
   require_memory(kBytesPerByte * static_cast<double>(content.size()), reading.memory, "the mesh of " + name);
-  const PolygonSoup soup = read_named(path, format, content);
+  const PolygonSoup soup = read_named(path, format, content, reading);
   if (soup.polygons.empty())
     throw Error("unreadable-mesh", name + ": contains no faces",
                 "check that the file is complete and that its extension matches its format");

@@ -10,14 +10,15 @@
 namespace terrazzo::load_mesh {
 
 struct PolygonSoup {
-  std::vector<Vec3> vertices;              // in the file's unit, rounded to single precision
+  std::vector<Vec3> vertices;              // in the file's unit (glTF: mm), rounded to single precision
   std::vector<std::vector<int>> polygons;  // at least three indices each
 };
 
-// Reads OBJ, PLY, STL or OFF, selected by extension. Equal positions in an STL file become one vertex. Throws
-// Error "unknown-format", "unreadable-mesh" if the file is damaged, "bad-mesh" if an index is out of range or
-// a coordinate is not finite, and "too-large" if the mesh would exceed the memory budget. Time and memory are
-// bounded by the file size: counts in a header allocate nothing until their bytes are read.
+// Reads OBJ, PLY, STL, OFF or glTF, selected by extension. Equal positions in an STL file become one vertex.
+// Throws Error "unknown-format", "unreadable-mesh" if the file is damaged, "bad-mesh" if an index is out of
+// range or a coordinate is not finite, and "too-large" if the mesh would exceed the memory budget.
+// Time and memory are bounded by the file size: counts in a header allocate nothing
+// until their bytes are read.
 PolygonSoup read_mesh(const std::filesystem::path&, const Reading& = {});
 
 }  // namespace terrazzo::load_mesh

@@ -6,6 +6,9 @@
 #include "nodes/render_solid/sampler.h"
 
 namespace terrazzo::render_solid {
+
+using carving::SurfacePoint;
+
 namespace {
 
 constexpr float lift = 2e-4f;  // world units by which a ray starts above its surface

@@ -4,13 +4,15 @@
 #include <cstdint>
 #include <functional>
 
+#include "nodes/carving/solid.h"
 #include "nodes/common/geometry/camera.h"
 #include "nodes/data/image.h"
-#include "nodes/render_solid/solid.h"
 #include "nodes/render_solid/studio.h"
 #include "runtime/work.h"
 
 namespace terrazzo::render_solid {
+
+using carving::Solid;
 
 struct RenderSettings {
   int width = 720, height = 720;  // pixels

@@ -329,6 +329,18 @@ void bind_shapes(py::module_& m) {
           },
           "The Mesh, with its centroid at the origin.")
       .def_property_readonly(
+          "color", [](const ShapePart& p) { return rows(p.owner, p.shape->color); },
+          "float32 (n, 3): scene-linear color of each vertex, or no rows. A view.")
+      .def_property_readonly(
+          "uv",
+          [](const ShapePart& p) {
+            return view(p.owner, reinterpret_cast<const float*>(p.shape->uv.data()),
+                        {static_cast<py::ssize_t>(p.shape->uv.size()), 3, 2});
+          },
+          "float32 (m, 3, 2): texture coordinates of each triangle's corners from the upper left corner, or "
+          "no "
+          "rows. A view.")
+      .def_property_readonly(
           "volume", [](const ShapePart& p) { return p.shape->volume; }, "mm³.")
       .def_property_readonly(
           "surface_area", [](const ShapePart& p) { return p.shape->surface_area; }, "mm².")

@@ -9,17 +9,18 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/carving/color_field.h"
+#include "nodes/carving/forms.h"
+#include "nodes/carving/paint.h"
 #include "nodes/common/texture/noise.h"
 #include "nodes/phantom/phantom.h"
-#include "nodes/render_solid/color_field.h"
-#include "nodes/render_solid/forms.h"
-#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/render.h"
 #include "nodes/render_volume/gl_march.h"
 #include "nodes/render_volume/scene.h"
 
 namespace terrazzo {
 namespace {
+using namespace carving;
 using namespace render_solid;
 using namespace render_volume;
 

@@ -19,7 +19,7 @@ std::string content(const fs::path& file) {
   return out.str();
 }
 
-// Rooms by level. A file may include its own room and rooms of lower levels. Node folders have level 10.
+// Rooms by level. A file may include its own room and rooms of lower levels. Node folders have level 11.
 const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"common/geometry", 1},
                                            {"common/texture", 2},
@@ -39,7 +39,8 @@ const std::map<std::string, int> kLevel = {{"data", 0},
                                            {"packing", 8},
                                            {"tessellation", 9},
                                            {"residual", 9},
-                                           {"segment/training", 11}};  // a program, not a node
+                                           {"carving", 10},
+                                           {"segment/training", 12}};  // a program, not a node
 
 std::string room_of(const std::string& path) {  // relative to nodes/
   for (const auto depth : {2, 1}) {
@@ -55,7 +56,7 @@ std::string room_of(const std::string& path) {  // relative to nodes/
 
 int level_of(const std::string& room) {
   const auto it = kLevel.find(room);
-  return it == kLevel.end() ? 10 : it->second;
+  return it == kLevel.end() ? 11 : it->second;
 }
 
 TEST(Rooms, NoIncludePointsUpOrAcross) {

@@ -10,11 +10,11 @@ using namespace terrazzo;
 using namespace load_mesh;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const char* const formats[] = {".off", ".obj", ".ply", ".stl"};
+  static const char* const formats[] = {".off", ".obj", ".ply", ".stl", ".glb", ".gltf"};
   if (size == 0) return 0;
   const std::string file =
       (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()))).string() +
-      formats[data[0] % 4];
+      formats[data[0] % 6];
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data) + 1, static_cast<std::streamsize>(size - 1));
   try {

@@ -9,6 +9,7 @@
 #include "nodes/data/opaque_volume.h"
 #include "nodes/export/gltf.h"
 #include "nodes/export/vdb_file.h"
+#include "tests/nodes/carve/carve_support.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/readers.h"
 #include "tests/support/run_node.h"
@@ -106,6 +107,55 @@ TEST(BlenderAddOn, ImportsAVolumeAloneAndRefusesOtherFiles) {
   EXPECT_NE(in_blender(out / "t.glb")["error"].get<std::string>().find("truncated"), std::string::npos);
   std::ofstream(out / "v.vdb") << "nothing";
   EXPECT_NE(in_blender(out / "v.vdb")["error"].get<std::string>().find("cannot be read"), std::string::npos);
+}
+
+// Blender's own importer and exporter of glTF.
+TEST(BlenderGltf, ShowsCarvedBodiesAndWritesMeshesThatLoadMeshReads) {
+  if (!test::has_program("blender")) GTEST_SKIP() << "blender is not installed";
+  const fs::path out = test::temporary_folder();
+  const auto carved = test::carved_ball();
+  const Shape& ball = carved.output<Shapes>("shapes").shapes.at(0);
+  test::run_node("Export", {{"shapes", carved.outputs.at("shapes")}}, {{"path", "c.glb"}}, out);
+  test::run_node("Export", {{"shapes", carved.outputs.at("shapes")}, {"image", carved.outputs.at("texture")}},
+                 {{"path", "t.glb"}}, out);
+  const auto imported = [&](const std::string& name, const std::vector<std::string>& more = {}) {
+    const fs::path json = out / (name + ".json");
+    std::vector<std::string> command = {
+        "blender",
+        "--background",
+        "--factory-startup",
+        "--python",
+        (test::source_folder() / "tests/integration/readers/read_blender_mesh.py").string(),
+        "--",
+        (out / name).string(),
+        json.string()};
+    command.insert(command.end(), more.begin(), more.end());
+    const auto run = test::run_command(command);
+    std::ifstream in(json);
+    auto j = nlohmann::json::parse(in, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << run.out << run.err;
+    return j;
+  };
+  const auto j = imported("c.glb", {(out / "copy.glb").string()});
+  ASSERT_EQ(j.size(), 1u);
+  EXPECT_EQ(j[0]["name"], "ball");
+  EXPECT_EQ(j[0]["polygons"], ball.mesh.triangles.size());
+  ASSERT_GE(j[0]["colors"].size(), ball.mesh.vertices.size());
+  for (std::size_t i = 0; i < j[0]["colors"].size(); ++i) {
+    const auto& v = j[0]["vertices"][j[0]["color_of"][i].get<std::size_t>()];
+    const Vec3f expected = test::carved_ball_color(1000 * Vec3(v[0], v[1], v[2]));
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(j[0]["colors"][i][k], expected[int(k)], 0.01);
+  }
+  EXPECT_EQ(imported("t.glb")[0]["textures"], std::vector<int>{256});
+
+  // Blender's file: twice as wide, half as high again, mirrored, and elsewhere.
+  const auto again = test::run_node("LoadMesh", {}, {{"path", (out / "copy.glb").string()}});
+  const Shape& copy = again.output<Shapes>("shapes").shapes.at(0);
+  EXPECT_NEAR(copy.volume / ball.volume, 3, 1e-4);
+  EXPECT_EQ(copy.mesh.triangles.size(), ball.mesh.triangles.size());
+  double longest = 0;
+  for (const Vec3& v : copy.mesh.vertices) longest = std::max(longest, v.norm());
+  EXPECT_NEAR(longest, 10, 0.05);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "nodes/data/volume.h"
 #include "nodes/export/gltf.h"
+#include "tests/nodes/carve/carve_support.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/code_of.h"
@@ -58,6 +59,25 @@ TEST(ExportedGltf, IsValidAndOpensInThreeJs) {
   ASSERT_TRUE(s.is_object());
   EXPECT_EQ(s["errors"], 0) << s["messages"].dump(1);
   EXPECT_EQ(s["meshes"].size(), 3u);
+}
+
+// A carved body with colors of vertices, and with a texture.
+TEST(ExportedGltf, CarvedBodiesAreValidAndOpenInThreeJs) {
+  const fs::path check = test::npm_check("gltf_check");
+  if (check.empty())
+    GTEST_SKIP() << "node and npm are not installed, or cannot install gltf-validator and three";
+  const fs::path out = test::temporary_folder();
+  const auto carved = test::carved_ball();
+  test::run_node("Export", {{"shapes", carved.outputs.at("shapes")}}, {{"path", "c.glb"}}, out);
+  test::run_node("Export", {{"shapes", carved.outputs.at("shapes")}, {"image", carved.outputs.at("texture")}},
+                 {{"path", "t.glb"}}, out);
+  for (const char* name : {"c.glb", "t.glb"}) {
+    const auto j = test::run_npm_check(check, out / name);
+    ASSERT_TRUE(j.is_object());
+    EXPECT_EQ(j["errors"], 0) << j["messages"].dump(1);
+    EXPECT_EQ(j["warnings"], 0) << j["messages"].dump(1);
+    EXPECT_EQ(j["meshes"].size(), 1u);
+  }
 }
 
 TEST(ExportedGltf, NodesAreValidAndOpenInThreeJs) {

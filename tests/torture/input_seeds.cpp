@@ -11,6 +11,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/dream3d_file.h"
+#include "nodes/export/gltf.h"
 #include "nodes/export/mesh_file.h"
 #include "nodes/export/nifti_file.h"
 #include "nodes/export/npy_file.h"
@@ -84,6 +85,15 @@ void meshes(Writer& w) {
                  {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   for (const char* name : {"a.obj", "a.ply", "a.stl"})
     write_mesh(w.place("LoadMesh" + fs::path(name).extension().string(), name), shapes);
+  write_glb(w.place("LoadMesh.glb", "a.glb"), shapes);
+  w.text(
+      "LoadMesh.gltf", "a.gltf",
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"scale":[1,2,1]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[{"bufferView":0,)"
+      R"("componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,1]},{"bufferView":1,)"
+      R"("componentType":5121,"count":12,"type":"SCALAR"}],"bufferViews":[{"buffer":0,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60,"uri":)"
+      R"("data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"}]})");
   std::ostringstream vertices, faces, facets;
   for (const auto& v : m.vertices) vertices << v.transpose() << "\n";
   for (const auto& t : m.triangles) {

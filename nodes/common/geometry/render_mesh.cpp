@@ -25,8 +25,10 @@ RenderMesh render_mesh(const Shape& shape) {
   if (shape.smooth) {
     out.positions = mesh.vertices;
     out.normals.assign(mesh.vertices.size(), Vec3::Zero());
+    for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) out.vertex.push_back(v);
   }
-  for (const Triangle& t : mesh.triangles) {
+  for (std::size_t at = 0; at < mesh.triangles.size(); ++at) {
+    const Triangle& t = mesh.triangles[at];
     for (const auto i : t)
       if (i < 0 || i >= n)
         throw Error("bad-mesh", "a triangle of shape '" + shape.name + "' refers to vertex " +
@@ -35,6 +37,7 @@ RenderMesh render_mesh(const Shape& shape) {
     const Vec3 cross = (p[1] - p[0]).cross(p[2] - p[0]);
     if (!(cross.squaredNorm() > 0)) continue;
     const Vec3 normal = cross.normalized();
+    out.triangle.push_back(static_cast<std::uint32_t>(at));
     for (int k = 0; k < 3; ++k) {
       if (shape.smooth) {
         out.normals[t[k]] += normal * angle(p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
@@ -42,6 +45,7 @@ RenderMesh render_mesh(const Shape& shape) {
       } else {
         out.indices.push_back(static_cast<std::uint32_t>(out.positions.size()));
         out.positions.push_back(p[k]);
+        out.vertex.push_back(static_cast<std::uint32_t>(t[k]));
         out.normals.push_back(normal);
       }
     }

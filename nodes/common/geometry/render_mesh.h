@@ -9,9 +9,11 @@
 namespace terrazzo {
 
 struct RenderMesh {
-  std::vector<Vec3> positions;         // mm
-  std::vector<Vec3> normals;           // unit vectors, one per position
-  std::vector<std::uint32_t> indices;  // three per triangle, counterclockwise seen from outside
+  std::vector<Vec3> positions;          // mm
+  std::vector<Vec3> normals;            // unit vectors, one per position
+  std::vector<std::uint32_t> indices;   // three per triangle, counterclockwise seen from outside
+  std::vector<std::uint32_t> vertex;    // the shape's vertex at each position
+  std::vector<std::uint32_t> triangle;  // the shape's triangle of every three indices
 };
 
 // Smooth shapes: vertex normals are the mean of the triangles' normals, weighted by angle (Thürmer and

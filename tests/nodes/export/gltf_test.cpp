@@ -5,7 +5,9 @@
 
 #include <cstring>
 
+#include "nodes/data/image.h"
 #include "tests/nodes/export/export_support.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -140,6 +142,79 @@ TEST(ExportGltf, ShapesAloneStandSideBySide) {
     EXPECT_GT(x - 0.001, end);
     end = x + 0.001;
   }
+}
+
+Shapes painted_shapes() {
+  Shapes s;
+  for (const bool smooth : {true, false}) {
+    Shape t = test::tetrahedron(smooth ? "smooth" : "faceted", smooth);
+    for (int i = 0; i < 4; ++i) t.color.push_back(Vec3f(0.25f * float(i), 0.5f, 1.5f));
+    for (int i = 0; i < 4; ++i) {
+      const float x = 0.25f * float(i);
+      t.uv.push_back({Eigen::Vector2f(x, 0), Eigen::Vector2f(x + 0.2f, 0), Eigen::Vector2f(x, 1)});
+    }
+    s.shapes.push_back(t);
+  }
+  return s;
+}
+
+TEST(ExportGltf, ColorsOfVerticesStayWithTheirVertices) {
+  const fs::path file = test::temporary_folder() / "c.glb";
+  const Shapes shapes = painted_shapes();
+  write_glb(file, shapes);
+  const auto m = load(file);
+  for (std::size_t s = 0; s < 2; ++s) {
+    const auto& primitive = m.meshes.at(s).primitives.at(0);
+    const auto position = floats(m, primitive.attributes.at("POSITION"));
+    const auto color = floats(m, primitive.attributes.at("COLOR_0"));
+    ASSERT_EQ(color.size(), position.size());
+    for (std::size_t i = 0; i < position.size(); i += 3) {
+      int found = 0;
+      for (std::size_t v = 0; v < 4; ++v) {
+        const Vec3 at = 0.001 * turned(shapes.shapes[s].mesh.vertices[v]);
+        if ((at - Vec3(position[i], position[i + 1], position[i + 2])).norm() > 1e-9) continue;
+        ++found;
+        EXPECT_EQ(color[i], 0.25f * float(v));
+        EXPECT_EQ(color[i + 2], 1);  // clamped to what glTF allows
+      }
+      EXPECT_EQ(found, 1);
+    }
+  }
+}
+
+TEST(ExportGltf, ATextureReplacesTheColors) {
+  const fs::path out = test::temporary_folder();
+  Image texture(4, 2, 1, 1);
+  for (std::size_t i = 0; i < texture.pixels.size(); ++i)
+    texture.pixels[i] = Vec3f(i == 5 ? 1.0f : 0.0f, 0.0f, 1.0f);
+  const Shapes shapes = painted_shapes();
+  test::run_node("Export", {{"shapes", Value::of(shapes)}, {"image", Value::of(texture)}},
+                 {{"path", "t.glb"}}, out);
+  const auto m = load(out / "t.glb");
+  ASSERT_EQ(m.images.size(), 1u);
+  EXPECT_EQ(m.images[0].width, 4);
+  EXPECT_EQ(m.images[0].image.at(5 * static_cast<std::size_t>(m.images[0].component)), 255);
+  EXPECT_EQ(m.images[0].image.at(0), 0);
+  const auto& primitive = m.meshes.at(0).primitives.at(0);
+  EXPECT_EQ(primitive.attributes.count("COLOR_0"), 0u);
+  EXPECT_GE(m.materials.at(static_cast<std::size_t>(primitive.material))
+                .pbrMetallicRoughness.baseColorTexture.index,
+            0);
+  const auto uv = floats(m, primitive.attributes.at("TEXCOORD_0"));
+  ASSERT_EQ(uv.size(), 24u);
+  for (std::size_t t = 0; t < 4; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(uv[6 * t + 2 * k], shapes.shapes[0].uv[t][k].x());
+      EXPECT_EQ(uv[6 * t + 2 * k + 1], shapes.shapes[0].uv[t][k].y());
+    }
+  const auto code = [&](const std::multimap<std::string, Value>& inputs) {
+    return test::code_of([&] { test::run_node("Export", inputs, {{"path", "e.glb"}}, out); });
+  };
+  EXPECT_EQ(code({{"shapes", Value::of(test::two_shapes())}, {"image", Value::of(texture)}}), "no-uv");
+  EXPECT_EQ(code({{"shapes", Value::of(shapes)},
+                  {"particles", Value::of(test::some_particles(3))},
+                  {"image", Value::of(texture)}}),
+            "no-uv");
 }
 
 TEST(ExportGltf, TheSameParticlesGiveTheSameFile) {

@@ -190,12 +190,24 @@ TEST(ExportUsda, RefusesWhatCannotBeShown) {
   Particles p = test::some_particles(3);
   p.scale[1] = std::nan("");
   EXPECT_EQ(code(p, test::two_shapes()), "bad-number");
-  EXPECT_EQ(
-      test::code_of([&] {
-        test::run_node("Export", {{"shapes", Value::of(test::two_shapes())}}, {{"path", "a.usda"}}, out);
-      }),
-      "missing-input");
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("Export", {{"shapes", Value::of(Shapes())}}, {{"path", "a.usda"}}, out);
+            }),
+            "no-shapes");
   EXPECT_EQ(test::files_in(out), 0u);
+}
+
+TEST(ExportUsda, ShapesAloneShowTheirColors) {
+  const fs::path out = test::temporary_folder();
+  Shapes shapes;
+  shapes.shapes = {test::tetrahedron("a body", true)};
+  for (int i = 0; i < 4; ++i) shapes.shapes[0].color.push_back(Vec3f(0.25f * float(i), 0.5f, 1));
+  test::run_node("Export", {{"shapes", Value::of(shapes)}}, {{"path", "a.usda"}}, out);
+  const std::string text = test::content_of(out / "a.usda");
+  EXPECT_NE(text.find("def Mesh \"a_body\""), std::string::npos);
+  const auto color = usda_array(text, "color3f[] primvars:displayColor");
+  ASSERT_EQ(color.size(), 12u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(color[3 * i], 0.25 * double(i));
 }
 
 }  // namespace

@@ -3,13 +3,13 @@
 
 #include <cmath>
 
+#include "nodes/carving/color_field.h"
+#include "nodes/carving/forms.h"
+#include "nodes/carving/paint.h"
+#include "nodes/carving/particle_index.h"
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/image.h"
-#include "nodes/render_solid/color_field.h"
-#include "nodes/render_solid/forms.h"
-#include "nodes/render_solid/paint.h"
-#include "nodes/render_solid/particle_index.h"
 #include "nodes/render_solid/render.h"
 #include "nodes/render_solid/tone.h"
 #include "runtime/random.h"
@@ -17,6 +17,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace carving;
 using namespace render_solid;
 
 Shape cube(double edge) {

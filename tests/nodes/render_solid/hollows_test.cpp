@@ -4,16 +4,16 @@
 #include <cmath>
 #include <optional>
 
+#include "nodes/carving/paint.h"
+#include "nodes/carving/solid.h"
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/render_solid/paint.h"
-#include "nodes/render_solid/solid.h"
 #include "runtime/random.h"
 #include "tests/nodes/voxelize/bodies.h"
 #include "tests/support/code_of.h"
 
 namespace terrazzo {
 namespace {
-using namespace render_solid;
+using namespace carving;
 
 class Gray : public Paint {
  public:

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "nodes/carving/color_field.h"
+#include "nodes/carving/paint.h"
 #include "nodes/data/volume.h"
-#include "nodes/render_solid/color_field.h"
-#include "nodes/render_solid/paint.h"
 #include "nodes/render_solid/render.h"
 #include "nodes/render_solid/sampler.h"
 #include "nodes/render_solid/tone.h"
@@ -12,6 +12,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace carving;
 using namespace render_solid;
 using test::run_node;
 

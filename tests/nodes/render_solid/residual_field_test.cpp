@@ -5,18 +5,18 @@
 
 #include <cmath>
 
+#include "nodes/carving/paint.h"
+#include "nodes/carving/solid.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/volume.h"
-#include "nodes/render_solid/paint.h"
-#include "nodes/render_solid/solid.h"
 #include "runtime/random.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-using namespace render_solid;
+using namespace carving;
 using residual::ResidualField;
 
 Volume noise_volume(int n, double voxel, float strength = 0.1f) {

@@ -13,6 +13,7 @@
 
 namespace terrazzo {
 namespace {
+using namespace carving;
 using namespace render_solid;
 
 Image one(const Vec3f& v) {
