@@ -47,8 +47,7 @@ NodeType carve_node() {
   NodeType type("Carve", 1);
   type.doc_(
           "Carves a body from the solid, or breaks a block along its particles, and returns it as a closed "
-          "mesh "
-          "with colors and as a level set, for use in other programs")
+          "mesh with colors and as a level set, for use in other programs")
       .source_("Jagnow, Dorsey, Rushmeier 2004, figures 1 and 11; 2008, figure 1b");
   carving::declare_solid(type);
   const std::vector<std::string> modes(carving::kModes.begin(), carving::kModes.end() - 1);
