@@ -179,7 +179,7 @@ struct Hdf5Output::State {
   }
 };
 
-Hdf5Output::Hdf5Output(const std::filesystem::path& path) {
+Hdf5Output::Hdf5Output(const std::filesystem::path& path, bool compress) : compress_(compress) {
   std::unique_lock<std::mutex> lock(library_mutex());
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported, not printed
   const hid_t links = H5Pcreate(H5P_LINK_CREATE);
@@ -207,6 +207,12 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
                    H5Sclose);
   Hdf5Handle how(state_->checked(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
   H5Pset_obj_track_times(how, false);  // equal content gives equal bytes
+  if (compress_ && rows < size[0]) {
+    std::vector<hsize_t> chunk = extent;
+    chunk[0] = rows;
+    if (H5Pset_chunk(how, static_cast<int>(chunk.size()), chunk.data()) < 0 || H5Pset_deflate(how, 4) < 0)
+      state_->fail();
+  }
   Hdf5Handle data(state_->checked(H5Dcreate2(state_->file, path.c_str(), hdf5_type(type), space,
                                              state_->links, how, H5P_DEFAULT)),
                   H5Dclose);
