@@ -51,13 +51,13 @@ void fill_once(const EbsdMap& map, std::vector<std::int32_t>& ids) {
   const std::vector<std::int32_t> before = ids;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (before[i] != 0) continue;
-    std::array<std::int32_t, 4> near{};
-    int count = 0, most = 0;
-    neighbors(map, i, [&](std::size_t n) { near[static_cast<std::size_t>(count++)] = before[n]; });
-    std::sort(near.begin(), near.begin() + count);
-    for (int k = 0; k < count; ++k) {
-      const auto id = near[static_cast<std::size_t>(k)];
-      const auto same = static_cast<int>(std::count(near.begin(), near.begin() + count, id));
+    std::array<std::int32_t, 4> near{};  // 0 also outside of the map
+    std::size_t count = 0;
+    neighbors(map, i, [&](std::size_t n) { near[count++] = before[n]; });
+    std::sort(near.begin(), near.end());
+    std::ptrdiff_t most = 0;
+    for (const std::int32_t id : near) {
+      const auto same = std::count(near.begin(), near.end(), id);
       if (id != 0 && same > most) most = same, ids[i] = id;
     }
   }

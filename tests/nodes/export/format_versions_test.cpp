@@ -62,7 +62,8 @@ TEST(ExportFormats, AreThoseRecordedForItsVersion) {
   ASSERT_EQ(recorded.at("version"), version) << renew;
   if (recorded.at("machine") != test::this_machine())
     GTEST_SKIP() << "files were recorded on another kind of machine";
-  for (const auto& [name, files] : all_files().items())
+  const json now = all_files();
+  for (const auto& [name, files] : now.items())
     EXPECT_EQ(files, recorded.at("files").value(name, json()))
         << "the format of " << name << " changed: raise the version of Export, then " << renew;
 }

@@ -192,7 +192,10 @@ TEST(ExportPbrt, EveryParticleIsAnInstance) {
       const std::string& word = tokens[at];
       worlds += word == "WorldBegin", media += word == "MakeNamedMedium";
       if (word == "AttributeBegin") ++depth;
-      if (word == "AttributeEnd") ASSERT_GT(depth--, 0u);
+      if (word == "AttributeEnd") {
+        ASSERT_GT(depth, 0u);
+        --depth;
+      }
       if (word == "MakeNamedMaterial") {
         const std::string name = tokens[at + 1];
         EXPECT_EQ(tokens[at + 3], "\"diffuse\"");
