@@ -39,7 +39,7 @@ TEST(LoadGraph, TwoNodesMayNotWriteOneFile) {
                            "  v: {type: Write, inputs: {in: a.out}, params: {path: x/../x/./t.csv}}\n");
   ASSERT_EQ(same.all.size(), 1u);
   EXPECT_EQ(same.all[0].code, "same-file");
-  EXPECT_EQ(same.at(5, 57), "'w' and 'v' both write 'x/../x/./t.csv'");
+  EXPECT_EQ(same.at(5, 56), "'w' and 'v' both write 'x/../x/./t.csv'");
   const Found each =
       check(start + "  w: {type: Write, each: {k: [1, 2]}, inputs: {in: a.out}, params: {path: t.csv}}\n");
   ASSERT_EQ(each.all.size(), 1u);

@@ -112,9 +112,10 @@ TEST(ExportMitsuba, EveryParticleIsAnInstance) {
         const auto group = groups.find(shape.child("ref").attribute("id").value());
         ASSERT_NE(group, groups.end());  // defined before its use
         EXPECT_EQ(group->second.first, "a b_" + std::to_string(p.particles.shape[i]) + ".ply");
-        p.expect_color(colors.at(group->second.second), i, 0);
+        p.expect_color(colors.at(group->second.second), i, 1e-7);  // written as single precision
       } else {
-        EXPECT_EQ(type, "cube"), ++boxes;
+        EXPECT_EQ(type, "cube");
+        ++boxes;
       }
     }
     EXPECT_EQ(particles.size(), 199u);
