@@ -17,7 +17,7 @@ enum class Hdf5Type { Int32, UInt32, Int64, UInt64, UInt8, Float };
 // functions throw Error "write-failed".
 class Hdf5Output {
  public:
-  // `compress`: datasets that are given row by row are compressed by zlib, one chunk for each call of `fill`.
+  // `compress`: datasets with rows of 4 KiB and more are compressed by zlib, row by row.
   explicit Hdf5Output(const std::filesystem::path&, bool compress = false);
   ~Hdf5Output();
 
