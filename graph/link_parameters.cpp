@@ -115,6 +115,20 @@ WrittenValue Linker::rename_former_words(const GraphNode& node, const Parameter&
   return out;
 }
 
+void Linker::check_output_paths() {
+  std::map<std::string, const GraphNode*> writers;  // by normal path
+  for (const GraphNode& node : graph_.nodes)
+    for (const Parameter& p : node.type->parameters) {
+      const auto given = node.parameters.find(p.name);
+      if (p.kind != ParameterKind::OutputPath || given == node.parameters.end()) continue;
+      const auto& path = std::get<std::string>(given->second.value);
+      const auto [it, first] = writers.emplace(fs::path(path).lexically_normal().generic_string(), &node);
+      if (!first)
+        fail("same-file", fmt::format("'{}' and '{}' both write '{}'", it->second->path, node.path, path),
+             given->second.place, "give each its own file name", node.path, p.name);
+    }
+}
+
 void Linker::check_parameters() {
   for (const GraphNode& node : graph_.nodes) {
     if (!node.type->check) continue;

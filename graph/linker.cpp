@@ -30,6 +30,7 @@ Graph Linker::link(RawDocument doc) {
   }
   apply_set();
   check_parameters();
+  check_output_paths();
   for (auto& [prefix, scope] : scopes_)
     for (const auto& node : scope->doc.nodes) connect(*scope, node);
   check_wiring_of_ports();

@@ -84,6 +84,8 @@ class Linker {
   WrittenValue rename_former_words(const GraphNode&, const Parameter&, const Given&);
   // Runs the checks of node types across parameters, on nodes whose parameters are all valid.
   void check_parameters();
+  // Rejects two nodes that would write the same file below the output folder.
+  void check_output_paths();
 
   // --- repeated nodes
 

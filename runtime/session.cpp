@@ -112,7 +112,7 @@ Diagnostics Session::load(Overrides overrides) {
   if (has_errors(found)) return found;
   std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
   for (const auto& weak : evaluations_)
-    if (const auto e = weak.lock())
+    if (const auto e = weak.lock(); e && e->follows_edits_)
       for (const int i : obsolete_nodes(e->graph(), *graph))
         e->cancel_node_[static_cast<std::size_t>(i)] = true;
   graph_ = std::move(graph);
@@ -139,13 +139,23 @@ Diagnostics Session::connect(const std::string& node_input, const std::vector<st
 }
 
 std::shared_ptr<Evaluation> Session::evaluate(const std::vector<std::string>& targets, Observer* observer) {
+  return start(targets, observer, options_.threads, true);
+}
+
+std::shared_ptr<Evaluation> Session::evaluate_apart(const std::vector<std::string>& targets,
+                                                    Observer* observer, int threads) {
+  return start(targets, observer, threads > 0 ? threads : options_.threads, false);
+}
+
+std::shared_ptr<Evaluation> Session::start(const std::vector<std::string>& targets, Observer* observer,
+                                           int threads, bool follows_edits) {
   std::shared_ptr<Evaluation> e(new Evaluation);
-  e->graph_ = graph_;
+  e->graph_ = graph_, e->follows_edits_ = follows_edits;
   e->cancel_node_.resize(graph_->nodes.size());
   RunOptions& o = e->options_;
   o.targets = target_nodes(*graph_, targets);
   o.output_folder = options_.output_folder;
-  o.threads = options_.threads;
+  o.threads = threads;
   o.memory = options_.file_memory;
   o.keep_intermediates = options_.keep_intermediates;
   o.cancel = options_.cancel;

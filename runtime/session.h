@@ -54,7 +54,7 @@ class Evaluation {
   std::deque<std::atomic<bool>> cancel_node_;
   mutable std::mutex mutex_;
   std::condition_variable finished_;
-  bool done_ = false;
+  bool done_ = false, follows_edits_ = true;
   std::exception_ptr failure_;  // failure of the evaluation itself, not of a node
   RunResult result_;
   std::thread thread_;
@@ -86,6 +86,8 @@ class Session {
   // Starts evaluating targets given as "NODE", "NODE.PORT" or graph outputs; without targets, all sinks. The
   // observer must outlive the evaluation. Throws Error "unknown-node" or "unknown-port".
   std::shared_ptr<Evaluation> evaluate(const std::vector<std::string>& targets = {}, Observer* = nullptr);
+  // The same with this many threads (0: as in the options). Later edits do not cancel any of it.
+  std::shared_ptr<Evaluation> evaluate_apart(const std::vector<std::string>& targets, Observer*, int threads);
   // Evaluates one output and waits. Throws the node's Error, or Cancelled.
   Value value(const std::string& output);
 
@@ -100,6 +102,8 @@ class Session {
 
  private:
   Diagnostics load(Overrides);
+  std::shared_ptr<Evaluation> start(const std::vector<std::string>& targets, Observer*, int threads,
+                                    bool follows_edits);
 
   const Registry& registry_;
   SessionOptions options_;

@@ -216,7 +216,7 @@ void add_ensembles(Hdf5Output& file, const Regions& regions) {
 
 void write_dream3d(const std::filesystem::path& path, const Dream3dContent& content, const Work& work) {
   check_names(content);
-  Hdf5Output file(path);
+  Hdf5Output file(path, content.compress);
   file.attribute("/", "FileVersion", "7.0");
   file.attribute("/", "DREAM3D Version", "Terrazzo");
   file.group("/DataContainerBundles");

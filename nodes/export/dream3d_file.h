@@ -21,6 +21,7 @@ struct Dream3dContent {
   const Regions* regions = nullptr;
   const Particles* particles = nullptr;  // adds orientations, sizes and colors of features
   std::string provenance;                // JSON for /Terrazzo/Provenance, or empty
+  bool compress = true;                  // cell data, by zlib
 };
 
 // Feature and phase 0 are the binder, which DREAM3D leaves out of statistics. The group of the geometry has

@@ -12,6 +12,9 @@ const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
       {".glb", {"Particles", "Shapes", "Image"}, {"Shapes"}, true},
       {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes"}, true},
+      {".xml", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
+      {".pbrt", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
+      {".nvdb", {"Volume"}},
       {".vdb", {"Volume"}},
       {".vti", {"Volume", "Particles"}, {"Volume"}, true},
       {".dream3d", {"Volume", "Particles"}, {"Volume"}, true},

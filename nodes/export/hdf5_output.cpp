@@ -14,6 +14,9 @@
 namespace terrazzo::exporting {
 namespace {
 
+// Bytes of a row that is compressed by itself. The format's limit is 4 GiB.
+constexpr std::uint64_t kSmallestChunk = 4096, kLargestChunk = std::uint64_t{1} << 31;
+
 std::mutex& library_mutex() {
   static std::mutex one;
   return one;
@@ -179,7 +182,7 @@ struct Hdf5Output::State {
   }
 };
 
-Hdf5Output::Hdf5Output(const std::filesystem::path& path) {
+Hdf5Output::Hdf5Output(const std::filesystem::path& path, bool compress) : compress_(compress) {
   std::unique_lock<std::mutex> lock(library_mutex());
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported, not printed
   const hid_t links = H5Pcreate(H5P_LINK_CREATE);
@@ -207,11 +210,17 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
                    H5Sclose);
   Hdf5Handle how(state_->checked(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
   H5Pset_obj_track_times(how, false);  // equal content gives equal bytes
+  std::uint64_t row = H5Tget_size(hdf5_type(type));
+  for (std::size_t a = 1; a < size.size(); ++a) row *= size[a];
+  if (compress_ && row >= kSmallestChunk && row <= kLargestChunk) {
+    std::vector<hsize_t> chunk = extent;
+    chunk[0] = 1;
+    if (H5Pset_chunk(how, static_cast<int>(chunk.size()), chunk.data()) < 0 || H5Pset_deflate(how, 4) < 0)
+      state_->fail();
+  }
   Hdf5Handle data(state_->checked(H5Dcreate2(state_->file, path.c_str(), hdf5_type(type), space,
                                              state_->links, how, H5P_DEFAULT)),
                   H5Dclose);
-  std::uint64_t row = H5Tget_size(hdf5_type(type));
-  for (std::size_t a = 1; a < size.size(); ++a) row *= size[a];
   std::vector<char> block(static_cast<std::size_t>(std::min(rows, size[0]) * row));
   for (std::uint64_t first = 0; first < size[0]; first += rows) {
     const std::uint64_t count = std::min(rows, size[0] - first);

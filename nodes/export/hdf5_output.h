@@ -17,7 +17,8 @@ enum class Hdf5Type { Int32, UInt32, Int64, UInt64, UInt8, Float };
 // functions throw Error "write-failed".
 class Hdf5Output {
  public:
-  explicit Hdf5Output(const std::filesystem::path&);
+  // `compress`: datasets with rows of 4 KiB and more are compressed by zlib, row by row.
+  explicit Hdf5Output(const std::filesystem::path&, bool compress = false);
   ~Hdf5Output();
 
   void group(const std::string& path);
@@ -43,6 +44,7 @@ class Hdf5Output {
  private:
   struct State;
   std::unique_ptr<State> state_;
+  bool compress_ = false;
 };
 
 }  // namespace terrazzo::exporting

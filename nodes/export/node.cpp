@@ -2,26 +2,20 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "graph/node_type.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/csv.h"
-#include "nodes/export/dream3d_file.h"
 #include "nodes/export/formats.h"
 #include "nodes/export/gltf.h"
-#include "nodes/export/inp_file.h"
-#include "nodes/export/instances.h"
 #include "nodes/export/mesh_file.h"
 #include "nodes/export/nifti_file.h"
 #include "nodes/export/npy_file.h"
+#include "nodes/export/nvdb_file.h"
+#include "nodes/export/outputs.h"
 #include "nodes/export/picture_file.h"
-#include "nodes/export/surface_file.h"
-#include "nodes/export/usda_file.h"
 #include "nodes/export/vdb_file.h"
-#include "nodes/export/vti_file.h"
 #include "runtime/context.h"
 #include "runtime/json_text.h"
 
@@ -41,7 +35,8 @@ constexpr std::array<Input, 9> inputs = {{
     {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
     {"distribution", "SizeDistribution", "Number of particles per volume by size"},
     {"particles", "Particles",
-     "Packing. A .glb or .usda file also needs shapes. A .vti or .inp file takes classes and voids from it"},
+     "Packing. A .glb, .usda, .xml or .pbrt file also needs shapes. A .vti or .inp file takes classes and "
+     "voids from it"},
     {"volume", "Volume", "Volume of named grids"},
     {"table", "Table", "Table of named columns"},
 }};
@@ -83,22 +78,6 @@ std::string json_of(const std::map<std::string, Value>& values) {
   return json_text(all, 2) + "\n";
 }
 
-// Writers know only the temporary name. Errors of the disk are reported with the path that the user gave.
-void write_named(Context& c, const std::string& path,
-                 const std::function<void(const std::filesystem::path&)>& write) {
-  c.write_file(path, [&](const std::filesystem::path& file) {
-    try {
-      write(file);
-    } catch (const Error& e) {
-      const Diagnostic& d = e.diagnostic();
-      if (d.code != "write-failed" && d.code != "unwritable-image") throw;
-      std::string why = d.message;
-      if (const auto at = why.find("': "); at != std::string::npos) why = why.substr(at + 3);
-      throw Error("write-failed", "cannot write '" + path + "': " + why, d.hint).parameter("path");
-    }
-  });
-}
-
 // Writes one file per section.
 template <class Picture, class Write>
 void write_sections(Context& c, const std::string& path, const Picture& picture, Write&& write) {
@@ -112,161 +91,14 @@ void write_sections(Context& c, const std::string& path, const Picture& picture,
   }
 }
 
-// The volume with the grids that the parameter `grids` names, or all.
-Volume chosen_grids(const Context& c, const Volume& volume) {
-  if (!c.keyword("grids").empty()) return volume;
-  Volume out;
-  out.resolution = volume.resolution;
-  const auto all = grid_names(volume);
-  for (const std::string& name : c.texts("grids")) {
-    const auto at = std::find(all.begin(), all.end(), name);
-    if (at == all.end())
-      throw Error("no-such-grid",
-                  fmt::format("the volume has no grid '{}' (its grids: {})", name, fmt::join(all, ", ")),
-                  "choose one of them")
-          .parameter("grids");
-    out.grids.push_back(volume.grids[static_cast<std::size_t>(at - all.begin())]);
-  }
+// The grids for a .nvdb file. Those that it has no type for are left out, unless they were named.
+Volume grids_for_nvdb(Context& c, const Volume& volume) {
+  if (c.keyword("grids").empty()) return chosen_grids(c, volume);
+  std::vector<std::string> lost;
+  Volume out = fit_for_nvdb(volume, lost);
+  for (const std::string& name : lost)
+    c.warn(fmt::format("the grid '{}' is left out: a .nvdb file has no type for it", name));
   return out;
-}
-
-// The one grid of a file that holds only one.
-VoxelSource only_grid(const Context& c, const Volume& volume, const VoxelBox& box) {
-  const auto all = grid_names(volume);
-  std::vector<std::string> names =
-      c.keyword("grids").empty() ? grid_names(chosen_grids(c, volume)) : std::vector<std::string>();
-  if (names.empty() && std::find(all.begin(), all.end(), "id") != all.end()) names = {"id"};
-  if (names.empty() && all.size() == 1) names = all;
-  if (names.size() != 1)
-    throw Error("several-grids",
-                fmt::format("the file holds one grid; the volume has {}", fmt::join(all, ", ")),
-                "name one of them with grids")
-        .parameter("grids");
-  return {volume, names[0], box};
-}
-
-// Named after the whole file name: block.vti and block.inp each have their own numbers.
-void write_region_table(Context& c, const std::string& path, const Regions& regions, const VoxelBox& box,
-                        const Particles* particles) {
-  write_named(c, path + ".csv", [&](const std::filesystem::path& file) {
-    write_bytes(file, csv_of(region_table(regions, box, particles)));
-  });
-}
-
-// The grid id of a volume and its regions, to which the content of a file of voxels refers.
-struct Identified {
-  std::optional<VoxelSource> id;  // none if the volume has no such grid of whole numbers
-  Regions regions;
-};
-
-// Fills in the parts that files of voxels share. `content` refers to the result. `lost`: what the file lacks
-// without regions.
-template <class Content>
-std::unique_ptr<Identified> fill_content(Context& c, Content& content, const Volume& volume,
-                                         const Particles* particles, const std::string& lost) {
-  content.box = voxel_box(volume);
-  content.provenance = c.provenance();
-  for (const std::string& name : grid_names(chosen_grids(c, volume)))
-    content.grids.emplace_back(volume, name, content.box);
-  auto out = std::make_unique<Identified>();
-  const auto all = grid_names(volume);
-  if (std::find(all.begin(), all.end(), "id") != all.end()) out->id.emplace(volume, "id", content.box);
-  if (out->id && !out->id->whole()) {
-    c.warn("the grid id does not contain whole numbers, so the file has no " + lost);
-    out->id.reset();
-  }
-  if (out->id) {
-    out->regions = find_regions(*out->id, content.box, particles, c.choice<RegionKind>("regions"),
-                                c.work().part(0, 0.2));
-    content.id = &*out->id, content.regions = &out->regions;
-  }
-  return out;
-}
-
-void export_vti(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
-  VtiContent content;
-  content.compression = c.choice<VtiCompression>("compression");
-  const auto found = fill_content(c, content, volume, particles, "array material");
-  write_named(c, path,
-              [&](const std::filesystem::path& file) { write_vti(file, content, c.work().part(0.2, 1)); });
-  if (found->id) write_region_table(c, path, found->regions, content.box, particles);
-}
-
-void export_dream3d(Context& c, const std::string& path, const Volume& volume, const Particles* particles) {
-  Dream3dContent content;
-  content.particles = particles;
-  const auto found = fill_content(c, content, volume, particles, "features");
-  write_named(c, path, [&](const std::filesystem::path& file) {
-    write_dream3d(file, content, c.work().part(0.2, 1));
-  });
-}
-
-void export_inp(Context& c, const std::string& path, const Format& format, const Volume& volume,
-                const Particles* particles) {
-  const VoxelBox box = voxel_box(volume);
-  check_inp(box);
-  const auto all = grid_names(volume);
-  if (std::find(all.begin(), all.end(), "id") == all.end())
-    throw Error("no-id", "the volume has no grid id, which tells materials apart", "connect Voxelize.volume");
-  const VoxelSource id(volume, "id", box);
-  const Regions regions =
-      find_regions(id, box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.1));
-  write_named(c, path, [&](const std::filesystem::path& file) {
-    write_inp(file, id, box, regions, c.memory(), c.provenance(), c.work().part(0.1, 0.9));
-  });
-  if (box.periodic)
-    write_named(c, beside(path, format, "_periodic.inp"), [&](const std::filesystem::path& file) {
-      write_periodic_inp(file, box, c.work().part(0.9, 1));
-    });
-  write_region_table(c, path, regions, box, particles);
-}
-
-// Surfaces of the regions of a volume.
-void export_surfaces(Context& c, const std::string& path, const Format& format, const Volume& volume,
-                     const Particles* particles) {
-  const VoxelBox box = voxel_box(volume);
-  const auto all = grid_names(volume);
-  if (std::find(all.begin(), all.end(), "id") == all.end())
-    throw Error("no-id", "the volume has no grid id, which tells particles apart", "connect Voxelize.volume");
-  const VoxelSource id(volume, "id", box);
-  const Regions regions =
-      find_regions(id, box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.1));
-  const SurfaceNet net = surface_net(id, box, regions, static_cast<int>(c.integer("smoothing")), c.memory(),
-                                     c.work().part(0.1, 0.6));
-  c.metric("nodes", static_cast<double>(net.nodes.size()));
-  c.metric("triangles", static_cast<double>(net.corners.size()));
-  write_named(c, path, [&](const std::filesystem::path& file) {
-    (format.extension == ".msh" ? write_msh : write_surface_stl)(file, net, regions, c.work().part(0.6, 1));
-  });
-  if (format.extension != ".msh") return;
-  write_named(c, beside(path, format, ".geo"), [&](const std::filesystem::path& file) {
-    write_geo(file, std::filesystem::path(path).filename().string(), net, regions);
-  });
-  write_region_table(c, path, regions, box, particles);
-}
-
-void export_usda(Context& c, const std::string& path, const Format& format, const Particles* particles,
-                 const Shapes& shapes, const Volume* volume) {
-  if (particles) instances_of(*particles, shapes);  // throws before the first of two files is written
-  UsdaVolume beside_it;
-  Volume chosen;
-  if (volume) {
-    chosen = chosen_grids(c, *volume);
-    const std::string vdb = beside(path, format, ".vdb");
-    beside_it = {std::filesystem::path(vdb).filename().string(), &chosen};
-    if (beside_it.file.find('@') != std::string::npos)
-      throw Error("bad-names", "the file name contains @, which encloses names in a .usda file", "rename it")
-          .parameter("path");
-    write_named(c, vdb, [&](const std::filesystem::path& file) {
-      write_vdb(file, chosen, c.provenance(), c.choice<WholeNumbers>("id_type"));
-    });
-  }
-  write_named(c, path, [&](const std::filesystem::path& file) {
-    if (particles)
-      write_usda(file, *particles, shapes, beside_it, c.provenance(), c.work());
-    else
-      write_usda(file, shapes, beside_it, c.provenance(), c.work());
-  });
 }
 
 void compute(Context& c) {
@@ -293,8 +125,8 @@ void compute(Context& c) {
     throw Error("format-does-not-fit", "a .stl file holds one shape, or the surface of a volume, not both",
                 "use one Export node for each")
         .parameter("path");
-  if (extension == ".usda")
-    return export_usda(c, path, format, particles(), values.at("Shapes").as<Shapes>(), volume());
+  if (extension == ".usda" || extension == ".xml" || extension == ".pbrt")
+    return export_scene(c, path, format, particles(), values.at("Shapes").as<Shapes>(), volume());
   if (first.is<Image>() && extension != ".json" && extension != ".glb")
     return write_sections(c, path, first.as<Image>(), write_picture);
   if (first.is<Labels>() && extension != ".json" && extension != ".npy")
@@ -313,6 +145,8 @@ void compute(Context& c) {
         write_glb(file, shapes, c.provenance(), c.work(), texture);
     } else if (extension == ".vdb") {
       write_vdb(file, chosen_grids(c, first.as<Volume>()), c.provenance(), c.choice<WholeNumbers>("id_type"));
+    } else if (extension == ".nvdb") {
+      write_nvdb(file, grids_for_nvdb(c, first.as<Volume>()), c.work());
     } else if (extension == ".npy" && first.is<Labels>()) {
       write_npy(file, first.as<Labels>());
     } else if (extension == ".npy" || extension == ".nii" || extension == ".nii.gz") {
@@ -335,28 +169,25 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType export_node() {
-  NodeType type("Export", 3);
+  NodeType type("Export", 4);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
           "glTF 2.0 with EXT_mesh_gpu_instancing; OpenUSD; OpenVDB; VTK XML 1.0; DREAM3D file version 7.0; "
           "NIfTI-1; "
-          "Abaqus keywords; Gmsh MSH 2.2; "
-          "OpenImageIO; RFC 4180");
+          "Abaqus keywords; Gmsh MSH 2.2; NanoVDB 32; Mitsuba 3; pbrt-v4; OpenImageIO; RFC 4180");
   for (const Input& in : inputs) type.optional_input(in.name, {in.type}, in.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
       .parameter(Parameter::output_path("path").doc_(
           "File to write: .glb (particles with shapes, or shapes, with colors or a texture if they have "
-          "them), "
-          ".usda (particles with shapes, or shapes, and a volume as .vdb beside it), .vdb (volume), .vti "
-          "(volume), .dream3d (volume), .inp (volume as a mesh of "
-          "voxels), "
-          ".msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one grid "
-          "of a "
-          "volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr (images; a "
-          "stack becomes name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv (tables, "
-          "profiles, particles, distributions, K matrices, shapes), .json (any type), .obj, .ply, .stl "
-          "(shapes)."))
+          "them), .usda (particles with shapes, or shapes, and a volume as .vdb beside it), .xml, .pbrt "
+          "(scenes for Mitsuba 3 and pbrt-v4: particles with shapes, and a volume as the medium of the "
+          "binder), .vdb, .nvdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "
+          "voxels), .msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one "
+          "grid of a volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr "
+          "(images; a stack becomes name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv "
+          "(tables, profiles, particles, distributions, K matrices, shapes), .json (any type), .obj, .ply, "
+          ".stl (shapes)."))
       .parameter(
           Parameter::choice("instancing", "extension", {"extension", "nodes"})
               .doc_(".glb: extension: one node per shape with EXT_mesh_gpu_instancing, compact. nodes: "
@@ -365,17 +196,18 @@ NodeType export_node() {
       .parameter(
           Parameter::integer("materials", 64)
               .range(1, 65535)
-              .doc_(".glb with instancing: nodes: most materials. More colors than that are rounded to "
-                    "this many; the extras of each node have the exact color."))
+              .doc_(".glb with instancing: nodes, .xml, .pbrt: most materials. More colors than that are "
+                    "rounded to this many; the extras of each node of a .glb file have the exact color."))
       .parameter(
           Parameter::choice("id_type", "float", {"float", "int32"})
               .doc_(".vdb: type of the grids of whole numbers (id, source). float: more programs read it; "
                     "exact up to 2^24. int32: unchanged. LoadVolume gives the same grids for both."))
-      .parameter(Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
-                     .count(1, 64)
-                     .doc_(".vdb, .vti, .dream3d, .usda: names of the grids to write. .npy, .nii: name of "
-                           "the one grid. "
-                           "auto: all; for .npy and .nii, id or the only grid."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
+              .count(1, 64)
+              .doc_(".vdb, .nvdb, .vti, .dream3d, .usda: names of the grids to write. .npy, .nii: name of "
+                    "the one grid. "
+                    "auto: all; for .npy and .nii, id or the only grid."))
       .parameter(
           Parameter::choice("regions", "particles", {"particles", "phases"})
               .doc_(
@@ -388,8 +220,8 @@ NodeType export_node() {
               .doc_(
                   ".msh and .stl of a volume: how often each node moves toward the mean of its neighbors on "
                   "the same surface, by at most half a voxel in all. 0: faces of voxels."))
-      .parameter(
-          Parameter::choice("compression", "zlib", {"zlib", "none"}).doc_(".vti: compression of the voxels."))
+      .parameter(Parameter::choice("compression", "zlib", {"zlib", "none"})
+                     .doc_(".vti, .dream3d: compression of the voxels."))
       .writes_files_()
       .compute_(compute);
 }

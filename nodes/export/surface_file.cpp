@@ -119,7 +119,7 @@ void write_geo(const std::filesystem::path& path, const std::string& msh, const 
   }
   std::string text =
       fmt::format("// Surfaces of Terrazzo. Tetrahedra: gmsh -3 -o tetrahedra.msh {}\nMerge \"{}\";\n",
-                  path.filename().string(), msh);
+                  std::filesystem::path(msh).stem().string() + ".geo", msh);  // `path` is a temporary name
   for (std::size_t k = 0; k < loops.size(); ++k) {
     text += fmt::format("Surface Loop({0}) = {{{1}}};\nVolume({0}) = {{{0}}};\n", k + 1, loops[k]);
     add(volumes[static_cast<std::size_t>(net.region_of_piece[k])], static_cast<std::int64_t>(k) + 1);

@@ -1,7 +1,12 @@
 // Maintenance of the disk cache.
+#include <atomic>
+#include <chrono>
+#include <future>
+
 #include "runtime/cache_folder.h"
 #include "runtime/disk_cache.h"
 #include "runtime/python/bind.h"
+#include "runtime/work.h"
 
 namespace terrazzo::python {
 namespace {
@@ -41,11 +46,38 @@ py::dict collect(const std::string& folder, std::uint64_t limit) {
   return out;
 }
 
+// Recomputes on this thread. Signals are handled when it ends; nodes in Python are recomputed like others.
+py::dict verify(const std::string& folder, std::uint64_t sample, std::uint64_t seed) {
+  require_cache(folder);
+  Verified v;
+  {
+    std::atomic<bool> cancel{false};
+    auto future = std::async(std::launch::async, [&] {
+      return verify_cache(folder, registry(), value_types(), sample, seed, Work(&cancel, nullptr));
+    });
+    bool stop = false;
+    for (bool end = false; !end;) {
+      {
+        const py::gil_scoped_release without_gil;
+        end = future.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
+      }
+      if (!stop && PyErr_CheckSignals() != 0) stop = cancel = true;
+    }
+    if (stop) throw py::error_already_set();
+    v = future.get();
+  }
+  py::dict out;
+  out["values"] = v.values, out["records"] = v.records, out["damaged"] = v.damaged;
+  out["recomputed"] = v.recomputed, out["skipped"] = v.passed_over, out["differing"] = v.differing;
+  return out;
+}
+
 }  // namespace
 
 void bind_cache(py::module_& m) {
   m.def("cache_stats", stats);
   m.def("cache_collect", collect);
+  m.def("cache_verify", verify);
   m.def("cache_clear", [](const std::string& folder) {
     require_cache(folder);
     const py::gil_scoped_release without_gil;

@@ -161,7 +161,16 @@ void bind_graph(py::module_& m) {
             if (const Value v = graph_of(o.graph).known(o.text())) return to_python(v);
             return py::object(o.graph.attr("_evaluate")(o.text()));
           },
-          "The value. Evaluates what is not cached; Ctrl-C stops that. Raises Error if a node fails.")
+          "The value. Evaluates what is not cached; Ctrl-C stops that. Raises Error if a node fails. A "
+          "repeated node gives a list, as values() does.")
+      .def(
+          "values",
+          [](const py::object& self) {
+            const py::object v = self.attr("value")();
+            return PyList_Check(v.ptr()) ? v.cast<py::list>() : py::list(py::make_tuple(v));
+          },
+          "The values of a repeated node's elements, in order, as a list. Any other node gives a list of "
+          "one.")
       .def("__repr__",
            [](const OutputObject& o) { return fmt::format("<Output {}: {}>", o.text(), o.type); });
 
@@ -173,6 +182,15 @@ void bind_graph(py::module_& m) {
           "type", [](const NodeObject& n) { return graph_of(n.graph).type_of(n.name).name; },
           "Name of the node's type.")
       .def("output", output, arg("name"), "An output by name.")
+      .def_property_readonly(
+          "each",
+          [](const NodeObject& n) {
+            py::dict out;
+            for (const auto& [name, v] : graph_of(n.graph).each(n.name))
+              out[py::str(name)] = v.is_list ? py::object(py::cast(v.items)) : py::object(py::str(v.text()));
+            return out;
+          },
+          "What the node is repeated for: lists or ranges by name. Empty for other nodes.")
       .def_property_readonly(
           "outputs",
           [](const NodeObject& n) {
@@ -291,10 +309,12 @@ void bind_graph(py::module_& m) {
              for (const auto& d : g.link()) out.append(to_python(d));
              return out;
            })
-      .def("_text", [](const GraphObject& g, const std::string& folder) { return g.text(folder); })
+      .def("_text", [](GraphObject& g, const std::string& folder,
+                       bool flat) { return flat ? g.flat_text(folder) : g.text(folder); })
       .def("_save",
-           [](const GraphObject& g, const std::string& file) {
-             write_text_atomically(file, g.text(fs::absolute(file).parent_path()));
+           [](GraphObject& g, const std::string& file, bool flat) {
+             const fs::path folder = fs::absolute(file).parent_path();
+             write_text_atomically(file, flat ? g.flat_text(folder) : g.text(folder));
            })
       .def("_explain", explain)
       .def("_draw", draw)

@@ -31,8 +31,9 @@ class GraphObject {
   // --- edits. They throw Error and change nothing if they are wrong by themselves. Rules across nodes are
   // checked by link().
   struct Edit {
-    std::map<std::string, py::object> values;  // parameters and inputs by name; None: back to the default
-    Place place;                               // in the user's script
+    // Parameters and inputs by name, and "each". None: back to the default.
+    std::map<std::string, py::object> values;
+    Place place;  // in the user's script
   };
   std::string add(const std::string& type, std::string name, const Edit&);
   std::string add_subgraph(const std::filesystem::path& file, std::string name, const Edit&);
@@ -63,6 +64,13 @@ class GraphObject {
 
   // The document as YAML, with paths relative to this folder. Throws Error "not-savable".
   std::string text(const std::filesystem::path& folder) const;
+  // The same without subgraphs, repetitions and parameters: every node that would be evaluated.
+  std::string flat_text(const std::filesystem::path& folder);
+
+  // What a node is repeated for, by name: the values as written. Empty for other nodes.
+  std::vector<std::pair<std::string, WrittenValue>> each(const std::string& node);
+  // Whether "NODE.PORT", or this output of the graph, is a list: the node has `each`.
+  bool is_list(const std::string& output) const;
 
   // The value of an output if it was evaluated before and nothing changed since, input files included. An
   // empty Value otherwise, or if the store has dropped it.
@@ -78,6 +86,7 @@ class GraphObject {
   // Also finds the repeated node that has an element of this name, "solid[17]".
   const RawNode* find_written(const std::string& node) const;
   void apply(RawNode&, const NodeType&, const Edit&);
+  void require_savable() const;
   void apply_inside(const std::string& node, const NodeType&, const Edit&);
   std::vector<RawReference> wires(const std::string& node, const Port&, const py::object&, const Place&);
   std::string output_of(const py::handle&, const Port&, const std::string& node);

@@ -81,7 +81,7 @@ ProgressQueue::State ProgressQueue::state() const {
 }
 
 RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
-                     const std::filesystem::path& out)
+                     const std::filesystem::path& out, std::optional<int> apart)
     : graph_object_(std::move(graph)), owner_(graph_object_.cast<GraphObject&>()) {
   require_workers();
   const std::vector<std::string> known = owner_.targets(targets);
@@ -89,7 +89,10 @@ RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
   session.set_output_folder(out);
   revision_ = owner_.revision(), given_ = owner_.given();
   progress_ = std::make_unique<ProgressQueue>(*session.graph(), target_nodes(*session.graph(), known));
-  evaluation_ = session.evaluate(known, progress_.get());
+  const int asked = apart.value_or(0) > 0 ? *apart : session.options().threads;
+  threads_ = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  evaluation_ = apart ? session.evaluate_apart(known, progress_.get(), *apart)
+                      : session.evaluate(known, progress_.get());
   std::erase_if(live(), [](const auto& weak) { return weak.expired(); });
   live().insert(evaluation_);
 }
@@ -133,14 +136,27 @@ void RunObject::wait(const py::object& draw) {
   if (stop) throw py::error_already_set(*stop);
 }
 
-int RunObject::threads() const {
-  const int asked = owner_.session().options().threads;
-  return asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
 const RunResult& RunObject::result() {
   wait(py::none());
   return evaluation_->wait();
+}
+
+std::optional<std::vector<std::string>> RunObject::elements(const std::string& output) const {
+  if (!owner_.is_list(output)) return {};
+  // The linker numbers the elements of an output that is a list.
+  const auto named = [&](const std::string& name) {
+    std::vector<std::string> out;
+    for (const auto& o : graph().outputs)
+      if (o.name == name || o.name.rfind(name + "[#", 0) == 0) out.push_back(o.name);
+    return out;
+  };
+  std::vector<std::string> out = named(output);
+  for (const auto& [name, w] : owner_.document().outputs)
+    if (out.empty() && w.text == output) out = named(name);
+  if (out.empty())
+    throw Error("not-evaluated", fmt::format("'{}' was not evaluated by this run", output),
+                "name it as a target of the run");
+  return out;
 }
 
 Value RunObject::value(const std::string& output) {

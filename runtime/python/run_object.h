@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,8 +39,10 @@ class ProgressQueue : public Observer {
 
 class RunObject {
  public:
-  // Starts the evaluation. Throws Error.
-  RunObject(py::object graph, const std::vector<std::string>& targets, const std::filesystem::path& out);
+  // Starts the evaluation. `apart`: later edits of the graph do not cancel it, and it uses this many threads.
+  // Throws Error.
+  RunObject(py::object graph, const std::vector<std::string>& targets, const std::filesystem::path& out,
+            std::optional<int> apart);
   ~RunObject();  // cancels and waits
 
   bool done() const { return evaluation_->done(); }
@@ -49,15 +52,18 @@ class RunObject {
   void wait(const py::object& draw);
 
   const Graph& graph() const { return evaluation_->graph(); }
-  int threads() const;
+  int threads() const { return threads_; }
   const RunResult& result();  // waits
   Value value(const std::string& output);
+  // The elements of a list, to be asked for one by one, or nothing if the output is one value.
+  std::optional<std::vector<std::string>> elements(const std::string& output) const;
   ProgressQueue::State progress() const { return progress_->state(); }
 
  private:
   py::object graph_object_;
   GraphObject& owner_;
   std::uint64_t revision_;
+  int threads_;
   std::map<std::string, std::shared_ptr<const GivenValue>> given_;
   std::unique_ptr<ProgressQueue> progress_;
   std::shared_ptr<Evaluation> evaluation_;

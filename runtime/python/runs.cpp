@@ -47,7 +47,7 @@ py::list nodes(RunObject& run) {
 
 void bind_runs(py::module_& m) {
   py::class_<RunObject>(m, "RunCore")
-      .def(py::init<py::object, std::vector<std::string>, std::string>())
+      .def(py::init<py::object, std::vector<std::string>, std::string, std::optional<int>>())
       .def("done", &RunObject::done)
       .def("cancel", &RunObject::cancel)
       .def("wait", &RunObject::wait)
@@ -69,6 +69,7 @@ void bind_runs(py::module_& m) {
                if (n.error) found.push_back(*n.error);
              if (!found.empty()) raise(found);
            })
+      .def("elements", &RunObject::elements)
       .def("value", [](RunObject& r, const std::string& output) { return to_python(r.value(output)); });
   m.def("end_all_runs", end_all_runs);
   m.def("leave_without_exit_handlers", leave_without_exit_handlers);

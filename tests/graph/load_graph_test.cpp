@@ -29,6 +29,27 @@ Found check(const std::string& text, const Overrides& overrides = {}) {
   return f;
 }
 
+TEST(LoadGraph, TwoNodesMayNotWriteOneFile) {
+  const std::string start =
+      "terrazzo: 1\n"
+      "nodes:\n"
+      "  a: {type: Constant, params: {value: 1}}\n";
+  const Found same = check(start +
+                           "  w: {type: Write, inputs: {in: a.out}, params: {path: x/t.csv}}\n"
+                           "  v: {type: Write, inputs: {in: a.out}, params: {path: x/../x/./t.csv}}\n");
+  ASSERT_EQ(same.all.size(), 1u);
+  EXPECT_EQ(same.all[0].code, "same-file");
+  EXPECT_EQ(same.at(5, 56), "'w' and 'v' both write 'x/../x/./t.csv'");
+  const Found each =
+      check(start + "  w: {type: Write, each: {k: [1, 2]}, inputs: {in: a.out}, params: {path: t.csv}}\n");
+  ASSERT_EQ(each.all.size(), 1u);
+  EXPECT_EQ(each.all[0].code, "same-file");
+  EXPECT_TRUE(
+      check(start +
+            "  w: {type: Write, each: {k: [1, 2]}, inputs: {in: a.out}, params: {path: \"${k}.csv\"}}\n")
+          .all.empty());
+}
+
 TEST(LoadGraph, TenMistakesTenMessagesWithTheirPlaces) {
   const Found f = check(
       "terrazzo: 1\n"

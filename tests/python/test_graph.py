@@ -1,6 +1,7 @@
 """Building, checking, editing and saving graphs."""
 
 import inspect
+import pathlib
 import re
 
 import pytest
@@ -214,7 +215,11 @@ def test_nodes_of_subgraphs_can_be_changed_but_not_saved():
     assert len(g["truth/chips"].shapes.value()) == 2
     with pytest.raises(t.Error) as e:
         g.to_yaml()
-    assert e.value.code == "not-savable"
+    assert e.value.code == "not-savable" and "flat=True" in e.value.hint
+    g.save("flat.yaml", flat=True)
+    flat = t.load("flat.yaml", cache=False)
+    assert flat["truth/chips"]["count"] == 2 and len(flat["truth/chips"].shapes.value()) == 2
+    assert flat.to_yaml() == g.to_yaml(flat=True) and set(flat.outputs) == set(g.outputs)
     g["truth/chips"].set(count=None)
     assert "truth" in g.to_yaml()
 
@@ -277,6 +282,15 @@ def test_the_disk_cache_is_the_programs():
     stats = t.cache.stats()
     assert stats["types"]["Image"][0] == 1 and stats["records"] == 1
     assert t.cache.collect()["values"] == 0
+    found = t.cache.verify(sample=5)
+    assert (found["values"], found["records"], found["recomputed"]) == (1, 1, 1)
+    assert found["damaged"] == [] and found["differing"] == []
+    values = [f for f in pathlib.Path(t.cache.folder()).rglob("*") if f.is_file() and f.stat().st_size > 20_000]
+    damaged = bytearray(values[0].read_bytes())
+    damaged[-100] ^= 1
+    values[0].chmod(0o644)
+    values[0].write_bytes(damaged)
+    assert len(t.cache.verify()["damaged"]) == 1 and not values[0].exists()
     t.cache.clear()
     assert t.cache.stats()["records"] == 0
     assert graph().value() == first
@@ -309,64 +323,3 @@ def test_every_type_can_be_called():
         assert not hasattr(t._core.Graph, name)
         signature = inspect.signature(t.nodes.__getattr__(name))
         assert ports | parameters - {"source_hash"} <= {p.rstrip("_") for p in signature.parameters}
-
-
-REPEATED = f"""\
-terrazzo: 1
-nodes:
-  spots:  # four pictures
-    type: Pattern
-    each: {{kind: [fat, wood], seed: 1:2:1}}
-    params: {{kind: "${{kind}}", width: 32, height: 32, seed: "${{seed}}"}}
-  fields:
-    graph: {SOURCE}/graphs/library/fields.yaml
-    each: {{of: ["fat,1", "wood,2"]}}
-    inputs: {{image: "spots[${{of}}].image"}}
-  sheet: {{type: ContactSheet, inputs: {{images: spots.image}}, params: {{cell: 32}}}}
-outputs:
-  spots: spots.image
-"""
-
-
-def test_repeated_nodes_are_kept_and_their_elements_evaluated(tmp_path):
-    (tmp_path / "r.yaml").write_text(REPEATED)
-    g = t.load(tmp_path / "r.yaml", cache=False)
-    assert g.to_yaml(tmp_path) == REPEATED
-    g.save(tmp_path / "again.yaml")
-    assert (tmp_path / "again.yaml").read_text() == REPEATED
-    assert g["spots[wood,2]"]["kind"] == "wood" and g["spots"]["kind"] == "${kind}"
-    h = t.Graph(cache=False)
-    assert g["spots[wood,2]"].image.value() == h.Pattern(kind="wood", width=32, height=32, seed=2).image.value()
-    with pytest.raises(t.Error) as e:
-        g["spots"].image.value()
-    assert e.value.code == "several-values"
-    assert g["sheet"].image.value()
-    assert "spots × 4" in g.draw("dot")
-    g["spots"]["width"] = 40
-    assert g["spots[fat,1]"].image.value().width == 40
-    assert "each: {kind: [fat, wood], seed: 1:2:1}" in g.to_yaml(tmp_path)
-
-
-def test_an_element_of_a_subgraph_has_its_own_outputs(tmp_path):
-    (tmp_path / "dots.yaml").write_text(
-        "terrazzo: 1\nparameters: {seed: {type: int, default: 1}}\nnodes:\n"
-        "  dots: {type: Pattern, params: {kind: fat, width: 32, height: 32, seed: '${seed}'}}\n"
-        "outputs: {image: dots.image}\n")
-    (tmp_path / "g.yaml").write_text(
-        "terrazzo: 1\nnodes:\n  all: {graph: dots.yaml, each: {k: [3, 4]}, params: {seed: '${k}'}}\n"
-        "  sheet: {type: ContactSheet, inputs: {images: all.image}, params: {cell: 32}}\n")
-    g = t.load(tmp_path / "g.yaml", cache=False)
-    h = t.Graph(cache=False)
-    assert g["all[4]"].image.value() == h.Pattern(kind="fat", width=32, height=32, seed=4).image.value()
-    assert g["sheet"].image.value()
-    with pytest.raises(t.Error) as e:
-        g["all"].image.value()
-    assert e.value.code == "several-values"
-
-
-def test_files_that_a_node_is_repeated_for_follow_the_graph(tmp_path):
-    (tmp_path / "to").mkdir()
-    (tmp_path / "g.yaml").write_text(
-        "terrazzo: 1\nnodes:\n  f: {type: LoadImage, each: {file: [a.png]}, params: {path: '${file}'}}\n")
-    t.load(tmp_path / "g.yaml", cache=False).save(tmp_path / "to" / "g.yaml")
-    assert "../a.png" in (tmp_path / "to" / "g.yaml").read_text()

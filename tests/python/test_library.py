@@ -1,6 +1,8 @@
 """Library graphs, sweeps and reproduction."""
 
 import csv
+import os
+import subprocess
 import json
 
 import numpy as np
@@ -69,6 +71,71 @@ def test_sweeps():
     with pytest.raises(ValueError):
         g.sweep({"grain.seed": []})
     assert grain["seed"] == 1
+
+
+@pytest.mark.parametrize("jobs", [1, 3, 50])
+def test_sweeps_of_several_points_at_a_time(jobs):
+    g = t.Graph(cache=False)
+    base = g.Pattern(kind="fat", width=48, height=48)
+    grain = g.Grain(image=base.image)
+    sweep = g.sweep({"pattern.seed": range(1, 9)}, grain.image, jobs=jobs)
+    for seed, (image,) in zip(range(1, 9), sweep.values):
+        base["seed"] = seed
+        assert grain.image.value() == image
+    base.set(seed=None)
+    assert sweep["pattern.seed"] == list(range(1, 9)) and set(sweep["status"]) == {"done"}
+    with pytest.raises(ValueError, match="jobs must be at least 1"):
+        g.sweep({"pattern.seed": [1]}, grain.image, jobs=0)
+
+
+def test_an_interrupt_stops_all_points_of_a_sweep(script):
+    done = script("""
+import os, signal, threading, time
+import terrazzo as t
+g = t.Graph(cache=False)
+solid = g.SolidOptimize(exemplar=g.Pattern(kind="marble", width=128, height=128).image, size=512)
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+start = time.monotonic()
+try:
+    g.sweep({"pattern.seed": [1, 2, 3]}, solid.volume, jobs=2)
+except KeyboardInterrupt:
+    print("interrupted", time.monotonic() - start < 30, g["pattern"]["seed"])
+""")
+    assert done.stdout == "interrupted True 1\n", done.stderr
+
+
+def test_sweeps_are_tables(tmp_path):
+    g = t.Graph(cache=False)
+    g.Segment(image=g.Pattern(kind="fat", width=48, height=48).image, method="clusters")
+    sweep = g.sweep({"segment.split": [0.2, 0.4], "pattern.kind": ["fat", "bone"]})
+    sweep.save(tmp_path / "sweep.csv")
+    again = t.read_sweep(tmp_path)
+    assert again.varied == sweep.varied and again.points == sweep.points and again.errors == [None] * 4
+    assert (tmp_path / "sweep.csv").read_text().startswith("point,segment.split,pattern.kind,status,seconds,")
+    assert t.read_sweep(tmp_path / "sweep.csv")["pattern.kind"] == ["fat", "bone"] * 2
+
+
+def test_tables_of_the_program_are_read(tmp_path):
+    program = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(t.__file__))), "terrazzo")
+    if not os.path.exists(program):
+        pytest.skip("the program was not built beside the module")
+    (tmp_path / "g.yaml").write_text("terrazzo: 1\nnodes:\n  a: {type: Pattern, params: {width: 32, height: 32}}\n"
+                                     "  s: {type: Segment, inputs: {image: a.image}, params: {method: clusters}}\n")
+    subprocess.run([program, "sweep", tmp_path / "g.yaml", "--vary", "a.seed=1,2", "--out", tmp_path / "o", "--no-cache",
+                    "--quiet"], check=True, timeout=120, capture_output=True)
+    sweep = t.read_sweep(tmp_path / "o")
+    assert sweep["a.seed"] == [1, 2] and sweep["status"] == ["done", "done"]
+    g = t.load(tmp_path / "g.yaml", cache=False)
+    ours = g.sweep({"a.seed": [1, 2]})
+    assert sweep["s.profiles"] == ours["s.profiles"] and sweep.columns == ours.columns
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n", "point,status\n", "point,x,status,seconds\npoint-001,1,done\n", "\0", "\xff\xfe"])
+def test_other_tables_are_refused(tmp_path, text):
+    (tmp_path / "sweep.csv").write_bytes(text.encode("latin-1"))
+    with pytest.raises(t.Error) as e:
+        t.read_sweep(tmp_path)
+    assert e.value.code == "sweep-file" and "sweep.csv" in e.value.message
 
 
 def test_sweeps_write_files_and_keep_going(tmp_path):

@@ -220,6 +220,15 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadProfiles.csv", "a.csv",
          "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
   w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
+  w.text("LoadEBSD.ang", "a.ang",
+         "# Phase 1\n# MaterialName a\n# Symmetry 43\n# GRID: HexGrid\n# XSTEP: 1\n# YSTEP: 0.866\n"
+         "# NCOLS_ODD: 3\n# NCOLS_EVEN: 2\n# NROWS: 2\n1 1 1 0 0 9 0.9 1\n1 1 1 1 0 9 0.9 1\n"
+         "2 1 0 2 0 9 0.9 1\n12.5664 12.5664 12.5664 0.5 0.866 1 -1 0\n1 1 1 1.5 0.866 9 0.9 1\n");
+  w.text("LoadEBSD.ctf", "a.ctf",
+         "Channel Text File\nJobMode\tGrid\nXCells\t2\nYCells\t2\nXStep\t1\nYStep\t0,5\nPhases\t1\n"
+         "1;1;1\t90;90;90\tIron\t11\t229\nPhase\tX\tY\tEuler1\tEuler2\tEuler3\tMAD\tBC\n"
+         "1\t0\t0\t1\t2\t3\t0,5\t9\n1\t1\t0\t1\t2\t3\t0.5\t9\n0\t0\t1\t0\t0\t0\t0\t0\n"
+         "1\t1\t1\t90\t2\t3\t1\t9\n");
   w.text("LoadParticles.json", "a.json",
          "{\"box\":[1,2,3],\"shape\":[0,1],\"class\":[0,0],\"position\":[[0.5,0.5,0.5],[1,2,3]],"
          "\"orientation\":[[1,0,0,0],[0,0.6,0,0.8]],\"scale\":[1,1e-3],\"size\":[1,2],"

@@ -42,6 +42,17 @@ std::string provenance_in_usda(const std::filesystem::path& path) {
   return out;
 }
 
+std::string provenance_in_scene(const std::filesystem::path& path) {
+  std::istringstream lines(beginning_of(path));
+  std::string out;
+  for (std::string line; std::getline(lines, line) && (line.starts_with("#") || line.starts_with("<"));) {
+    if (line.starts_with("# provenance ")) return line.substr(13);
+    if (line.starts_with("<!-- provenance ") && line.ends_with(" -->"))
+      return decode_base64(std::string_view(line).substr(16, line.size() - 20), out) ? out : "";
+  }
+  return "";
+}
+
 std::string provenance_in_inp(const std::filesystem::path& path) {
   std::istringstream lines(beginning_of(path));
   const std::string key = "**provenance ";

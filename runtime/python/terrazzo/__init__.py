@@ -19,11 +19,14 @@ from ._errors import Canceled, Diagnostic, Error, NodeWarning
 from . import _core
 from ._core import (Detail, Image, KMatrix, Labels, Node, Output, Particles, Profiles, Shapes, SizeDistribution,
                     Strokes, Table, Value, Volume, metric, progress, warn)
-from ._graph import Graph, Run, end_all_runs as _end_all_runs, load
+from ._graph import Graph, load
+from ._run import Run, end_all_runs as _end_all_runs
 from ._nodes import nodes
 from ._values import image, labels, mesh, sizes, table
+from ._volumes import volume
 from ._define import Range, node
 from ._library import library, materials
+from ._sweep import Sweep, read_sweep
 from ._reproduce import reproduce
 from . import cache
 
@@ -36,7 +39,7 @@ for _problem in _core.plugin_problems():
 
 __all__ = [
     "Canceled", "Detail", "Diagnostic", "Error", "Graph", "Image", "KMatrix", "Labels", "Node", "NodeWarning", "Output",
-    "Particles", "Profiles", "Range", "Run", "Shapes", "SizeDistribution", "Strokes", "Table", "Value", "Volume",
+    "Particles", "Profiles", "Range", "Run", "Shapes", "SizeDistribution", "Strokes", "Sweep", "Table", "Value", "Volume",
     "cache", "image", "labels", "library", "load", "materials", "mesh", "metric", "node", "nodes", "progress",
-    "reproduce", "sizes", "table", "warn",
+    "read_sweep", "reproduce", "sizes", "table", "volume", "warn",
 ]

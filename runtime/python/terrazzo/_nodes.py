@@ -67,6 +67,7 @@ def _signature(info, first):
             out.append(inspect.Parameter(argument(p["name"]), only, default=_default(info["type"], p),
                                          annotation=python_type(p)))
     out.append(inspect.Parameter("name", only, default=None, annotation="str | None"))
+    out.append(inspect.Parameter("each", only, default=None, annotation="dict[str, Any] | None"))
     return inspect.Signature(out, return_annotation="Node")
 
 
@@ -95,7 +96,8 @@ def documentation(info):
         facts = [p["kind"], default + (f" {p['unit']}" if p["unit"] else "")] + ([limits] if limits else [])
         out.append(f"  {argument(p['name'])}: {'; '.join(facts)}")
         out.append(_wrapped(p["doc"], "      "))
-    out += ["", "  name: the node's name in the graph; by default the type's name in lower case."]
+    out += ["", "  name: the node's name in the graph; by default the type's name in lower case.",
+            "  each: repeats the node: {'k': range(4)} for four nodes whose parameters contain '${k}'."]
     return "\n".join(out)
 
 

@@ -1,5 +1,6 @@
-"""Progress of a run, drawn on standard error by the thread that waits."""
+"""Progress of a run, drawn by the thread that waits: on standard error, or below the cell of a notebook."""
 
+import html
 import os
 import shutil
 import sys
@@ -40,6 +41,46 @@ def wanted(stream):
         return stream.isatty() or type(stream).__module__.startswith("ipykernel")
     except (AttributeError, ValueError):
         return False
+
+
+def drawing(run, progress):
+    """What draws the progress of a run: None, text, or HTML in a notebook. progress: True, False, or None: if a
+    person can see it."""
+    if not (progress or progress is None and wanted(sys.stderr)):
+        return None
+    if type(sys.stderr).__module__.startswith("ipykernel"):
+        return NotebookDrawing(run)
+    return Drawing(run)
+
+
+class NotebookDrawing:
+    """Shows a bar below the cell during a run, and removes it at the end."""
+
+    def __init__(self, run):
+        self._run = run
+        self._start = time.monotonic()
+        self._shown = None
+
+    def __call__(self, end):
+        elapsed = time.monotonic() - self._start
+        if end or elapsed < 0.5:
+            return self.clear() if end else None
+        from IPython.display import HTML, display
+
+        state = self._run.progress()
+        share = (state["done"] + sum(part for _, part, _ in state["running"])) / max(state["needed"], 1)
+        text = html.escape(line(state["done"], state["needed"], state["running"], elapsed, 160))
+        bar = HTML(f'<progress value="{min(max(share, 0.0), 1.0):.4f}"></progress> <code>{text}</code>')
+        if self._shown is None:
+            self._shown = display(bar, display_id=True)
+        else:
+            self._shown.update(bar)
+
+    def clear(self):
+        if self._shown is not None:
+            from IPython.display import HTML
+            self._shown.update(HTML(""))
+        self._shown = None
 
 
 class Drawing:

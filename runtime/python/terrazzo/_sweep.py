@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import os
 
 from . import _core
 from ._errors import Error
-from ._graph import Run, _target
+from ._progress import drawing
+from ._run import Run
 
 
 class Sweep:
@@ -37,6 +39,14 @@ class Sweep:
         if column not in self.columns:
             raise KeyError(column)
         return [point.get(column) for point in self.points]
+
+    def save(self, file):
+        """Writes the points as a table like sweep.csv of `terrazzo sweep`."""
+        with open(file, "w", newline="", encoding="utf-8") as out:
+            rows = csv.writer(out, lineterminator="\n")
+            rows.writerow(["point"] + self.columns)
+            for number, point in enumerate(self.points, 1):
+                rows.writerow([_folder(number)] + [point.get(c, "") for c in self.columns])
 
     def _repr_html_(self):
         from ._html import table_html
@@ -73,26 +83,73 @@ def _points(vary):
     return points
 
 
-def sweep(graph, vary, targets, out, progress):
+def _folder(number):
+    return f"point-{number:03}"
+
+
+class _Points:
+    """Starts the points of a sweep in order, `jobs` at a time, and collects their results in order."""
+
+    def __init__(self, graph, points, targets, out, jobs):
+        self._graph, self._points, self._targets, self._out, self._jobs = graph, points, targets, out, jobs
+        self._threads = max(1, (graph._threads or os.cpu_count() or 1) // jobs)
+        self._next = 0
+        self.started = []
+
+    def start_more(self):
+        while self._next < len(self._points) and sum(not run.done for run in self.started) < self._jobs:
+            for target, value in self._points[self._next]:
+                _set(self._graph, target, value)
+            self._next += 1
+            folder = os.path.join(os.fspath(self._out), _folder(self._next))
+            # Later points edit the graph, which must not cancel this one.
+            self.started.append(Run(self._graph, self._targets, folder, apart=self._threads))
+
+    def first(self, progress):
+        """The next run in order, when it is done."""
+        self.start_more()
+        run = self.started[0]
+        draw = drawing(run._core, progress)
+
+        def tick(end):
+            if draw is not None:
+                draw(end)
+            self.start_more()
+
+        try:
+            run._core.wait(tick)
+        finally:
+            if draw is not None:
+                draw.clear()
+        return self.started.pop(0)
+
+    def stop(self):
+        for run in self.started:
+            run.cancel()
+        for run in self.started:
+            run._core.wait(None)
+
+
+def sweep(graph, vary, targets, out, jobs, progress):
     if not vary:
         raise ValueError("vary names no parameter")
+    if jobs < 1:
+        raise ValueError(f"jobs must be at least 1; it is {jobs}")
     points = _points(vary)
     before = {target: _get(graph, target) for target in vary}
     outputs = [t for t in targets if isinstance(t, _core.Output) or isinstance(t, str) and "." in t]
     result = Sweep(list(vary))
+    runs = _Points(graph, points, targets, out, jobs)
     try:
         for point in points:  # errors of any point are found before the first one runs
             for target, value in point:
                 _set(graph, target, value)
             graph.check()
         for number, point in enumerate(points, 1):
-            for target, value in point:
-                _set(graph, target, value)
-            folder = os.path.join(os.fspath(out), f"point-{number:03}")
-            run = Run(graph, targets, folder)
+            run = runs.first(progress)
             error = None
             try:
-                run.result(progress)
+                run.result(False)
             except Error as e:
                 error = e
             row = dict(point)
@@ -105,8 +162,53 @@ def sweep(graph, vary, targets, out, progress):
             result.errors.append(error)
             result.values.append([None if error else run.value(o) for o in outputs])
             if run.files:
-                run._core.write_report(folder)
+                run._core.write_report(os.path.join(os.fspath(out), _folder(number)))
     finally:
+        runs.stop()
         for target, value in before.items():
             _set(graph, target, value)
     return result
+
+
+def _cell(text):
+    """A cell of sweep.csv: a number if it is one, None if it is empty."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text or None
+
+
+def read_sweep(file):
+    """The results of `terrazzo sweep`: its output folder, or a sweep.csv. Returns a Sweep without values.
+
+    Numbers are numbers, empty cells None. A point that was not run has the status "not run". Raises Error
+    "sweep-file" if the file is no such table.
+    """
+    file = os.fspath(file)
+    if os.path.isdir(file):
+        file = os.path.join(file, "sweep.csv")
+    try:
+        with open(file, newline="", encoding="utf-8") as text:
+            rows = list(csv.reader(text))
+    except (UnicodeDecodeError, csv.Error) as e:
+        _wrong(file, str(e))
+    header = rows[0] if rows else []
+    if header[:1] != ["point"] or "status" not in header or header[header.index("status"):][1:2] != ["seconds"]:
+        _wrong(file, "its first line does not have the columns point, status and seconds")
+    result = Sweep(header[1:header.index("status")])
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(header):
+            _wrong(file, f"line {number} has {len(row)} cells instead of {len(header)}")
+        cells = {name: cell if name == "status" else _cell(cell) for name, cell in zip(header, row)}
+        del cells["point"]
+        result.points.append({name: cell for name, cell in cells.items() if cell is not None})
+        result.values.append([])
+        result.errors.append(None)
+    return result
+
+
+def _wrong(file, why):
+    _core.raise_error("sweep-file", f"'{file}' is not a table of a sweep: {why}",
+                      "name the output folder of `terrazzo sweep`, or its sweep.csv", "", "")

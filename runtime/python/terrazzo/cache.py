@@ -6,7 +6,7 @@ import os
 
 from . import _core
 
-__all__ = ["clear", "collect", "folder", "stats"]
+__all__ = ["clear", "collect", "folder", "stats", "verify"]
 
 
 def folder():
@@ -27,6 +27,16 @@ def stats(cache=None):
 def collect(cache=None, limit=None):
     """Removes leftover files and, above `limit` bytes, the least valuable entries. Returns what was removed."""
     return _core.cache_collect(_named(cache), _core.cache_limit if limit is None else int(limit))
+
+
+def verify(cache=None, *, sample=0, seed=1):
+    """Reads and checks every entry, and removes damaged ones. Recomputes `sample` records, chosen by `seed`, and
+    removes those whose results differ. Ctrl-C stops it.
+
+    Returns a dictionary: numbers of `values` and `records` read, of those `recomputed` and `skipped` (other
+    versions, missing inputs, written files), and lists of those that are `damaged` and `differing`.
+    """
+    return _core.cache_verify(_named(cache), int(sample), int(seed))
 
 
 def clear(cache=None):

@@ -32,6 +32,22 @@ Volume loaded_dream3d(const fs::path& file, const std::string& grid = "") {
       .output<Volume>("volume");
 }
 
+TEST(ExportDream3d, CellsAreCompressed) {
+  Volume v = test::formula_volume();
+  v.resolution = Vec3i(40, 50, 60);
+  const fs::path small = dream3d_of(v), large = dream3d_of(v, {{"compression", "none"}});
+  EXPECT_LT(4 * fs::file_size(small), fs::file_size(large));
+  const Volume a = loaded_dream3d(small, "density"), b = loaded_dream3d(large, "density");
+  for (int z = 0; z < 60; ++z)
+    for (int y = 0; y < 50; y += 7)
+      for (int x = 0; x < 40; ++x) {
+        const openvdb::Coord at(x, y, z);
+        const float value = x < 6 && y < 5 && z < 4 ? test::formula_density(x, y, z) : 0;
+        ASSERT_EQ(a.find<openvdb::FloatGrid>("density")->tree().getValue(at), value);
+        ASSERT_EQ(b.find<openvdb::FloatGrid>("density")->tree().getValue(at), value);
+      }
+}
+
 TEST(ExportDream3d, ReadsBackAsTheSameVolume) {
   const Volume v = test::formula_volume();
   const fs::path file = dream3d_of(v);

@@ -4,16 +4,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "nodes/common/geometry/voxel_source.h"
-#include "nodes/common/io/base64.h"
 #include "nodes/common/io/provenance.h"
-#include "nodes/export/inp_file.h"
-#include "nodes/export/regions.h"
-#include "runtime/codec.h"
-#include "tests/nodes/export/export_support.h"
-#include "tests/nodes/export/voxel_support.h"
+#include "tests/nodes/export/voxel_files.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
@@ -21,129 +15,14 @@ namespace terrazzo {
 namespace {
 using namespace exporting;
 namespace fs = std::filesystem;
+using test::bytes_of;
 using test::code_of;
+using test::expect_formula;
+using test::exported;
+using test::lines_of;
+using test::loaded;
+using test::Parameters;
 using test::run_node;
-
-using Inputs = std::multimap<std::string, Value>;
-using Parameters = std::map<std::string, std::string>;
-
-fs::path exported(const std::string& name, Inputs inputs, Parameters parameters = {}) {
-  const fs::path out = test::temporary_folder();
-  parameters["path"] = name;
-  run_node("Export", inputs, parameters, out);
-  return out / name;
-}
-
-Volume loaded(const fs::path& file, Parameters parameters = {}) {
-  parameters["path"] = file.string();
-  return run_node("LoadVolume", {}, parameters).output<Volume>("volume");
-}
-
-std::vector<char> bytes_of(const Volume& v) {
-  BufferWriter w;
-  value_type<Volume>().encode(&v, w);
-  return w.buffer;
-}
-
-template <class Grid>
-void expect_formula(const Volume& v, const std::string& name, auto&& value) {
-  const auto grid = v.find<Grid>(name);
-  ASSERT_TRUE(grid) << name;
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 5; ++y)
-      for (int x = 0; x < 6; ++x)
-        ASSERT_EQ(grid->tree().getValue(openvdb::Coord(x, y, z)), value(x, y, z))
-            << x << " " << y << " " << z;
-}
-
-std::vector<std::string> lines_of(const fs::path& file) {
-  std::istringstream in(test::content_of(file));
-  std::vector<std::string> lines;
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
-TEST(Regions, AreNumberedWithoutGaps) {
-  const Volume v = test::formula_volume();
-  const Particles p = test::formula_particles();
-  const VoxelBox box = voxel_box(v);
-  const VoxelSource id(v, "id", box);
-  const Regions r = find_regions(id, box, &p, RegionKind::Particles, {});
-  ASSERT_EQ(r.all.size(), 7u);  // binder and six particles: particle 4 has no voxel
-  EXPECT_EQ(r.of_particle, (std::vector<std::int32_t>{1, 2, 3, 4, -1, 5, 6}));
-  EXPECT_EQ(r.all[4].name(), "VOID_3");
-  EXPECT_EQ(r.all[5].name(), "PARTICLE_5");
-  EXPECT_EQ(r.all[5].cls, 2);
-  EXPECT_EQ(r.all[5].phase, 3);
-  EXPECT_EQ(r.phase(3), 4);  // voids come after the last class
-  std::size_t voxels = 0, binder = 0;
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 5; ++y)
-      for (int x = 0; x < 6; ++x) binder += test::formula_id(x, y, z) < 0;
-  for (const Region& region : r.all) voxels += region.voxels;
-  EXPECT_EQ(voxels, 120u);
-  EXPECT_EQ(r.all[0].voxels, binder);
-
-  const Regions phases = find_regions(id, box, &p, RegionKind::Phases, {});
-  ASSERT_EQ(phases.all.size(), 5u);
-  EXPECT_EQ(phases.number(3), 4);
-  EXPECT_EQ(phases.number(6), 1);
-  EXPECT_EQ(phases.all[4].name(), "VOIDS");
-  const Regions plain = find_regions(id, box, nullptr, RegionKind::Particles, {});
-  EXPECT_EQ(plain.all.size(), 7u);
-  EXPECT_EQ(plain.phase(3), 1);
-
-  const Table table = region_table(r, box, &p);
-  double fraction = 0;
-  for (std::size_t row = 0; row < table.rows.size(); ++row) fraction += table.number(row, "fraction");
-  EXPECT_NEAR(fraction, 1, 1e-12);
-  EXPECT_NEAR(table.number(0, "volume mm³"), double(binder) * 0.25 * 0.25 * 0.25, 1e-12);
-}
-
-TEST(Regions, RefuseParticlesOfAnotherPacking) {
-  const Volume v = test::formula_volume();
-  const VoxelBox box = voxel_box(v);
-  const VoxelSource id(v, "id", box), density(v, "density", box);
-  Particles p = test::formula_particles();
-  p.resize(6);
-  EXPECT_EQ(code_of([&] { find_regions(id, box, &p, RegionKind::Particles, {}); }), "size-mismatch");
-  EXPECT_EQ(code_of([&] { find_regions(id, box, nullptr, RegionKind::Phases, {}); }), "missing-input");
-  EXPECT_EQ(code_of([&] { find_regions(density, box, nullptr, RegionKind::Particles, {}); }), "no-id");
-}
-
-TEST(Base64, EncodesAndDecodesAnyLength) {
-  // RFC 4648, section 10
-  const std::map<std::string, std::string> known = {{"", ""},
-                                                    {"f", "Zg=="},
-                                                    {"fo", "Zm8="},
-                                                    {"foo", "Zm9v"},
-                                                    {"foob", "Zm9vYg=="},
-                                                    {"fooba", "Zm9vYmE="},
-                                                    {"foobar", "Zm9vYmFy"}};
-  for (const auto& [bytes, text] : known) {
-    std::ostringstream out;
-    Base64Writer writer(out);
-    writer.write(bytes.data(), bytes.size());
-    writer.finish();
-    EXPECT_EQ(out.str(), text);
-    std::string back;
-    EXPECT_TRUE(decode_base64(text, back));
-    EXPECT_EQ(back, bytes);
-  }
-  std::string bytes;
-  for (int i = 0; i < 20000; ++i) bytes += static_cast<char>(Random(1, 1, i).below(256));
-  std::ostringstream out;
-  Base64Writer writer(out);
-  for (std::size_t at = 0, piece = 0; at < bytes.size(); at += piece) {
-    piece = std::min<std::size_t>(1 + Random(2, 2, at).below(5000), bytes.size() - at);
-    writer.write(bytes.data() + at, piece);
-  }
-  writer.finish();
-  std::string back;
-  EXPECT_TRUE(decode_base64(out.str(), back));
-  EXPECT_EQ(back, bytes);
-  for (const char* bad : {"Zg=", "Z", "Zm9v!", "===="}) EXPECT_FALSE(decode_base64(bad, back)) << bad;
-}
 
 // DAMASK's reader (src/VTI.f90) searches lines for elements and takes the line after a DataArray as its data.
 TEST(ExportVti, KeepsToTheDialectOfDamask) {
@@ -301,80 +180,6 @@ TEST(ExportVdb, WholeNumbersBecomeFloatsAndComeBack) {
       g = floats;
     }
   EXPECT_TRUE(loaded(exported("a.vdb", {{"volume", Value::of(edited)}})).find<openvdb::FloatGrid>("id"));
-}
-
-TEST(ExportInp, CountsFacesEdgesAndCorners) {
-  const fs::path file = exported("block.inp", {{"volume", Value::of(test::formula_volume())},
-                                               {"particles", Value::of(test::formula_particles())}});
-  std::map<std::string, std::set<long>> sets;  // node sets
-  std::map<std::string, std::vector<long>> order;
-  long nodes = 0, elements = 0;
-  std::string keyword, name;
-  for (const std::string& line : lines_of(file)) {
-    if (line.starts_with("**")) continue;
-    if (line.starts_with("*")) {
-      keyword = line.substr(0, line.find(','));
-      name = line.substr(line.rfind('=') + 1);
-      continue;
-    }
-    nodes += keyword == "*NODE", elements += keyword == "*ELEMENT";
-    if (keyword != "*NSET") continue;
-    std::istringstream in(line);
-    for (std::string word; std::getline(in, word, ',');)
-      sets[name].insert(std::stol(word)), order[name].push_back(std::stol(word));
-  }
-  EXPECT_EQ(nodes, 7 * 6 * 5);
-  EXPECT_EQ(elements, 6 * 5 * 4);
-  EXPECT_EQ(sets.size(), 6u + 6 + 12 + 8);
-  EXPECT_EQ(sets["SIDE_X0"].size(), 6u * 5);
-  EXPECT_EQ(sets["FACE_Y1"].size(), 5u * 3);
-  EXPECT_EQ(sets["EDGE_Y0_Z1"].size(), 5u);
-  EXPECT_EQ(sets["EDGE_X1_Y0"].size(), 3u);
-  EXPECT_EQ(sets["CORNER_111"], std::set<long>{7 * 6 * 5});
-  std::set<long> border;
-  std::size_t sum = 0;
-  for (const auto& [set, members] : sets)
-    if (!set.starts_with("SIDE")) border.insert(members.begin(), members.end()), sum += members.size();
-  EXPECT_EQ(sum, border.size());                                 // no node is in two of them
-  EXPECT_EQ(border.size(), std::size_t{7 * 6 * 5 - 5 * 4 * 3});  // and none of the border is missing
-  // Equal positions are pairs: they differ by the length of the box.
-  for (const auto& [a, b, step] : {std::tuple{"FACE_X0", "FACE_X1", 6L},
-                                   {"FACE_Y0", "FACE_Y1", 7L * 5},
-                                   {"FACE_Z0", "FACE_Z1", 7L * 6 * 4},
-                                   {"EDGE_X0_Y0", "EDGE_X1_Y1", 6L + 7 * 5}}) {
-    ASSERT_EQ(order[a].size(), order[b].size());
-    for (std::size_t i = 0; i < order[a].size(); ++i) EXPECT_EQ(order[b][i] - order[a][i], step) << a;
-  }
-}
-
-TEST(ExportInp, EquationsHoldForEveryAffineDeformation) {
-  const fs::path file = exported("block.inp", {{"volume", Value::of(test::formula_volume())}});
-  const auto lines = lines_of(file.parent_path() / "block_periodic.inp");
-  const Vec3i n(7, 6, 5);
-  const Mat3 gradient = (Mat3() << 0.1, 0.2, -0.3, 0.4, -0.5, 0.6, 0.7, 0.8, -0.9).finished();
-  const auto displacement = [&](long node) {
-    const long i = node - 1;
-    return Vec3(gradient * Vec3(double(i % n.x()), double(i / n.x() % n.y()), double(i / n.x() / n.y())));
-  };
-  std::set<std::pair<long, int>> dependent;
-  std::size_t at = 0;
-  while (at < lines.size() && lines[at] != "*EQUATION") ++at;
-  for (++at; at < lines.size();) {
-    const int terms = std::stoi(lines[at++]);
-    double sum = 0;
-    std::vector<double> numbers;
-    while (static_cast<int>(numbers.size()) < 3 * terms) {
-      std::istringstream in(lines.at(at++));
-      for (std::string word; std::getline(in, word, ',');) numbers.push_back(std::stod(word));
-    }
-    for (int t = 0; t < terms; ++t)
-      sum +=
-          numbers[3 * t + 2] * displacement(std::lround(numbers[3 * t]))[std::lround(numbers[3 * t + 1]) - 1];
-    EXPECT_NEAR(sum, 0, 1e-12);
-    EXPECT_TRUE(dependent.insert({std::lround(numbers[0]), std::lround(numbers[1])}).second);
-  }
-  // All nodes of the sides X1, Y1 and Z1 but the three corners that carry the deformation.
-  EXPECT_EQ(dependent.size(), 3u * (7 * 6 * 5 - 6 * 5 * 4 - 3));
 }
 
 TEST(VoxelFiles, ContainTheirProvenance) {

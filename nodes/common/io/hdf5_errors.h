@@ -1,0 +1,17 @@
+// Errors of the reader of HDF5 files.
+#pragma once
+
+#include <string>
+
+#include "graph/diagnostic.h"
+
+namespace terrazzo {
+
+[[noreturn]] inline void hdf5_damaged(const std::string& what) {
+  throw Error("unreadable-volume", what, "write the file again");
+}
+[[noreturn]] inline void hdf5_unsupported(const std::string& what) {
+  throw Error("unreadable-volume", what, "convert the file with h5repack");
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,39 @@
+// What the writers of Export share: files below the output folder, and the grids that the parameters choose.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "nodes/common/geometry/voxel_source.h"
+#include "nodes/data/particles.h"
+#include "nodes/data/shapes.h"
+#include "nodes/export/formats.h"
+#include "runtime/context.h"
+
+namespace terrazzo::exporting {
+
+// Calls `write` with a temporary file, which then becomes `path`, relative to the output folder. Errors of
+// the disk name the path that the user gave.
+void write_named(Context&, const std::string& path,
+                 const std::function<void(const std::filesystem::path&)>& write);
+
+// The volume with the grids that the parameter `grids` names, or all. Throws Error "no-such-grid".
+Volume chosen_grids(const Context&, const Volume&);
+
+// The one grid of a file that holds only one. Throws Error "several-grids", "no-such-grid".
+VoxelSource only_grid(const Context&, const Volume&, const VoxelBox&);
+
+// --- the formats of several files. `path` is that of the first; `particles` may be null. Each throws the
+// errors of its writers.
+void export_vti(Context&, const std::string& path, const Volume&, const Particles*);
+void export_dream3d(Context&, const std::string& path, const Volume&, const Particles*);
+void export_inp(Context&, const std::string& path, const Format&, const Volume&, const Particles*);
+// Surfaces of the regions of a volume: .msh, .stl.
+void export_surfaces(Context&, const std::string& path, const Format&, const Volume&, const Particles*);
+// .usda, .xml (Mitsuba) and .pbrt. `volume` may be null, and for .usda also `particles`: then the shapes are
+// written.
+void export_scene(Context&, const std::string& path, const Format&, const Particles* particles, const Shapes&,
+                  const Volume* volume);
+
+}  // namespace terrazzo::exporting
