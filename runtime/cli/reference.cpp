@@ -14,9 +14,11 @@ namespace terrazzo::cli {
 namespace fs = std::filesystem;
 namespace {
 
-// The output of an example to show as its node's picture: the node's own image, otherwise the last image made
-// downstream of it.
+// The output of an example to show as its node's picture: the graph's output "picture", otherwise the node's
+// own image, otherwise the last image made downstream of it.
 std::optional<Wire> picture_of(const Graph& g, const NodeType& type) {
+  for (const GraphOutput& output : g.outputs)
+    if (output.name == "picture") return output.wire;
   std::optional<Wire> found;
   std::vector<bool> downstream(g.nodes.size(), false);
   for (std::size_t i = 0; i < g.nodes.size(); ++i) {
