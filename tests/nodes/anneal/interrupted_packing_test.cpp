@@ -105,8 +105,9 @@ void expect_resumable(Request r) {
     expect_whole(r, reached->particles);
     EXPECT_EQ(reached->particles.box, whole.box);
     const double density = r.fraction(reached->particles);
-    if (reached->overlap <= packing::kTolerance)
+    if (reached->overlap <= packing::kTolerance) {
       EXPECT_LT(packing::audit(r.shapes, reached->particles).worst, 0.02) << "at report " << stop;
+    }
     // Canceled again at its first move, it has lost nothing.
     for (int again = 1; again < 40; ++again)
       if (const auto next = r.run(again, &reached->particles)) {

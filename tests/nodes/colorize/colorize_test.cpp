@@ -57,7 +57,9 @@ TEST(Colorize, BySizeDrawsFromTheParticlesClass) {
   colorize::colorize(p, seen, {ColorMode::BySize, 3});
   for (std::size_t i = 0; i < 300; ++i) {
     EXPECT_EQ(p.color[i].x(), i < 100 ? 0 : 1) << i;
-    if (i < 50) EXPECT_EQ(p.color[i].y(), 1) << i;  // the other profile of class 1 is larger
+    if (i < 50) {
+      EXPECT_EQ(p.color[i].y(), 1) << i;  // the other profile of class 1 is larger
+    }
   }
   p.cls[7] = 2;
   EXPECT_EQ(code_of([&] { colorize::colorize(p, seen, {ColorMode::BySize, 3}); }), "no-class");
