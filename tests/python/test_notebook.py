@@ -27,12 +27,15 @@ def kernel(monkeypatch):
 
 def messages(client, code, on=None):
     """Runs a cell, and returns its messages. `on`: called with each."""
-    client.execute(code)
+    # After an error, a kernel drops requests that follow at once, unless it is told not to.
+    request = client.execute(code, stop_on_error=False)
     out, end = [], time.monotonic() + 60
     while time.monotonic() < end:
         try:
             message = client.get_iopub_msg(timeout=1)
         except queue.Empty:
+            continue
+        if message["parent_header"].get("msg_id") != request:
             continue
         out.append((message["msg_type"], message["content"]))
         if on:
