@@ -8,7 +8,7 @@
 
 namespace terrazzo::studio {
 
-// Receives the events of one evaluation. Later evaluations may start while it goes on: then only what starts
+// Receives the events of one evaluation. Later evaluations may start while it runs: then only what starts
 // and how far it is still counts, because its results belong to an earlier graph.
 struct LiveGraph::Watcher : Observer {
   LiveGraph& owner;

@@ -27,7 +27,7 @@ def kernel(monkeypatch):
 
 def messages(client, code, on=None):
     """Runs a cell, and returns its messages. `on`: called with each."""
-    # After an error, a kernel drops requests that follow at once, unless it is told not to.
+    # After an error, a kernel would drop requests that follow at once.
     request = client.execute(code, stop_on_error=False)
     out, end = [], time.monotonic() + 60
     while time.monotonic() < end:
