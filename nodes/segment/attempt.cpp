@@ -6,6 +6,7 @@
 
 #include "nodes/segment/contacts.h"
 #include "nodes/segment/fill_gaps.h"
+#include "nodes/segment/mosaic.h"
 #include "nodes/segment/smooth_outlines.h"
 #include "nodes/segment/two_materials.h"
 
@@ -54,10 +55,11 @@ void Attempt::refine(int section, const Image& image, const Work& work) {
   const auto plane = static_cast<std::ptrdiff_t>(image.width) * image.height, first = section * plane;
   std::vector<std::int32_t> ids(labels.ids.begin() + first, labels.ids.begin() + first + plane);
   std::vector<float> shares(coverage.begin() + first, coverage.begin() + first + plane);
-  for (const auto parent : split_two_materials(image, section, ids, labels.count() + 1, work))
+  const LabImage colors = patch_section(image, section, work);
+  for (const auto parent : split_two_materials(colors, ids, labels.count() + 1, work))
     labels.classes.push_back(0), confidence.push_back(confidence[parent - 1]);
-  open_contacts(image, section, ids, shares, work);
-  smooth_outlines(image, section, ids, shares, work);
+  open_contacts(image, section, colors, ids, shares, work);
+  smooth_outlines(colors, ids, shares, work);
   std::copy(ids.begin(), ids.end(), labels.ids.begin() + first);
   std::copy(shares.begin(), shares.end(), coverage.begin() + first);
   if (section + 1 == image.sections) renumber(static_cast<std::size_t>(plane));

@@ -5,7 +5,7 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/texture/color.h"
-#include "nodes/segment/mosaic.h"
+#include "nodes/segment/coverage.h"
 #include "nodes/segment/neighbors.h"
 
 namespace terrazzo::segment {
@@ -14,7 +14,6 @@ namespace {
 constexpr int kReach = 3;                  // pixels
 constexpr std::int64_t kFewest = 5;        // pixels of an opening that no other binder touches
 constexpr float kNoise = 4, kTexture = 2;  // the least contrast, in standard deviations
-constexpr float kBelowHalf = 0.498f, kAboveHalf = 0.502f;
 
 // Weighted sums over pixels of one label.
 struct Sums {
@@ -29,14 +28,13 @@ struct Sums {
 
 class Contacts {
  public:
-  Contacts(const Image& image, int section, const std::vector<std::int32_t>& labels, const Work& work)
-      : width_(image.width), height_(image.height), labels_(labels) {
-    seen_ = lab_section(image, section, work);
+  Contacts(const Image& image, int section, const LabImage& patch_colors,
+           const std::vector<std::int32_t>& labels, const Work& work)
+      : width_(image.width), height_(image.height), labels_(labels), seen_(patch_colors) {
     noise_ = noise_of(seen_);
     const bool gray = std::all_of(seen_.pixels.begin(), seen_.pixels.end(), [](const Vec3f& p) {
-      return std::abs(p[1]) < 1e-3f && std::abs(p[2]) < 1e-3f;
+      return std::abs(p[1]) < 2e-3f && std::abs(p[2]) < 2e-3f;
     });
-    for (auto& p : seen_.pixels) p = patch_color(p);
     // A pixel shared by two colors has their mean in linear light, or in the encoded values of a signal.
     const Vec3f* first = image.pixels.data() + image.index(0, 0, section);
     light_.assign(first, first + seen_.pixels.size());
@@ -111,7 +109,7 @@ class Contacts {
 
   int width_, height_;
   const std::vector<std::int32_t>& labels_;
-  LabImage seen_;
+  const LabImage& seen_;
   float noise_ = 0;
   std::vector<Vec3f> light_;
   std::vector<float> depth_;
@@ -157,9 +155,9 @@ void keep_particles(const std::vector<std::int32_t>& before, std::vector<std::in
 
 }  // namespace
 
-void open_contacts(const Image& image, int section, std::vector<std::int32_t>& labels,
-                   std::vector<float>& coverage, const Work& work) {
-  const Contacts contacts(image, section, labels, work);
+void open_contacts(const Image& image, int section, const LabImage& patch_colors,
+                   std::vector<std::int32_t>& labels, std::vector<float>& coverage, const Work& work) {
+  const Contacts contacts(image, section, patch_colors, labels, work);
   if (contacts.pixels().empty() || !contacts.has_binder()) return;
   const std::vector<std::size_t>& near = contacts.pixels();
   std::vector<float> shares(near.size());
@@ -176,12 +174,12 @@ void open_contacts(const Image& image, int section, std::vector<std::int32_t>& l
     bool beside_binder = false;
     neighbors(i, image.width, image.height, [&](std::size_t j) { beside_binder |= labels[j] == 0; });
     if (labels[i] == 0)
-      coverage[i] = std::clamp(shares[k], 0.0f, kBelowHalf);
+      coverage[i] = sided(shares[k], false);
     else if (beside_binder)
-      coverage[i] = std::max(kAboveHalf, std::min(coverage[i], shares[k]));
+      coverage[i] = sided(std::min(coverage[i], shares[k]), true);
   }
   for (std::size_t i = 0; i < labels.size(); ++i)  // pieces that were cut off
-    if (labels[i] == 0 && before[i] != 0) coverage[i] = std::min(coverage[i], kBelowHalf);
+    if (labels[i] == 0 && before[i] != 0) coverage[i] = sided(coverage[i], false);
 }
 
 }  // namespace terrazzo::segment

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/segment/lab_image.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {
@@ -15,9 +16,9 @@ namespace terrazzo::segment {
 // than four times the noise or twice the texture, or where no binder is known, pixels stay. So do groups of
 // fewer than five pixels within a particle, and particles that would lose more than half of their pixels.
 //
-// `labels` (0: binder) and `coverage` are those of one section, row by row. Coverage is ≥ ½ exactly where the
-// label is not 0.
-void open_contacts(const Image&, int section, std::vector<std::int32_t>& labels, std::vector<float>& coverage,
-                   const Work&);
+// `patch_colors` (mosaic.h), `labels` (0: binder) and `coverage` are those of one section, row by row.
+// Coverage is ≥ ½ exactly where the label is not 0.
+void open_contacts(const Image&, int section, const LabImage& patch_colors, std::vector<std::int32_t>& labels,
+                   std::vector<float>& coverage, const Work&);
 
 }  // namespace terrazzo::segment

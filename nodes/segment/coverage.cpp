@@ -10,7 +10,6 @@
 namespace terrazzo::segment {
 namespace {
 
-// A coverage of exactly ½ would put the outline on a pixel center, on either side.
 constexpr float least_side = 0.002f;
 
 // Pixels within `reach` of the other side, by chessboard distance.
@@ -73,11 +72,11 @@ SideMean binder_mean(const LabImage& image, const std::vector<float>& pure, cons
   return m;
 }
 
+}  // namespace
+
 float sided(float share, bool inside) {
   return inside ? std::clamp(share, 0.5f + least_side, 1.0f) : std::clamp(share, 0.0f, 0.5f - least_side);
 }
-
-}  // namespace
 
 std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,
                                    const Work& work) {

@@ -15,6 +15,9 @@ namespace terrazzo::segment {
 // is kept and its smoothed edge determines the coverage.
 std::vector<float> refine_outline(const Mosaic&, std::vector<std::uint8_t>& particles, const Work&);
 
+// The share on its pixel's side of one half: a coverage of exactly ½ would put the outline on a pixel center.
+float sided(float share, bool inside);
+
 // Coverage from a mask only, by smoothing its edge.
 std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,
                                    const Work&);

@@ -58,6 +58,12 @@ Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], chroma * oklab[1], chr
 Vec3f linear_of_patch_color(const Vec3f& c) { return oklab_to_linear({c[0], c[1] / chroma, c[2] / chroma}); }
 Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
 
+LabImage patch_section(const Image& image, int section, const Work& work) {
+  LabImage out = lab_section(image, section, work);
+  for (auto& p : out.pixels) p = patch_color(p);
+  return out;
+}
+
 void make_patches(Mosaic& m, const Work& work) {
   m.colors.clear(), m.areas.clear();
   const std::vector<float> gradient = gradient_of(m.smooth);

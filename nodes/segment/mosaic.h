@@ -14,6 +14,9 @@ Vec3f patch_color(const Vec3f& oklab);
 Vec3f patch_color_of_linear(const Vec3f& linear);
 Vec3f linear_of_patch_color(const Vec3f& patch);
 
+// A section in patch colors.
+LabImage patch_section(const Image&, int section, const Work&);
+
 // Norm of the central differences, per pixel.
 std::vector<float> gradient_of(const LabImage&);
 

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/segment/candidates.h"
-#include "nodes/segment/mosaic.h"
+#include "nodes/segment/coverage.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -16,7 +16,6 @@ constexpr int kDeep = 2;     // pixels from the outline at which colors are pure
 constexpr int kApart = 3;    // pixels between two of which the texture is measured
 constexpr int kBeside = 8;   // pixels around a particle's box in which its binder is
 constexpr int kEnough = 20;  // pixels that a mean needs
-constexpr float kBelowHalf = 0.498f, kAboveHalf = 0.502f;
 
 // Mean color and texture of pixels of one label.
 struct Look {
@@ -33,10 +32,8 @@ struct Smoothed {
 
 class Outlines {
  public:
-  Outlines(const Image& image, int section, const std::vector<std::int32_t>& labels, const Work& work)
-      : width_(image.width), height_(image.height), labels_(labels) {
-    lab_ = lab_section(image, section, work);
-    for (auto& p : lab_.pixels) p = patch_color(p);
+  Outlines(const LabImage& image, const std::vector<std::int32_t>& labels, const Work& work)
+      : width_(image.width), height_(image.height), labels_(labels), image_(image) {
     deep_.assign(labels.size(), 1);
     work.quiet().parallel(height_, 16, [&](std::size_t begin, std::size_t end) {
       for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
@@ -89,11 +86,11 @@ class Outlines {
     for (int y = box.y; y < box.br().y; ++y)
       for (int x = box.x; x < box.br().x; ++x) {
         if (!counts(x, y)) continue;
-        const Vec3f& c = lab_.pixels[at(x, y)];
+        const Vec3f& c = image_.pixels[at(x, y)];
         l.sum += c.cast<double>(), ++l.pixels;
         const auto pair = [&](int u, int v) {
           if (u < box.br().x && v < box.br().y && counts(u, v))
-            l.squares += (c - lab_.pixels[at(u, v)]).squaredNorm(), ++l.pairs;
+            l.squares += (c - image_.pixels[at(u, v)]).squaredNorm(), ++l.pairs;
         };
         pair(x + kApart, y), pair(x, y + kApart);
       }
@@ -108,16 +105,16 @@ class Outlines {
 
   int width_, height_;
   const std::vector<std::int32_t>& labels_;
-  LabImage lab_;
+  const LabImage& image_;
   std::vector<std::uint8_t> deep_;
   Look binder_;
 };
 
 }  // namespace
 
-void smooth_outlines(const Image& image, int section, std::vector<std::int32_t>& labels,
-                     std::vector<float>& coverage, const Work& work) {
-  const Outlines outlines(image, section, labels, work);
+void smooth_outlines(const LabImage& image, std::vector<std::int32_t>& labels, std::vector<float>& coverage,
+                     const Work& work) {
+  const Outlines outlines(image, labels, work);
   if (!outlines.has_binder()) return;
   const std::int32_t count = *std::max_element(labels.begin(), labels.end());
   const std::vector<cv::Rect> boxes = boxes_of_labels(labels, image.width, count);
@@ -149,12 +146,11 @@ void smooth_outlines(const Image& image, int section, std::vector<std::int32_t>&
   }
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (deepest[i] <= -1 || deepest[i] >= 1e9f) continue;
-    const float share = 0.5f + deepest[i];
-    coverage[i] = labels[i] > 0 ? std::clamp(share, kAboveHalf, 1.0f) : std::clamp(share, 0.0f, kBelowHalf);
+    coverage[i] = sided(0.5f + deepest[i], labels[i] > 0);
   }
   // Pixels that a particle has left.
   for (std::size_t i = 0; i < labels.size(); ++i)
-    if (labels[i] == 0) coverage[i] = std::min(coverage[i], kBelowHalf);
+    if (labels[i] == 0) coverage[i] = sided(coverage[i], false);
 }
 
 }  // namespace terrazzo::segment

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/data/image.h"
+#include "nodes/segment/lab_image.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {
@@ -15,9 +15,9 @@ namespace terrazzo::segment {
 // grows with texture / contrast up to 1.5 pixels, or 0.03 √area if that is more, but stays below 0.12 √area,
 // so that small particles keep their shape. The other particles keep all their pixels.
 //
-// `labels` (0: binder) and `coverage` are those of one section, row by row. Coverage is ≥ ½ exactly where the
-// label is not 0.
-void smooth_outlines(const Image&, int section, std::vector<std::int32_t>& labels,
+// `patch_colors` (mosaic.h), `labels` (0: binder) and `coverage` are those of one section, row by row.
+// Coverage is ≥ ½ exactly where the label is not 0.
+void smooth_outlines(const LabImage& patch_colors, std::vector<std::int32_t>& labels,
                      std::vector<float>& coverage, const Work&);
 
 }  // namespace terrazzo::segment

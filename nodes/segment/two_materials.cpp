@@ -6,7 +6,6 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/segment/candidates.h"
-#include "nodes/segment/mosaic.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -111,11 +110,8 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
 
 }  // namespace
 
-std::vector<std::int32_t> split_two_materials(const Image& picture, int section,
-                                              std::vector<std::int32_t>& labels, std::int32_t next,
-                                              const Work& work) {
-  LabImage image = lab_section(picture, section, work.quiet());
-  for (auto& p : image.pixels) p = patch_color(p);
+std::vector<std::int32_t> split_two_materials(const LabImage& image, std::vector<std::int32_t>& labels,
+                                              std::int32_t next, const Work& work) {
   const std::int32_t count = *std::max_element(labels.begin(), labels.end());
   const std::vector<cv::Rect> boxes = boxes_of_labels(labels, image.width, count);
   std::vector<Parts> parts(count);

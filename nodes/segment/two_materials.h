@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/data/image.h"
+#include "nodes/segment/lab_image.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {
@@ -14,7 +14,7 @@ namespace terrazzo::segment {
 // a particle of its own if it has at least 40 pixels and 0.03 of the particle's area, and if at most 0.35 of
 // its outline borders the rest, so veins, spots and rims stay. `labels` are those of one section, row by row,
 // 0: binder; new particles are numbered from `next` on. Returns the former label of each.
-std::vector<std::int32_t> split_two_materials(const Image&, int section, std::vector<std::int32_t>& labels,
+std::vector<std::int32_t> split_two_materials(const LabImage& patch_colors, std::vector<std::int32_t>& labels,
                                               std::int32_t next, const Work&);
 
 }  // namespace terrazzo::segment

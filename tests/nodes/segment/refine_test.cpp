@@ -7,6 +7,7 @@
 
 #include "nodes/data/image.h"
 #include "nodes/segment/contacts.h"
+#include "nodes/segment/mosaic.h"
 #include "nodes/segment/smooth_outlines.h"
 #include "nodes/segment/two_materials.h"
 #include "runtime/random.h"
@@ -22,6 +23,7 @@ struct LabeledScene {
   Image image;
   std::vector<std::int32_t> labels;
   std::vector<float> coverage;
+  segment::LabImage colors() const { return segment::patch_section(image, 0, {}); }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * kSceneSize + x; }
   std::ptrdiff_t pixels_of(std::int32_t id) const { return std::count(labels.begin(), labels.end(), id); }
   void cover() {
@@ -59,7 +61,7 @@ const Vec3f kBright(0.5f, 0.4f, 0.3f), kDark(0.03f, 0.03f, 0.02f);
 TEST(OpenContacts, AJointBecomesBinder) {
   for (const int width : {1, 2, 4}) {
     LabeledScene s = two_stones(width, kBright, kDark);
-    open_contacts(s.image, 0, s.labels, s.coverage, {});
+    open_contacts(s.image, 0, s.colors(), s.labels, s.coverage, {});
     EXPECT_EQ(s.pixels_of(1) + s.pixels_of(2), (60 - width) * 40) << width;
     s.expect_coverage_agrees();
   }
@@ -68,7 +70,7 @@ TEST(OpenContacts, AJointBecomesBinder) {
 TEST(OpenContacts, WhatCannotBeToldFromTheBinderStays) {
   LabeledScene close = two_stones(2, kBright, 0.97f * kBright, 0.05f);
   const LabeledScene before = close;
-  open_contacts(close.image, 0, close.labels, close.coverage, {});
+  open_contacts(close.image, 0, close.colors(), close.labels, close.coverage, {});
   EXPECT_EQ(close.labels, before.labels);
   EXPECT_EQ(close.coverage, before.coverage);
   // No binder at all.
@@ -76,7 +78,7 @@ TEST(OpenContacts, WhatCannotBeToldFromTheBinderStays) {
   for (auto& l : filled.labels) l = std::max(l, 1);
   filled.cover();
   const auto all = filled.labels;
-  open_contacts(filled.image, 0, filled.labels, filled.coverage, {});
+  open_contacts(filled.image, 0, filled.colors(), filled.labels, filled.coverage, {});
   EXPECT_EQ(filled.labels, all);
 }
 
@@ -87,7 +89,7 @@ TEST(OpenContacts, SpecksAndThinParticlesStay) {
   for (int y = 50; y < 60; ++y)
     for (int x = 46; x < 48; ++x) s.labels[s.at(x, y)] = 3, s.image.pixels[s.at(x, y)] = 1.2f * kDark;
   const auto before = s.labels;
-  open_contacts(s.image, 0, s.labels, s.coverage, {});
+  open_contacts(s.image, 0, s.colors(), s.labels, s.coverage, {});
   EXPECT_EQ(s.labels, before);
 }
 
@@ -119,7 +121,7 @@ double wrong_pixels(const LabeledScene& s) {
 TEST(SmoothOutlines, RaggedOutlinesOfTexturedParticlesBecomeSmooth) {
   LabeledScene s = ragged_disc(4, 0.5f);
   const LabeledScene before = s;
-  smooth_outlines(s.image, 0, s.labels, s.coverage, {});
+  smooth_outlines(s.colors(), s.labels, s.coverage, {});
   EXPECT_LT(wrong_pixels(s), 0.5 * wrong_pixels(before));
   EXPECT_NEAR(static_cast<double>(s.pixels_of(1)), static_cast<double>(before.pixels_of(1)), 4);
   s.expect_coverage_agrees();
@@ -128,7 +130,7 @@ TEST(SmoothOutlines, RaggedOutlinesOfTexturedParticlesBecomeSmooth) {
 TEST(SmoothOutlines, CleanParticlesKeepTheirPixels) {
   LabeledScene s = ragged_disc(4, 0.01f);
   const LabeledScene before = s;
-  smooth_outlines(s.image, 0, s.labels, s.coverage, {});
+  smooth_outlines(s.colors(), s.labels, s.coverage, {});
   EXPECT_EQ(s.labels, before.labels);
   EXPECT_EQ(s.coverage, before.coverage);
 }
@@ -139,7 +141,7 @@ TEST(SmoothOutlines, TouchingParticlesShareNoPixelAndKeepTheirAreas) {
     for (int x = 48; x < kSceneSize; ++x)
       if (s.labels[s.at(x, y)] == 1) s.labels[s.at(x, y)] = 2;
   const LabeledScene before = s;
-  smooth_outlines(s.image, 0, s.labels, s.coverage, {});
+  smooth_outlines(s.colors(), s.labels, s.coverage, {});
   for (const int id : {1, 2})
     EXPECT_NEAR(static_cast<double>(s.pixels_of(id)), static_cast<double>(before.pixels_of(id)),
                 0.02 * static_cast<double>(before.pixels_of(id)));
@@ -164,7 +166,7 @@ LabeledScene pore_and_grain(double attached, const Vec3f& gray) {
 TEST(TwoMaterials, AGrainAtAPoreBecomesAParticle) {
   LabeledScene s = pore_and_grain(10, Vec3f(0.25f, 0.25f, 0.25f));
   const std::ptrdiff_t all = s.pixels_of(1);
-  EXPECT_EQ(segment::split_two_materials(s.image, 0, s.labels, 7, {}), std::vector<std::int32_t>{1});
+  EXPECT_EQ(segment::split_two_materials(s.colors(), s.labels, 7, {}), std::vector<std::int32_t>{1});
   EXPECT_EQ(s.pixels_of(1) + s.pixels_of(7), all);
   EXPECT_EQ(s.labels[s.at(40, 48)], 1);
   EXPECT_EQ(s.labels[s.at(72, 48)], 7);
@@ -176,7 +178,7 @@ TEST(TwoMaterials, AGrainAtAPoreBecomesAParticle) {
 
 TEST(TwoMaterials, VeinsRimsSpecksAndShadingStay) {
   const auto splits = [](LabeledScene s) {
-    return segment::split_two_materials(s.image, 0, s.labels, 2, {}).size();
+    return segment::split_two_materials(s.colors(), s.labels, 2, {}).size();
   };
   const Vec3f gray(0.25f, 0.25f, 0.25f);
   EXPECT_EQ(splits(pore_and_grain(10, gray)), 1u);
