@@ -1,5 +1,6 @@
 #include "nodes/data/detail.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -14,7 +15,10 @@ void encode(const Detail& v, Writer& w) {
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
-    w.pod(p.slope), w.raw_array(p.rim), w.array(p.gain), w.raw_array(p.tile);
+    w.pod(p.slope);
+    w.pod<std::uint64_t>(p.rims.size());
+    for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset);
+    w.array(p.gain), w.raw_array(p.tile);
   }
 }
 
@@ -30,7 +34,13 @@ Detail decode_detail(Reader& r) {
   const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
   for (auto& p : v.phases) {
     r.bytes(p.color.data(), sizeof(float) * 3);
-    p.slope = r.pod<float>(), p.rim = r.raw_array<Vec3f>(), p.gain = r.array<float>();
+    p.slope = r.pod<float>();
+    p.rims.resize(r.count(12));
+    for (auto& rim : p.rims) {
+      rim.size = r.pod<float>(), rim.offset = r.raw_array<Vec3f>();
+      if (!(rim.size > 0) || rim.offset.empty()) throw Error("damaged", "the stored detail has an empty rim");
+    }
+    p.gain = r.array<float>();
     p.tile = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n)
       throw Error("damaged", "the stored detail has a tile of the wrong size");
@@ -39,9 +49,13 @@ Detail decode_detail(Reader& r) {
 }
 
 nlohmann::json describe(const Detail& v) {
-  const auto rim = [](const std::vector<Vec3f>& offsets) {
+  const auto rims = [](const std::vector<Detail::Rim>& all) {
     nlohmann::json list = nlohmann::json::array();
-    for (const Vec3f& o : offsets) list.push_back(json_of(o));
+    for (const auto& rim : all) {
+      nlohmann::json offsets = nlohmann::json::array();
+      for (const Vec3f& o : rim.offset) offsets.push_back(json_of(o));
+      list.push_back({{"size", rim.size}, {"offset", std::move(offsets)}});
+    }
     return list;
   };
   nlohmann::json phases = nlohmann::json::array();
@@ -51,7 +65,7 @@ nlohmann::json describe(const Detail& v) {
     phases.push_back(
         {{"color", json_of(p.color)},
          {"slope", p.slope},
-         {"rim", rim(p.rim)},
+         {"rims", rims(p.rims)},
          {"gain", p.gain},
          {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
   }
@@ -62,7 +76,26 @@ nlohmann::json describe(const Detail& v) {
           {"phases", std::move(phases)}};
 }
 
+// The offset at a distance, between the centers of the bins.
+Vec3f offset_at(const std::vector<Vec3f>& bins, float distance) {
+  const auto last = static_cast<float>(bins.size() - 1);
+  const float at = std::clamp(distance - 0.5f, 0.0f, last), low = std::floor(at), t = at - low;
+  const auto k = static_cast<std::size_t>(low);
+  return t > 0 ? Vec3f((1 - t) * bins[k] + t * bins[k + 1]) : bins[k];
+}
+
 }  // namespace
+
+Vec3f Detail::rim_at(const std::vector<Rim>& rims, float distance, float size) {
+  if (rims.empty()) return Vec3f::Zero();
+  if (!(size > 0)) return offset_at(rims[rims.size() / 2].offset, distance);
+  const auto above = std::find_if(rims.begin(), rims.end(), [&](const Rim& r) { return r.size >= size; });
+  if (above == rims.begin()) return offset_at(above->offset, distance);
+  if (above == rims.end()) return offset_at(rims.back().offset, distance);
+  const auto below = above - 1;
+  const float t = std::log(size / below->size) / std::log(above->size / below->size);
+  return (1 - t) * offset_at(below->offset, distance) + t * offset_at(above->offset, distance);
+}
 
 template <>
 const ValueType& value_type<Detail>() {

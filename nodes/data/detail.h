@@ -14,14 +14,24 @@ struct Detail {
   // `encoded`: the particle's sRGB-encoded color. The constant limits the detail of dark particles.
   static float particle_scale(const Vec3f& encoded) { return encoded.cwiseMax(0.0f).mean() + 0.15f; }
 
+  // Mean offsets at i + ½ pixels from the nearest outline, if that is the outline of a profile of this size.
+  // The last one holds beyond.
+  struct Rim {
+    float size = 0;  // √(4A/π), mm
+    std::vector<Vec3f> offset;
+  };
+  // The offset at a distance in pixels from the outline of a profile, between distances linearly, between
+  // sizes by their logarithm. `size`: mm; 0 if it is unknown, which takes the middle one of the rims.
+  static Vec3f rim_at(const std::vector<Rim>&, float distance, float size);
+
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
     // distance of one radius from its center. 0 for the binder.
     float slope = 0;
-    // Mean offsets at i + ½ pixels from the nearest outline, and the factors of the tile at the same
-    // distances. The last one holds beyond; none if empty.
-    std::vector<Vec3f> rim;
+    // Beside profiles of different sizes, ascending; none if empty.
+    std::vector<Rim> rims;
+    // Factors of the tile at i + ½ pixels from the nearest outline. The last one holds beyond; 1 if empty.
     std::vector<float> gain;
     std::vector<Vec3f> tile;  // size³ offsets, x fastest; tiles
   };

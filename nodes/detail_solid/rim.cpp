@@ -13,8 +13,11 @@
 namespace terrazzo::detail_solid {
 namespace {
 
-constexpr int kBins = 16;             // pixels from the outline
+constexpr int kBins = 16;             // pixels from the outline, for gains
+constexpr int kRimBins = 32;          // the same, for rims
 constexpr double kLeastBin = 200;     // pixels in a bin
+constexpr int kSizes = 3;             // of profiles whose rims are measured apart
+constexpr double kNarrow = 1.3;       // sizes with a smaller ratio count as one
 constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and contrast count
 constexpr int kDeep = 4;              // pixels from the outline
 constexpr std::size_t kEnoughDeep = 4000;
@@ -22,12 +25,12 @@ constexpr double kLeastContrast = 0.03;
 constexpr int kStep = 8;  // pixels on each side of an outline
 
 struct Bins {
-  std::array<Vec3, kBins> sum;
-  std::array<double, kBins> count{};
-  Bins() { sum.fill(Vec3::Zero()); }
+  std::vector<Vec3> sum;
+  std::vector<double> count;
+  explicit Bins(int bins) : sum(static_cast<std::size_t>(bins), Vec3::Zero()), count(sum.size(), 0.0) {}
   // Means, up to the last bin with enough pixels. Bins without pixels take the next one's mean.
   std::vector<Vec3f> means() const {
-    int n = kBins;
+    auto n = static_cast<int>(sum.size());
     while (n > 0 && count[static_cast<std::size_t>(n) - 1] < kLeastBin) --n;
     std::vector<Vec3f> out(static_cast<std::size_t>(n));
     for (int i = n; i-- > 0;) {
@@ -41,14 +44,56 @@ struct Bins {
   }
 };
 
-std::vector<float> depths_of(const Phases& p, const Labels& labels) {
-  std::vector<float> depth;
+residual::Outlines outlines_of(const Phases& p, const Labels& labels) {
+  residual::Outlines all;
   for (int s = 0; s < p.sections; ++s) {
-    const auto d = residual::outline_depth(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
-                                           p.height, false);
-    depth.insert(depth.end(), d.begin(), d.end());
+    const auto one = residual::nearest_outlines(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
+                                                p.height, false);
+    all.depth.insert(all.depth.end(), one.depth.begin(), one.depth.end());
+    all.particle.insert(all.particle.end(), one.particle.begin(), one.particle.end());
   }
-  return depth;
+  return all;
+}
+
+std::vector<float> depths_of(const Phases& p, const Labels& labels) { return outlines_of(p, labels).depth; }
+
+// √(4A/π) of each label, mm; of label 0: 0.
+std::vector<float> sizes_of(const Labels& labels) {
+  std::vector<float> size(static_cast<std::size_t>(labels.count()) + 1, 0.0f);
+  for (const auto id : labels.ids) ++size[static_cast<std::size_t>(id)];
+  size[0] = 0;
+  for (float& s : size) s = static_cast<float>(std::sqrt(4 * s / M_PI) * labels.pixel_size);
+  return size;
+}
+
+// Sizes that separate the classes: halfway, by the logarithm, between the sizes at the middle of each third
+// of these pixels. Fewer classes if sizes hardly differ.
+std::vector<float> size_limits(std::vector<float> sizes) {
+  std::vector<float> limits;
+  if (sizes.empty()) return limits;
+  std::sort(sizes.begin(), sizes.end());
+  float last = 0;
+  for (int k = 0; k < kSizes; ++k) {
+    const float middle =
+        sizes[static_cast<std::size_t>((k + 0.5) / kSizes * static_cast<double>(sizes.size() - 1))];
+    if (k > 0 && middle < kNarrow * last) continue;
+    if (k > 0) limits.push_back(std::sqrt(last * middle));
+    last = middle;
+  }
+  return limits;
+}
+
+// Single pixels near outlines count, since blur and sharpening change from one to the next; farther away, a
+// rim is smooth and the mean of few pixels is not.
+void smooth_far(std::vector<Vec3f>& rim) {
+  const std::vector<Vec3f> raw = rim;
+  const auto n = static_cast<int>(rim.size());
+  for (int i = 0; i < n; ++i) {
+    const int reach = std::min({i < 4 ? 0 : i < 10 ? 1 : 3, i, n - 1 - i});
+    Vec3f sum = Vec3f::Zero();
+    for (int k = i - reach; k <= i + reach; ++k) sum += raw[static_cast<std::size_t>(k)];
+    rim[static_cast<std::size_t>(i)] = sum / static_cast<float>(2 * reach + 1);
+  }
 }
 
 // Bin of a depth among n.
@@ -57,25 +102,42 @@ std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std
 }  // namespace
 
 void split_rims(Phases& p, const Labels& labels, Detail& detail) {
-  const std::vector<float> depth = depths_of(p, labels);
-  std::vector<Bins> bins(detail.phases.size());
-  for (std::size_t i = 0; i < p.phase.size(); ++i) {
-    if (p.phase[i] < 0) continue;
-    Bins& b = bins[static_cast<std::size_t>(p.phase[i])];
-    const std::size_t k = bin_of(depth[i], kBins);
-    b.sum[k] += p.offset[i].cast<double>(), ++b.count[k];
-  }
-  for (std::size_t k = 0; k < bins.size(); ++k) detail.phases[k].rim = bins[k].means();
-  for (std::size_t i = 0; i < p.phase.size(); ++i) {
-    if (p.phase[i] < 0) continue;
-    const auto& rim = detail.phases[static_cast<std::size_t>(p.phase[i])].rim;
-    if (!rim.empty()) p.offset[i] -= rim[bin_of(depth[i], rim.size())];
+  const residual::Outlines outlines = outlines_of(p, labels);
+  const std::vector<float> sizes = sizes_of(labels);
+  const auto size_at = [&](std::size_t i) { return sizes[static_cast<std::size_t>(outlines.particle[i])]; };
+  for (std::size_t phase = 0; phase < detail.phases.size(); ++phase) {
+    const auto each = [&](auto&& use) {
+      for (std::size_t i = 0; i < p.phase.size(); ++i)
+        if (p.phase[i] == static_cast<int>(phase) && size_at(i) > 0) use(i);
+    };
+    std::vector<float> near;  // sizes at pixels close to outlines
+    each([&](std::size_t i) {
+      if (outlines.depth[i] < kDeep) near.push_back(size_at(i));
+    });
+    const std::vector<float> limits = size_limits(std::move(near));
+    std::vector<Bins> bins(limits.size() + 1, Bins(kRimBins));
+    std::vector<double> logs(bins.size(), 0.0), count(bins.size(), 0.0);
+    each([&](std::size_t i) {
+      const auto c = static_cast<std::size_t>(std::lower_bound(limits.begin(), limits.end(), size_at(i)) -
+                                              limits.begin());
+      const std::size_t k = bin_of(outlines.depth[i], kRimBins);
+      bins[c].sum[k] += p.offset[i].cast<double>(), ++bins[c].count[k];
+      if (outlines.depth[i] < kDeep) logs[c] += std::log(size_at(i)), ++count[c];
+    });
+    auto& rims = detail.phases[phase].rims;
+    for (std::size_t c = 0; c < bins.size(); ++c) {
+      std::vector<Vec3f> offset = bins[c].means();
+      if (offset.empty() || count[c] == 0) continue;
+      smooth_far(offset);
+      rims.push_back({static_cast<float>(std::exp(logs[c] / count[c])), std::move(offset)});
+    }
+    each([&](std::size_t i) { p.offset[i] -= Detail::rim_at(rims, outlines.depth[i], size_at(i)); });
   }
 }
 
 void split_gains(Phases& p, const Labels& labels, Detail& detail) {
   const std::vector<float> depth = depths_of(p, labels);
-  std::vector<Bins> bins(detail.phases.size());  // of squares, in one component
+  std::vector<Bins> bins(detail.phases.size(), Bins(kBins));  // of squares, in one component
   std::vector<double> square(bins.size(), 0.0);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;

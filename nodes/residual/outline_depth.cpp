@@ -7,32 +7,56 @@
 
 namespace terrazzo::residual {
 
-std::vector<float> outline_depth(const std::int32_t* ids, int width, int height, bool wrap) {
+Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap) {
   constexpr int kMargin = 32;  // of the repeated picture, where edges join
   const int margin = wrap ? kMargin : 0, w = width + 2 * margin, h = height + 2 * margin;
   const auto id = [&](int x, int y) {
     x = (x - margin + kMargin * width) % width, y = (y - margin + kMargin * height) % height;
     return ids[static_cast<std::size_t>(y) * width + x];
   };
-  cv::Mat inside(h, w, CV_8U, cv::Scalar(255)), distance;
+  cv::Mat inside(h, w, CV_8U, cv::Scalar(255)), distance, nearest;
+  cv::Mat particle(h, w, CV_32S, cv::Scalar(0));  // of pixels at an outline
   bool any = false;
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const auto differ = [&](int u, int v) {
-        if (u >= w || v >= h || id(x, y) == id(u, v)) return;
+        if (u >= w || v >= h) return;
+        const std::int32_t a = id(x, y), b = id(u, v);
+        if (a == b) return;
         inside.at<std::uint8_t>(y, x) = inside.at<std::uint8_t>(v, u) = 0;
+        auto &of_a = particle.at<std::int32_t>(y, x), &of_b = particle.at<std::int32_t>(v, u);
+        of_a = a > 0 ? a : std::max(of_a, b), of_b = b > 0 ? b : std::max(of_b, a);
         any = true;
       };
       differ(x + 1, y), differ(x, y + 1);
     }
   const std::size_t pixels = static_cast<std::size_t>(width) * height;
-  if (!any) return std::vector<float>(pixels, static_cast<float>(std::hypot(width, height)));
-  cv::distanceTransform(inside, distance, cv::DIST_L2, cv::DIST_MASK_5);
-  std::vector<float> out(pixels);
+  Outlines out;
+  if (!any) {
+    out.depth.assign(pixels, static_cast<float>(std::hypot(width, height)));
+    out.particle.assign(ids, ids + pixels);
+    return out;
+  }
+  cv::distanceTransform(inside, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<std::int32_t> owner(static_cast<std::size_t>(w) * h + 1, 0);  // of each number in `nearest`
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      if (inside.at<std::uint8_t>(y, x) == 0)
+        owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y, x))] = particle.at<std::int32_t>(y, x);
+  out.depth.resize(pixels), out.particle.resize(pixels);
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      out[static_cast<std::size_t>(y) * width + x] = distance.at<float>(y + margin, x + margin) + 0.5f;
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      out.depth[i] = distance.at<float>(y + margin, x + margin) + 0.5f;
+      out.particle[i] =
+          ids[i] > 0 ? ids[i]
+                     : owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y + margin, x + margin))];
+    }
   return out;
+}
+
+std::vector<float> outline_depth(const std::int32_t* ids, int width, int height, bool wrap) {
+  return nearest_outlines(ids, width, height, wrap).depth;
 }
 
 }  // namespace terrazzo::residual

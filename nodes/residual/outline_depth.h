@@ -6,9 +6,19 @@
 
 namespace terrazzo::residual {
 
-// For every pixel the distance in pixels from its center to the nearest outline between different ids, within
-// the same picture; at least 0.5. `wrap`: opposite edges of the picture join. Pictures without outlines have
+struct Outlines {
+  // From the center of each pixel to the nearest outline between different ids, pixels; at least 0.5.
+  std::vector<float> depth;
+  // The particle with that outline: the pixel's own id, or, where this is 0, the id on its other side. 0 in a
+  // picture without outlines and particles.
+  std::vector<std::int32_t> particle;
+};
+
+// `ids`: 0 outside of particles. `wrap`: opposite edges of the picture join. Pictures without outlines have
 // distances of at least their diagonal.
+Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap);
+
+// Only the distances.
 std::vector<float> outline_depth(const std::int32_t* ids, int width, int height, bool wrap);
 
 }  // namespace terrazzo::residual

@@ -83,15 +83,14 @@ std::vector<Vec3f> values_of(const openvdb::Vec3SGrid& grid, const Vec3i& size, 
   return values;
 }
 
-// The value at a depth, between the centers of the rim's bins.
-template <class T>
-T rim_at(const std::vector<T>& rim, float bins, const T& none) {
-  if (rim.empty()) return none;
-  const float at = std::clamp(bins - 0.5f, 0.0f, static_cast<float>(rim.size() - 1));
-  const auto low = std::min(static_cast<std::size_t>(at), rim.size() - 1),
-             high = std::min(low + 1, rim.size() - 1);
+// The factor at a depth, between the centers of the bins.
+float gain_at(const std::vector<float>& gain, float bins) {
+  if (gain.empty()) return 1;
+  const float at = std::clamp(bins - 0.5f, 0.0f, static_cast<float>(gain.size() - 1));
+  const auto low = std::min(static_cast<std::size_t>(at), gain.size() - 1),
+             high = std::min(low + 1, gain.size() - 1);
   const float t = at - static_cast<float>(low);
-  return (1 - t) * rim[low] + t * rim[high];
+  return (1 - t) * gain[low] + t * gain[high];
 }
 
 }  // namespace
@@ -137,7 +136,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
   voxels_per_mm_.setConstant(static_cast<float>(1 / detail.pixel_size));
   for (const Detail::Phase& phase : detail.phases) {
     add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, keep, work);
-    tiles_.back().rim = phase.rim, tiles_.back().gain = phase.gain;
+    tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
   }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
@@ -155,6 +154,7 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     for (std::size_t g = 1; g < colors.size(); ++g)
       if ((colors[g] - color).squaredNorm() < (colors[best] - color).squaredNorm()) best = g;
     const float shown = kShown * static_cast<float>(particles.size[p]);
+    shown_.push_back(shown);
     const auto unlike = [&](std::size_t k) {
       const float size = shown > 0 ? std::log(detail.profile_size[k] / shown) / kSizeSpread : 0;
       return (samples[k] - color).squaredNorm() / (kColorSpread * kColorSpread) + size * size;
@@ -283,26 +283,27 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
   return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));
 }
 
-Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth) const {
+Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size) const {
   if (!phases_) return plain(mm, particle);
-  const Vec3f offset = by_phase(mm, particle, depth);
+  const Vec3f offset = by_phase(mm, particle, depth, size);
   return gray_ ? Vec3f::Constant(offset.mean()) : offset;
 }
 
-Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth) const {
+Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth, float size) const {
   if (particle < 0) cover = 0;
+  if (particle >= 0 && !(size > 0) && phases_) size = shown_[static_cast<std::size_t>(particle)];
   Vec3f offset = Vec3f::Zero();
-  if (cover > 0) offset += cover * at(mm, particle, depth);
-  if (cover < 1) offset += (1 - cover) * at(mm, -1, depth);
+  if (cover > 0) offset += cover * at(mm, particle, depth, size);
+  if (cover < 1) offset += (1 - cover) * at(mm, -1, depth, size);
   return offset;
 }
 
-Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth) const {
+Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size) const {
   const float bins = depth * rims_per_mm_;
   const auto p = static_cast<std::size_t>(std::max(particle, 0));
   const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
-  const float gain = rim_at(tile.gain, bins, 1.0f);
-  const Vec3f none = Vec3f::Zero(), rim = rim_at(tile.rim, bins, none);
+  const float gain = gain_at(tile.gain, bins);
+  const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0) return gain * binder(mm) + rim;
   const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));
   const Vec3f offset = gain * placed(tile, places_[p], mm), gray = Vec3f::Constant(offset.mean());

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/detail.h"
 #include "nodes/data/linear.h"
 #include "nodes/residual/spline_tile.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
-struct Detail;
 struct Particles;
 struct Volume;
 }  // namespace terrazzo
@@ -31,11 +31,12 @@ class ResidualField {
   // The offset at a point in mm, within a particle or, if that is −1, within the binder. Each is a function
   // of space with the box's period. If a tile of ResidualSynth repeats in the box, every particle uses its
   // own part of the tile; in the binder the part changes along smooth surfaces, and parts blend with their
-  // variance preserved, so that no repetition shows. `depth`: distance to the nearest outline, mm.
-  Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f) const;
+  // variance preserved, so that no repetition shows. `depth`: distance to the nearest outline, mm; `size`: of
+  // the profile that has this outline, √(4A/π), mm, 0 if it is unknown.
+  Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
 
   // The offset of a pixel or voxel that the particle covers by `cover`, 0 to 1, and the binder otherwise.
-  Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f) const;
+  Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f, float size = 0) const;
 
   Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }
@@ -50,11 +51,11 @@ class ResidualField {
   struct Tile {
     SplineTile spline;
     Vec3f mean = Vec3f::Zero();
-    std::vector<Vec3f> rim;
+    std::vector<Detail::Rim> rims;
     std::vector<float> gain;
   };
   Vec3f plain(const Vec3f& mm, int particle) const;
-  Vec3f by_phase(const Vec3f& mm, int particle, float depth) const;
+  Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
   void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep, const Work&);
@@ -71,6 +72,7 @@ class ResidualField {
   bool phases_ = false, gray_ = false;
   std::vector<int> group_;                 // tile of each particle
   std::vector<Place> places_;              // of each particle
+  std::vector<float> shown_;               // mean size of the profiles of each particle, mm
   std::vector<float> scales_;              // of the offsets of each particle
   std::vector<Eigen::Vector2f> contrast_;  // of each particle, as in Detail
   Vec3i cells_ = Vec3i::Ones();

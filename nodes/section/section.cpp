@@ -82,8 +82,13 @@ void soften(Vec3f* pixels, Canvas& canvas, const PixelGrid& grid, double sigma) 
 void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, const SectionPlane& plane,
                 const residual::ResidualField& detail, const Work& work) {
   std::vector<std::int32_t> ids(canvas.owner.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = canvas.share[i] >= 0.5f ? canvas.owner[i] : -1;
-  const auto depth = residual::outline_depth(ids.data(), grid.width, grid.height, grid.wrap);
+  for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = canvas.share[i] >= 0.5f ? canvas.owner[i] + 1 : 0;
+  const residual::Outlines outlines =
+      residual::nearest_outlines(ids.data(), grid.width, grid.height, grid.wrap);
+  std::vector<float> sizes(1 + *std::max_element(ids.begin(), ids.end()), 0.0f);  // 0: no particle
+  for (const std::int32_t id : ids) ++sizes[id];
+  sizes[0] = 0;
+  for (float& s : sizes) s = std::sqrt(s * static_cast<float>(4 / M_PI * grid.mm_x * grid.mm_y));
   const auto pixel = static_cast<float>(grid.mm_x);
   work.quiet().parallel(static_cast<std::size_t>(grid.height), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
@@ -92,8 +97,8 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
         const double u = (x + 0.5) * grid.mm_x,
                      v = (grid.height - static_cast<double>(row) - 0.5) * grid.mm_y;
         const Vec3f mm = (plane.origin + u * plane.frame.col(0) + v * plane.frame.col(1)).cast<float>();
-        const Vec3f offset =
-            detail.mixed(mm, canvas.owner[at], std::min(canvas.cover[at], 1.0f), depth[at] * pixel);
+        const Vec3f offset = detail.mixed(mm, canvas.owner[at], std::min(canvas.cover[at], 1.0f),
+                                          outlines.depth[at] * pixel, sizes[outlines.particle[at]]);
         pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
       }
   });

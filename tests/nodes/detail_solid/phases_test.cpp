@@ -82,13 +82,50 @@ TEST(DetailRims, ABandAlongOutlinesIsFound) {
   Detail d;
   d.phases.resize(p.pixels.size());
   split_rims(p, drawn.labels, d);
-  const auto& rim = d.phases[0].rim;
+  ASSERT_EQ(d.phases[0].rims.size(), 1u);  // all disks have one size
+  const auto& rim = d.phases[0].rims[0].offset;
   ASSERT_GE(rim.size(), 8u);
   const float far = rim.back().x();
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(rim[static_cast<std::size_t>(i)].x() - far, 0.1f, 0.02f) << i;
   EXPECT_NEAR(rim[6].x() - far, 0, 0.01f);
   for (std::size_t i = 0; i < p.offset.size(); ++i)
     if (p.phase[i] == 0) ASSERT_LT(p.offset[i].norm(), 0.18f);
+}
+
+TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
+  // A halo of 0.2 beside disks of radius 26, none beside disks of radius 9.
+  constexpr int kSide = 320;
+  Image image(kSide, kSide, 1, 0.1);
+  Labels labels;
+  labels.width = labels.height = kSide, labels.pixel_size = 0.1;
+  labels.ids.assign(static_cast<std::size_t>(kSide) * kSide, 0);
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const int column = x / 80, row = y / 80;
+      const double d = std::hypot(x % 80 + 0.5 - 40, y % 80 + 0.5 - 40), radius = (column + row) % 2 ? 26 : 9;
+      const bool inside = d < radius;
+      if (inside) labels.ids[static_cast<std::size_t>(y) * kSide + x] = 1 + column + 4 * row;
+      const float encoded = inside ? 0.3f : radius > 20 && d < radius + 5 ? 0.6f : 0.4f;
+      image.at(x, y) = srgb_to_linear(Vec3f::Constant(encoded));
+    }
+  labels.classes.assign(16, 0);
+  PhaseChoice choice;
+  choice.edge = 0, choice.specks = 0;
+  Phases p = find_phases(image, labels, choice);
+  Detail d;
+  d.phases.resize(p.pixels.size());
+  split_rims(p, labels, d);
+  const auto& rims = d.phases[0].rims;
+  ASSERT_GE(rims.size(), 2u);
+  EXPECT_NEAR(rims.front().size, 1.8f, 0.1f);  // mm
+  EXPECT_NEAR(rims.back().size, 5.2f, 0.1f);
+  const auto halo = [](const Detail::Rim& r) { return r.offset[1].x() - r.offset.back().x(); };
+  EXPECT_NEAR(halo(rims.front()), 0, 0.02f);
+  EXPECT_NEAR(halo(rims.back()), 0.2f, 0.02f);
+  for (std::size_t i = 0; i < p.offset.size(); ++i)
+    if (p.phase[i] == 0) {
+      ASSERT_LT(p.offset[i].norm(), 0.2f) << i;
+    }
 }
 
 TEST(DetailRims, SlopesAndContrastsAreMeasured) {

@@ -91,8 +91,8 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   Detail d = noise_detail();
   for (auto& phase : d.phases)
     for (Vec3f& v : phase.tile) v.setZero();
-  d.phases[1].rim = {Vec3f::Constant(0.3f), Vec3f::Constant(0.1f), Vec3f::Zero()};
-  d.phases[0].rim = {Vec3f::Constant(-0.2f), Vec3f::Zero()};
+  d.phases[1].rims = {{1, {Vec3f::Constant(0.3f), Vec3f::Constant(0.1f), Vec3f::Zero()}}};
+  d.phases[0].rims = {{1, {Vec3f::Constant(-0.2f), Vec3f::Zero()}}};
   const Vec3f at = p.position[0].cast<float>();
   const ResidualField rims(d, p, 0);
   const float dark = Detail::particle_scale(linear_to_srgb(p.color[0]));
@@ -100,7 +100,7 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   EXPECT_NEAR(rims.at(at, 0, 0.5f).x(), 0.2f * dark, 1e-5f);   // between two bins
   EXPECT_NEAR(rims.at(at, 0, 100).x(), 0, 1e-5f);
   EXPECT_NEAR(rims.at(at, -1, 0.25f).x(), -0.2f, 1e-5f);
-  for (auto& phase : d.phases) phase.rim.clear();
+  for (auto& phase : d.phases) phase.rims.clear();
   d.phases[1].slope = 0.1f;
   const ResidualField slopes(d, p, 0);
   const float up = slopes.at(at + Vec3f(2, 1, 0), 0).x(), down = slopes.at(at - Vec3f(2, 1, 0), 0).x();
@@ -113,6 +113,21 @@ TEST(PhaseField, RimsContrastsAndSlopesAreApplied) {
   loud.profile_contrast = {{3, 3}, {1, 1}};
   const double plain = deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]);
   EXPECT_NEAR(deviation(ResidualField(loud, p, 0), 0, p.position[0]) / plain, 3, 1e-3);
+}
+
+TEST(PhaseField, RimsDependOnTheSizeOfTheProfile) {
+  const Particles p = two_particles();
+  Detail d = noise_detail();
+  for (auto& phase : d.phases)
+    for (Vec3f& v : phase.tile) v.setZero();
+  d.phases[0].rims = {{1, {Vec3f::Constant(0.1f)}}, {4, {Vec3f::Constant(0.3f), Vec3f::Constant(0.1f)}}};
+  const ResidualField field(d, p, 0);
+  const Vec3f at = p.position[0].cast<float>();
+  EXPECT_NEAR(field.at(at, -1, 0.1f, 0.5f).x(), 0.1f, 1e-5f);  // smaller than all
+  EXPECT_NEAR(field.at(at, -1, 0.1f, 2).x(), 0.2f, 1e-5f);     // halfway by the logarithm
+  EXPECT_NEAR(field.at(at, -1, 0.1f, 9).x(), 0.3f, 1e-5f);
+  EXPECT_NEAR(field.at(at, -1, 50, 9).x(), 0.1f, 1e-5f);  // the last bin holds beyond
+  EXPECT_NEAR(field.at(at, -1, 0.1f).x(), 0.3f, 1e-5f);   // unknown: the middle one, here the second
 }
 
 TEST(PhaseField, ChromaHasAContrastOfItsOwn) {
@@ -212,7 +227,15 @@ TEST(OutlineDepth, IsTheDistanceToTheNearestOutline) {
   EXPECT_NEAR(open[row + 0], 9.5, 1e-3);
   EXPECT_NEAR(closed[row + 0], 0.5, 1e-6);  // the outline on the picture's edge
   EXPECT_NEAR(closed[row + 39], 0.5, 1e-6);
+  ids[row + 30] = 4;
+  const auto nearest = residual::nearest_outlines(ids.data(), 40, 40, false);
+  EXPECT_EQ(nearest.depth, residual::outline_depth(ids.data(), 40, 40, false));
+  EXPECT_EQ(nearest.particle[row + 2], 7);
+  EXPECT_EQ(nearest.particle[row + 12], 7);  // the binder belongs to the nearer one
+  EXPECT_EQ(nearest.particle[row + 27], 4);
+  EXPECT_EQ(nearest.particle[row + 30], 4);
   ids.assign(ids.size(), 3);
+  for (const auto id : residual::nearest_outlines(ids.data(), 40, 40, true).particle) ASSERT_EQ(id, 3);
   for (const float d : residual::outline_depth(ids.data(), 40, 40, true)) ASSERT_GT(d, 40);
 }
 
