@@ -71,7 +71,7 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
   }
   const bool outdoors = where == Surroundings::Outdoors;
   // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
-  vivid_ = r.uniform() < (outdoors ? 0.04 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
+  vivid_ = r.uniform() < (outdoors ? 0.03 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
   hue_ = outdoors ? r.uniform(0.03, 0.25) : 0.3;
   chroma_ = outdoors ? r.uniform(0.004, 0.022) : r.uniform(0.008, 0.035);
   ground_ = natural(r, 0.25 * vivid_);
@@ -135,7 +135,7 @@ Texture PhotoPalette::texture(Random& r, const Vec3f& color, double radius, doub
 Texture PhotoPalette::stone(Random& r, double radius) const {
   Texture t = particle(r, radius);
   // Strong patterns are rare among stones that lie about.
-  if (r.uniform() < 0.75) t.strength *= 0.4;
+  if (r.uniform() < 0.9) t.strength *= 0.35;
   if (r.uniform() < 0.6) {
     const double turn = r.uniform(0, 6.2832);
     t.tone = Vec3(std::cos(turn), std::sin(turn), 0) * (r.uniform(0, 0.3) / radius);
@@ -151,7 +151,11 @@ Texture PhotoPalette::stone(Random& r, double radius) const {
     t.vein = Vec3(std::cos(turn), std::sin(turn), tilt).normalized();
     t.vein_offset = radius * r.uniform(-0.6, 0.6),
     t.vein_width = std::max(1.0, radius * r.uniform(0.01, 0.12));
-    t.vein_color = r.uniform() < 0.7 ? from_lab(r.uniform(0.75, 0.95), 0, 0.01) : natural(r, vivid_);
+    if (r.uniform() < 0.3) {  // a crack
+      t.vein_width = std::max(1.0, radius * r.uniform(0.01, 0.03));
+      t.vein_color = 0.25f * t.color;
+    } else
+      t.vein_color = r.uniform() < 0.7 ? from_lab(r.uniform(0.75, 0.95), 0, 0.01) : natural(r, vivid_);
   }
   return t;
 }

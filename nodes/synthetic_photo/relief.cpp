@@ -66,6 +66,28 @@ void scatter_clods(Canvas& c, Random& r, const Work& work) {
   }
 }
 
+// Soil that slid down or stuck: it rises unevenly and covers the feet of the stones, so that their outlines
+// are ragged where they dip into it.
+void cover_feet(Canvas& c, const std::vector<float>& soil, const std::vector<Vec3f>& soil_color,
+                double smallest, Random& r) {
+  const double thick = smallest * r.uniform(0.1, 0.9), size = r.uniform(6, 60), edge = r.uniform(0.5, 2);
+  const double bias = r.uniform(-0.3, 0.5);
+  const std::uint64_t seed = r.bits();
+  for (int y = 0; y < c.height; ++y)
+    for (int x = 0; x < c.width; ++x) {
+      const std::size_t i = c.at(x, y);
+      const double more = std::clamp(bias + 1.5 * turbulence(seed, Vec3(x, y, 0) / size, 4), 0.0, 1.0);
+      const auto level = static_cast<float>(soil[i] + thick * more);
+      const float over = level - c.z[i];
+      if (more <= 0 || over <= 0) continue;
+      c.z[i] = level;
+      if (c.id[i] == 0) continue;
+      // A film shows what is below.
+      c.color[i] += std::min(1.0f, static_cast<float>(over / edge)) * (soil_color[i] - c.color[i]);
+      if (over > 0.5 * edge) c.id[i] = 0, c.gloss[i] = 0;
+    }
+}
+
 struct Footprint {
   double ground = 0;    // a middle height of what lies there
   double occupied = 0;  // share of the samples on stones
@@ -114,7 +136,13 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
   std::sort(radii.begin(), radii.end(), std::greater<>());
   if (options.heap && r.uniform() < 0.7)
     for (std::size_t i = radii.size(); i > 1; --i) std::swap(radii[i - 1], radii[r.below(i)]);
+  // Water sorts: stones lie close together in some places and are rare in others.
+  const double clusters = r.uniform() < 0.6 ? r.uniform(0.5, 4) : 0,
+               cluster_size = side * r.uniform(0.1, 0.5);
+  const std::uint64_t cluster_seed = r.bits();
+  const bool covered = !options.heap && r.uniform() < 0.5;
   const std::vector<float> soil = c.z;
+  const std::vector<Vec3f> soil_color = covered ? c.color : std::vector<Vec3f>();
   for (const double radius : radii) {
     work.check();
     Placed at;
@@ -123,6 +151,11 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
     for (int attempt = 0; attempt < 14 && !placed; ++attempt) {
       at.x = r.uniform(-0.3 * radius, c.width + 0.3 * radius);
       at.y = r.uniform(-0.3 * radius, c.height + 0.3 * radius);
+      if (clusters > 0 && radius < 0.1 * side) {
+        const double likely =
+            0.5 + clusters * turbulence(cluster_seed, Vec3(at.x, 2 * at.y, 0) / cluster_size, 2);
+        if (r.uniform() > likely) continue;
+      }
       under = look_under(c, at.x, at.y, radius);
       placed = under.occupied <= allowed;
     }
@@ -135,6 +168,7 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
     draw(c, stone, at, &texture, static_cast<float>(wet * r.uniform(0.5, 1)), ++c.particles, mud,
          palette.ground_color(), r.bits());
   }
+  if (covered) cover_feet(c, soil, soil_color, smallest, r);
   if (r.uniform() < (options.heap ? 0.1 : 0.15)) spread_clay(c, palette, r, work);
 }
 

@@ -1,6 +1,7 @@
 #include "nodes/synthetic_photo/soil.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "nodes/common/geometry/rank.h"
@@ -71,6 +72,41 @@ class Cracks {
   double depth_, size_, stretch_, width_, open_;
 };
 
+// Grains of sand that touch: a mosaic of cells, each a small bump with a color of its own.
+class Sand {
+ public:
+  Sand(const PhotoPalette& palette, Random& r)
+      : seed_(r.bits()),
+        size_(std::exp(r.uniform(std::log(2.5), std::log(11.0)))),
+        relief_(size_ * r.uniform(0.05, 0.45)),
+        contrast_(r.uniform(0.05, 0.6)),
+        cover_(r.uniform() < 0.4 ? r.uniform(0.2, 0.9) : 1) {
+    for (Vec3f& color : tints_) color = palette.particle(r, size_).color;
+    tinted_ = r.uniform() < 0.5 ? r.uniform(0, 0.7) : 0;
+    strength_ = static_cast<float>(r.uniform(0.1, 0.9));
+  }
+  // Raises the surface and changes its color; `share` of the effect.
+  void add(const Vec3& p, float share, float& z, Vec3f& color) const {
+    const Cell cell = cellular(seed_, p / size_);
+    const double kind = 7.31 * cell.shade - std::floor(7.31 * cell.shade),
+                 there = 13.7 * cell.shade - std::floor(13.7 * cell.shade);
+    if (there > cover_) return;
+    const double dome = std::min(1.0, 2.5 * cell.edge);
+    z += static_cast<float>(share * relief_ * (dome * (2 - dome) + 1.5 * cell.shade));
+    if (kind < tinted_) {
+      const Vec3f& tint = tints_[static_cast<std::size_t>(kind / tinted_ * 2.999)];
+      color += share * strength_ * (tint - color);
+    }
+    color *= static_cast<float>(std::exp(share * contrast_ * (2 * cell.shade - 1)));
+  }
+
+ private:
+  std::uint64_t seed_;
+  double size_, relief_, contrast_, cover_, tinted_ = 0;
+  float strength_ = 0;
+  std::array<Vec3f, 3> tints_;
+};
+
 // A smooth field seen through every fourth point.
 class Field {
  public:
@@ -97,10 +133,10 @@ class Field {
 
 // Hollows: ragged pits, and the smooth molds of stones that fell out.
 void dig(Canvas& c, Random& r) {
-  for (int pits = static_cast<int>(r.below(9)) - 3; pits > 0; --pits) {
+  for (int pits = static_cast<int>(r.below(12)) - 4; pits > 0; --pits) {
     const bool mold = r.uniform() < 0.4;
-    const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), size = r.uniform(6, mold ? 90 : 45),
-                 depth = size * r.uniform(0.2, mold ? 0.7 : 1.2), ragged = mold ? 0.12 : 0.7;
+    const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), size = r.uniform(6, mold ? 90 : 70),
+                 depth = size * r.uniform(0.2, mold ? 0.7 : 1.8), ragged = mold ? 0.12 : 0.7;
     const std::uint64_t s = r.bits();
     for (int y = std::max(0, static_cast<int>(py - 2 * size)); y < std::min<double>(c.height, py + 2 * size);
          ++y)
@@ -153,6 +189,9 @@ void make_soil(Canvas& c, const PhotoPalette& palette, Random& r, const Work& wo
                damp_size = r.uniform(40, 300);
   const double even_size = r.uniform(40, 300), even_share = r.uniform() < 0.2 ? r.uniform(-0.3, 0.4) : -9;
   const std::uint64_t seed = r.bits();
+  std::vector<Sand> sands;
+  for (int kinds = r.uniform() < 0.25 ? 0 : 1 + static_cast<int>(r.below(2)); kinds > 0; --kinds)
+    sands.emplace_back(palette, r);
   constexpr double kSplit = 24;  // the larger octaves are smooth
   Field hills(c), wet(c), smooth(c);
   hills.fill([&](const Vec3& p) { return ground.coarse(p, kSplit); });
@@ -173,6 +212,7 @@ void make_soil(Canvas& c, const PhotoPalette& palette, Random& r, const Work& wo
       if (cracks.any()) c.z[i] -= static_cast<float>(cracks.depth(p));
       Vec3f color = rough(p);
       if (s > 0) color += s * (even(p) - color);
+      for (const Sand& sand : sands) sand.add(p, 1 - 0.9f * s, c.z[i], color);
       c.color[i] = color * wet(x, y) * static_cast<float>(std::max(0.2, 1 + shaded * crumbs));
     }
   }

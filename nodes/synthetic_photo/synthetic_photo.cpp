@@ -41,7 +41,8 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
                  options.fill.value_or(scene == Scene::Heap ? r.uniform(1, 3) : r.uniform(0.05, 1.1))},
                 palette, r, work);
   if (options.objects) add_objects(canvas, gray && flat, r);
-  const std::vector<Vec3f> light = shade(canvas, random_light(r, flat), work);
+  const std::vector<Vec3f> light =
+      shade(canvas, random_light(r, flat, scene == Scene::Bank || scene == Scene::Outcrop), work);
   One one;
   one.picture = expose(canvas, light, gray, r);
   Visible visible = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.045);
