@@ -1,6 +1,7 @@
 #include "nodes/segment/network.h"
 
 #include <algorithm>
+#include <array>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -75,12 +76,9 @@ struct View {
             {number, core, cv::Rect(x - kMargin, y - kMargin, w + 2 * kMargin, h + 2 * kMargin) & all});
       }
   }
-  void keep(const Tile& t, const cv::Mat& out) {
-    for (int k = 0; k < 4; ++k) {
-      const cv::Mat plane(t.seen.height, t.seen.width, CV_32F, const_cast<float*>(out.ptr<float>(0, k)));
-      plane(cv::Rect(t.core.x - t.seen.x, t.core.y - t.seen.y, t.core.width, t.core.height))
-          .copyTo(maps[k](t.core));
-    }
+  void keep(const Tile& t, const std::array<cv::Mat, 4>& of_tile) {
+    const cv::Rect core(t.core.x - t.seen.x, t.core.y - t.seen.y, t.core.width, t.core.height);
+    for (int k = 0; k < 4; ++k) of_tile[k](core).copyTo(maps[k](t.core));
   }
   NetworkMaps maps_of_size(int w, int h) {
     NetworkMaps result;
@@ -106,6 +104,16 @@ std::string built_in_model() { return {terrazzo_segment_model, terrazzo_segment_
 
 struct Network::Model : ModelPool {
   using ModelPool::ModelPool;
+
+  std::array<cv::Mat, 4> maps_of(const cv::Mat& tile) {
+    cv::Mat out = run(cv::dnn::blobFromImage(tile));
+    if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 4 || out.size[2] != tile.rows ||
+        out.size[3] != tile.cols)
+      refuse("its output does not have four maps of the input's size");
+    std::array<cv::Mat, 4> maps;
+    for (int k = 0; k < 4; ++k) maps[k] = cv::Mat(tile.rows, tile.cols, CV_32F, out.ptr<float>(0, k)).clone();
+    return maps;
+  }
 };
 
 Network::Network(std::string bytes)
@@ -131,11 +139,15 @@ std::vector<NetworkMaps> Network::operator()(const Image& image, int section, st
   work.parallel(tiles.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       View& view = views[tiles[t].view];
-      const cv::Mat tile = view.padded(tiles[t].seen), out = model_->run(cv::dnn::blobFromImage(tile));
-      if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 4 || out.size[2] != tile.rows ||
-          out.size[3] != tile.cols)
-        model_->refuse("its output does not have four maps of the input's size");
-      view.keep(tiles[t], out);
+      const cv::Mat tile = view.padded(tiles[t].seen);
+      cv::Mat mirrored;
+      cv::flip(tile, mirrored, 1);
+      std::array<cv::Mat, 4> maps = model_->maps_of(tile), other = model_->maps_of(mirrored);
+      for (int k = 0; k < 4; ++k) {
+        cv::flip(other[k], other[k], 1);
+        maps[k] = 0.5 * (maps[k] + other[k]);
+      }
+      view.keep(tiles[t], maps);
     }
   });
   std::vector<NetworkMaps> all(views.size());

@@ -30,9 +30,9 @@ class Network {
   Network& operator=(const Network&) = delete;
 
   // The section is seen at each of the `scales` (1: pixel by pixel), and the maps are enlarged or reduced to
-  // its size. The picture is cut into tiles that depend on its size alone, and each tile is computed by one
-  // thread, so the result is the same on any number of threads. Throws Error "bad-model" if the output has
-  // another shape.
+  // its size. Maps are the means of those of the picture and of its mirror image. The picture is cut into
+  // tiles that depend on its size alone, and each tile is computed by one thread, so the result is the same
+  // on any number of threads. Throws Error "bad-model" if the output has another shape.
   std::vector<NetworkMaps> operator()(const Image&, int section, std::span<const double> scales,
                                       const Work&) const;
 

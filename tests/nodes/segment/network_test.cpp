@@ -58,6 +58,26 @@ Labels as_labels(std::vector<std::int32_t> ids, int width, int height) {
   return out;
 }
 
+TEST(Network, AMirroredPictureHasMirroredMaps) {
+  Image image(64, 64, 1, 1), mirrored = image;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float v = std::hypot(x - 20.0f, y - 30.0f) < 12 ? 0.7f : 0.2f + 0.002f * static_cast<float>(x);
+      image.at(x, y) = mirrored.at(63 - x, y) = Vec3f(v, 0.9f * v, 0.8f * v);
+    }
+  const Network network(built_in_model());
+  const std::array<double, 1> whole{1.0};
+  const NetworkMaps a = network(image, 0, whole, {}).front(), b = network(mirrored, 0, whole, {}).front();
+  EXPECT_GT(*std::max_element(a.inside.begin(), a.inside.end()), 0.5f);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * 64 + x,
+                        j = static_cast<std::size_t>(y) * 64 + 63 - x;
+      ASSERT_EQ(a.inside[i], b.inside[j]) << x << ' ' << y;
+      ASSERT_EQ(a.border[i], b.border[j]) << x << ' ' << y;
+    }
+}
+
 TEST(NetworkBasins, IdealMapsGiveTheLabelsBack) {
   const int w = 96, h = 80;
   const auto labels =
