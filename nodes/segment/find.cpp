@@ -48,11 +48,12 @@ void ignore_objects(const std::vector<float>& not_material, int section, const I
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
 // they overlap. The colors of the phases must be distinct. Then color decides what is binder, and the
 // outlines of bodies are finer, so their scores count more, and bodies without a rival stay even if the
-// network does not know them.
+// network does not know them. Instances of the network replace a body only if they cover most of it: white
+// specks in a pore are no reason to lose the pore.
 NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instance> instances,
                                     const Particles2D& bodies, int width, int height,
                                     const SplitOptions& split, const Work& work) {
-  const double lead = 1.6, least = NetworkOptions().min_score;
+  const double lead = 1.6, least = NetworkOptions().min_score, explained = 0.7, first_of_all = 2;
   std::vector<Instance> all;
   for (Instance& in : instances) {
     // Color decides what is binder.
@@ -67,13 +68,22 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
     if (const auto id = bodies.labels[i]; id > 0)
       all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
   const std::vector<double> scores = view.scores(bodies.labels, count, work);
-  for (std::int32_t k = 0; k < count; ++k) all[first + k].score = std::max(least, lead * scores[k]);
+  for (std::int32_t k = 0; k < count; ++k)
+    all[first + k].score = std::max(least, lead * scores[k]), all[first + k].explained = explained;
   NetworkOptions how;
   how.min_area = split.min_area >= 0 ? split.min_area : std::min(how.min_area, bodies.min_area);
-  NetworkView::Found found = view.choose(std::move(all), how, work);
+  NetworkView::Found found = view.choose(all, how, work);
+  std::vector<std::int64_t> size(count + 1, 0), covered(count + 1, 0);
+  for (std::size_t i = 0; i < bodies.labels.size(); ++i)
+    ++size[bodies.labels[i]], covered[bodies.labels[i]] += found.particles.labels[i] > 0;
+  bool lost = false;
+  for (std::int32_t k = 0; k < count; ++k)
+    if (static_cast<double>(covered[k + 1]) < explained * static_cast<double>(size[k + 1]))
+      all[first + k].score = first_of_all, lost = true;
+  if (lost) found = view.choose(std::move(all), how, work);
   const auto of_color = [&](std::int32_t label) { return label > 0 && found.from[label - 1] >= first; };
   for (std::size_t k = 0; k < found.from.size(); ++k)
-    if (found.from[k] >= first) found.scores[k] /= lead;
+    if (found.from[k] >= first) found.scores[k] = std::max(least / lead, scores[found.from[k] - first]);
   // Bodies keep their own outlines, on both sides.
   Particles2D& p = found.particles;
   for (std::size_t i = 0; i < p.labels.size(); ++i) {

@@ -147,7 +147,11 @@ Accepted accept_instances(const std::vector<Instance>& instances, int width, int
       double sum = 0;
       for (const std::size_t k : within[p])
         if (filling.place(k)) sum += gain(k);
-      if (sum > gain(before.from)) {
+      const auto covered = std::count_if(before.pixels.begin(), before.pixels.end(),
+                                         [&](auto i) { return filling.labels()[i] > 0; });
+      const bool enough = static_cast<double>(covered) >=
+                          instances[before.from].explained * static_cast<double>(before.pixels.size());
+      if (enough && sum > gain(before.from)) {
         filling.give_up(before);
         changed = true;
         continue;

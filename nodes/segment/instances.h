@@ -11,6 +11,7 @@ namespace terrazzo::segment {
 struct Instance {
   std::vector<std::int32_t> pixels;  // indices, ascending
   double score = 0;                  // 0 to 1
+  double explained = 0;              // share of it that others must cover to replace it
 };
 
 struct Accepted {
@@ -23,7 +24,8 @@ struct Accepted {
 // ones; the rest of it is kept if it stays in one piece of at least `min_area` pixels. Then an accepted
 // instance gives way to others that lie in it, if these are worth more together: a mound of soil between
 // stones often looks more like a particle than each stone that sticks out of it. An instance is worth
-// `worth(score) - worth(min_score)`. Returns labels from 1, best score first, with their scores.
+// `worth(score) - worth(min_score)`, and gives way only to others that cover at least `explained` of it.
+// Returns labels from 1, best score first, with their scores.
 Accepted accept_instances(const std::vector<Instance>& instances, int width, int height, double min_area,
                           double min_score, double (*worth)(double score), const Work&);
 

@@ -226,6 +226,18 @@ TEST(NetworkInstances, AMoundGivesWayToTheStonesInIt) {
   EXPECT_EQ(std::count(whole.labels.begin(), whole.labels.end(), 1), 600);
 }
 
+TEST(NetworkInstances, SpecksDoNotReplaceThePoreAroundThem) {
+  const int w = 40, h = 20;
+  Instance pore = rectangle(0, 30, 0, 20, w, 0.9);
+  const Instance left = rectangle(2, 10, 2, 10, w, 0.8), right = rectangle(15, 25, 5, 15, w, 0.8);
+  pore.explained = 0.3;  // they cover 164 of 600 pixels
+  EXPECT_EQ(accept_instances({pore, left, right}, w, h, 1, 0.45, as_it_is, {}).from,
+            (std::vector<std::size_t>{0}));
+  pore.explained = 0.25;
+  EXPECT_EQ(accept_instances({pore, left, right}, w, h, 1, 0.45, as_it_is, {}).from,
+            (std::vector<std::size_t>{1, 2}));
+}
+
 TEST(NetworkInstances, ManyShapesOverlapNowhereAndKeepTheirOrder) {
   const int w = 64, h = 48;
   for (int seed = 1; seed <= 20; ++seed) {
