@@ -13,6 +13,12 @@ os.environ["TERRAZZO_PROGRESS"] = "0"
 os.environ["MPLBACKEND"] = "Agg"
 
 
+def resident():
+    """Memory of the process in bytes."""
+    with open("/proc/self/statm") as f:
+        return int(f.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 @pytest.fixture(autouse=True)
 def own_folders(tmp_path, monkeypatch):
     """Each test has a working folder and a cache of its own."""
