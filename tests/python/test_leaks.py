@@ -6,7 +6,9 @@ import tracemalloc
 import numpy as np
 
 import terrazzo as t
-from conftest import resident
+from conftest import needs_plain_memory, resident
+
+pytestmark = needs_plain_memory
 
 
 def grows(step, warm_up, count):

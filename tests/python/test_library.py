@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import terrazzo as t
-from conftest import SOURCE, resident
+from conftest import SOURCE, needs_plain_memory, resident
 
 
 def test_a_library_graph_is_a_function(section):
@@ -74,6 +74,7 @@ def test_sweeps():
     assert grain["seed"] == 1
 
 
+@needs_plain_memory
 def test_a_sweep_keeps_no_values_in_memory():
     g = t.Graph(cache=False, memory=1)  # the store keeps only values in use
     base = g.Pattern(kind="fat", width=256, height=256)
