@@ -112,7 +112,7 @@ Diagnostics Session::load(Overrides overrides) {
   if (has_errors(found)) return found;
   std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
   for (const auto& weak : evaluations_)
-    if (const auto e = weak.lock(); e && e->follows_edits_)
+    if (const auto e = weak.lock(); e && e->follows_edits_ && !e->done())
       for (const int i : obsolete_nodes(e->graph(), *graph))
         e->cancel_node_[static_cast<std::size_t>(i)] = true;
   graph_ = std::move(graph);

@@ -18,6 +18,8 @@ SizeLaw law_of(const NodeParameters& c) {
   law.classes = static_cast<int>(c.integer("classes"));
   if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
+  if (c.keyword("low").empty()) law.low = c.numbers("low");
+  if (c.keyword("high").empty()) law.high = c.numbers("high");
   if (const auto v = c.optional_number("volume_fraction")) law.volume_fraction = *v;
   if (const auto v = c.optional_number("number_density")) law.number_density = *v;
   law.types = c.choice<Types>("types");
@@ -85,6 +87,18 @@ NodeType distribution_node() {
                      .range(0, 1e18)
                      .count(1, 1000)
                      .doc_("Number density of each class, for kind: classes"))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Numbers, "low", "none")
+              .unit_("mm⁻³")
+              .range(0, 1e18)
+              .count(1, 1000)
+              .doc_("Lower ends of the 90 % intervals of N_V, which Compare uses. none: N_V itself, for "
+                    "intervals that are unknown."))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "high", "none")
+                     .unit_("mm⁻³")
+                     .range(0, 1e18)
+                     .count(1, 1000)
+                     .doc_("Upper ends of the intervals"))
       .parameter(Parameter::optional_number("volume_fraction", "auto")
                      .range(0, 1)
                      .doc_("Volume fraction of the particles. auto: 0.3, or the one that follows from N_V or "

@@ -130,6 +130,20 @@ void check_classes(const SizeLaw& law) {
           .parameter("class_edges");
   if (!std::any_of(law.N_V.begin(), law.N_V.end(), [](double v) { return v > 0; }))
     throw Error("bad-classes", "all values of N_V are zero; at least one must be positive").parameter("N_V");
+  for (const bool upper : {false, true}) {
+    const auto& ends = upper ? law.high : law.low;
+    const char* name = upper ? "high" : "low";
+    if (ends.empty()) continue;
+    if (ends.size() != law.N_V.size())
+      throw Error("bad-classes",
+                  fmt::format("{} has {} values, but N_V has {}", name, ends.size(), law.N_V.size()))
+          .parameter(name);
+    for (std::size_t i = 0; i < ends.size(); ++i)
+      if (upper ? ends[i] < law.N_V[i] : ends[i] > law.N_V[i])
+        throw Error("bad-classes", fmt::format("N_V of class {} is {}, which is {} {} = {}", i, law.N_V[i],
+                                               upper ? "above" : "below", name, ends[i]))
+            .parameter(name);
+  }
 }
 
 }  // namespace
@@ -166,7 +180,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   e.shape = -1;
   if (law.kind == LawKind::Classes) {
     out.class_edges = law.class_edges;
-    e.N_V = law.N_V;
+    e.N_V = law.N_V, e.low = law.low, e.high = law.high;
   } else {
     out.class_edges = law_edges(law);
     for (std::size_t i = 0; i + 1 < out.class_edges.size(); ++i) {
@@ -186,8 +200,10 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
     factor = law.number_density / number;
   else if (law.volume_fraction >= 0 || law.kind != LawKind::Classes)
     factor = (law.volume_fraction >= 0 ? law.volume_fraction : 0.3) / volume;
-  for (double& v : e.N_V) v *= factor;
-  e.low = e.high = e.N_V;
+  for (auto* list : {&e.N_V, &e.low, &e.high})
+    for (double& v : *list) v *= factor;
+  if (e.low.empty()) e.low = e.N_V;
+  if (e.high.empty()) e.high = e.N_V;
   out.volume_fraction = volume * factor;
   check_fraction(out.volume_fraction);
   out.d_max = out.class_edges.back();
@@ -203,8 +219,8 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   for (std::size_t s = 0; s < shapes->shapes.size(); ++s) {
     SizeDistribution::Entry part = e;
     part.shape = part.cls = static_cast<int>(s);
-    for (double& v : part.N_V) v *= shapes->shapes[s].probability / probability;
-    part.low = part.high = part.N_V;
+    for (auto* list : {&part.N_V, &part.low, &part.high})
+      for (double& v : *list) v *= shapes->shapes[s].probability / probability;
     out.shapes.push_back(std::move(part));
   }
   return out;

@@ -26,6 +26,7 @@ struct SizeLaw {
   int classes = 10;                 // number of equal classes of a law
   std::vector<double> class_edges;  // for `classes`: n + 1 increasing sizes, mm
   std::vector<double> N_V;          // for `classes`: n densities, per mm³
+  std::vector<double> low, high;    // for `classes`: ends of the 90 % intervals of N_V; empty: unknown
   double volume = 1;                // for `equal_volume`: of each particle, mm³
   double volume_fraction = -1;      // < 0: not set
   double number_density = -1;       // per mm³; < 0: not set

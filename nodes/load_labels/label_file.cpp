@@ -141,4 +141,38 @@ Labels labels_from_classes(const std::vector<RawMask>& masks, double pixel_size)
   return with_any(std::move(labels));
 }
 
+void set_classes(Labels& labels, const std::vector<RawMask>& masks) {
+  constexpr std::uint32_t kHighest = 1'000'000;
+  const auto wrong = [](const char* code, const std::string& what, const std::string& hint) {
+    return Error(code, what, hint).parameter("classes");
+  };
+  const std::size_t plane = static_cast<std::size_t>(labels.width) * labels.height;
+  if (masks.size() != static_cast<std::size_t>(labels.sections))
+    throw wrong("size-mismatch",
+                fmt::format("there are {} masks of classes for {} sections", masks.size(), labels.sections),
+                "write one for each section");
+  std::vector<std::map<std::uint32_t, std::size_t>> votes(labels.classes.size());
+  for (std::size_t s = 0; s < masks.size(); ++s) {
+    if (masks[s].width != labels.width || masks[s].height != labels.height)
+      throw wrong("size-mismatch",
+                  fmt::format("a mask of classes is {} × {} pixels, but the labels are {} × {}",
+                              masks[s].width, masks[s].height, labels.width, labels.height),
+                  "both must show the same section");
+    for (std::size_t p = 0; p < plane; ++p)
+      if (const auto id = labels.ids[s * plane + p]; id > 0 && masks[s].values[p] > 0)
+        ++votes[static_cast<std::size_t>(id) - 1][masks[s].values[p]];
+  }
+  for (std::size_t k = 0; k < votes.size(); ++k) {
+    if (votes[k].empty())
+      throw wrong("bad-labels", fmt::format("profile {} has no class: the mask of classes is 0 there", k + 1),
+                  "classes are numbered from 1; 0 is background");
+    const auto most = std::max_element(votes[k].begin(), votes[k].end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (most->first > kHighest)
+      throw wrong("bad-labels", fmt::format("the mask of classes contains {}", most->first),
+                  "number the classes from 1 to 1,000,000");
+    labels.classes[k] = static_cast<std::int32_t>(most->first) - 1;
+  }
+}
+
 }  // namespace terrazzo::load_labels

@@ -31,4 +31,8 @@ Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 // classes: such a mask contains instances, or was blurred.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 
+// Sets the class of each profile: the most frequent value at its pixels, without background, less 1. Throws
+// Error "size-mismatch", and "bad-labels" if a profile lies on the background or a class is above 1,000,000.
+void set_classes(Labels&, const std::vector<RawMask>&);
+
 }  // namespace terrazzo::load_labels

@@ -8,20 +8,33 @@ namespace terrazzo {
 namespace {
 using namespace load_labels;
 
-void compute(Context& c) {
+// All masks stay in memory until the last one is read. `held`: bytes of those that were read before.
+std::vector<RawMask> read_masks(Context& c, const char* parameter, std::uint64_t& held) {
   std::vector<RawMask> masks;
+  for (const auto& file : c.files(parameter)) try {
+      c.work().check();
+      Reading reading = reading_of(c);
+      reading.memory -= std::min(reading.memory, held);
+      masks.push_back(read_mask(file, reading));
+      held += masks.back().values.size() * (sizeof(std::uint32_t) + sizeof(std::int32_t));
+    } catch (Error& e) {
+      throw e.parameter(parameter);
+    }
+  return masks;
+}
+
+void compute(Context& c) {
   std::uint64_t held = 0;
-  for (const auto& file : c.files("path")) {
-    c.work().check();
-    // All masks stay in memory until the last one is read.
-    Reading reading = reading_of(c);
-    reading.memory -= std::min(reading.memory, held);
-    masks.push_back(read_mask(file, reading));
-    held += masks.back().values.size() * (sizeof(std::uint32_t) + sizeof(std::int32_t));
-  }
+  const std::vector<RawMask> masks = read_masks(c, "path", held);
   const double pixel_size = c.number("pixel_size");
   Labels labels = c.choice<MaskKind>("kind") == MaskKind::Instances ? labels_from_instances(masks, pixel_size)
                                                                     : labels_from_classes(masks, pixel_size);
+  if (c.keyword("classes").empty()) {
+    if (c.choice<MaskKind>("kind") == MaskKind::Classes)
+      throw Error("both-given", "with kind: classes, the mask itself has the classes", "remove `classes`")
+          .parameter("classes");
+    set_classes(labels, read_masks(c, "classes", held));
+  }
   c.metric("profiles", labels.count());
   c.metric("sections", labels.sections);
   c.output("labels", std::move(labels));
@@ -39,6 +52,11 @@ NodeType load_labels_node() {
       .parameter(Parameter::choice("kind", "instances", {"instances", "classes"})
                      .doc_("instances: each value is one profile. classes: each value is a class, and its "
                            "connected components are the profiles."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::InputPath, "classes", "none")
+              .doc_("With kind: instances, a second mask of the same size, or a glob, that has the class "
+                    "of each profile: the most frequent value at its pixels, from 1. none: all are "
+                    "of one class."))
       .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
       .compute_(compute);
 }

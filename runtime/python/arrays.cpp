@@ -13,43 +13,10 @@
 #include "nodes/data/table.h"
 #include "nodes/distribution/size_laws.h"
 #include "runtime/memory.h"
-#include "runtime/python/value_object.h"
+#include "runtime/python/array_input.h"
 
 namespace terrazzo::python {
 namespace {
-
-using Shape_ = std::vector<py::ssize_t>;
-
-Shape_ shape_of(const py::array& a) { return {a.shape(), a.shape() + a.ndim()}; }
-
-std::string text_of(const py::array& a) {
-  return fmt::format("{} ({})", py::str(a.dtype()).cast<std::string>(), fmt::join(shape_of(a), ", "));
-}
-
-py::array array_of(const py::object& object, const char* what) {
-  py::array a = py::array::ensure(object);
-  if (!a) {
-    PyErr_Clear();
-    throw Error("wrong-type", fmt::format("{} is not an array", what), "pass a numpy array");
-  }
-  return a;
-}
-
-bool is_whole(const py::array& a) {
-  const char kind = a.dtype().kind();
-  return kind == 'i' || kind == 'u' || kind == 'b';
-}
-
-// The array as T in C order. A copy only if it is not that already.
-template <class T>
-py::array_t<T, py::array::c_style | py::array::forcecast> numbers(const py::array& a, const char* what) {
-  if (!is_whole(a) && a.dtype().kind() != 'f')
-    throw Error("wrong-type", fmt::format("{} must be an array of real numbers, not {}", what, text_of(a)));
-  require_memory(static_cast<double>(a.size()) * sizeof(T), available_memory(),
-                 fmt::format("a copy of {}", what));
-  py::array_t<T, py::array::c_style | py::array::forcecast> out(a);
-  return out;
-}
 
 struct Extent {
   int width, height, sections;
@@ -67,12 +34,6 @@ Extent extent_of(const py::array& a, bool color, const char* what) {
       static_cast<double>(sections) * static_cast<double>(height) * static_cast<double>(width) > 4e9)
     throw Error("too-large", fmt::format("{} has more than 4·10⁹ pixels: {}", what, text_of(a)));
   return {static_cast<int>(width), static_cast<int>(height), static_cast<int>(sections)};
-}
-
-double positive(double v, const char* name, const char* unit) {
-  if (!(v > 0) || !std::isfinite(v))
-    throw Error("bad-value", fmt::format("{} must be above 0 {}; it is {}", name, unit, v)).parameter(name);
-  return v;
 }
 
 py::object image(const py::object& object, double pixel_size, bool srgb) {
@@ -107,7 +68,7 @@ py::object image(const py::object& object, double pixel_size, bool srgb) {
   require_memory(static_cast<double>(n) * 12, available_memory(), "the image");
   Image out(e.width, e.height, e.sections, pixel_size);
   {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     for (std::size_t i = 0; i < n; ++i)
       for (int c = 0; c < 3; ++c) {
         double v = in[i * channels + (color ? c : 0)] * scale;
@@ -140,14 +101,17 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
                     plane = static_cast<std::size_t>(e.width) * e.height;
   Labels out;
   out.width = e.width, out.height = e.height, out.sections = e.sections, out.pixel_size = pixel_size;
-  require_memory(static_cast<double>(n) * 12, available_memory(), "the labels");
+  require_memory(static_cast<double>(n) * 4 + static_cast<double>(plane) * 16, available_memory(),
+                 "the labels");
   out.ids.resize(n);
   std::int64_t last = 0;  // number of the last profile
   {
     // As in LoadLabels: profiles are numbered by section, then by increasing value.
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     for (int s = 0; s < e.sections; ++s) {
-      std::vector<std::int64_t> values(in + s * plane, in + (s + 1) * plane);
+      // A copy, since other threads may write to the array.
+      const std::vector<std::int64_t> pixels(in + s * plane, in + (s + 1) * plane);
+      std::vector<std::int64_t> values = pixels;
       std::sort(values.begin(), values.end());
       values.erase(std::unique(values.begin(), values.end()), values.end());
       if (values.front() < 0)
@@ -156,10 +120,10 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
       if (values.front() == 0) values.erase(values.begin());
       if (last + static_cast<std::int64_t>(values.size()) > std::numeric_limits<std::int32_t>::max())
         throw Error("too-large", "the array has more than 2³¹ − 1 different labels");
-      for (std::size_t i = s * plane; i < (s + 1) * plane; ++i)
-        if (in[i] != 0)
-          out.ids[i] = static_cast<std::int32_t>(
-              last + 1 + (std::lower_bound(values.begin(), values.end(), in[i]) - values.begin()));
+      for (std::size_t i = 0; i < plane; ++i)
+        if (pixels[i] != 0)
+          out.ids[s * plane + i] = static_cast<std::int32_t>(
+              last + 1 + (std::lower_bound(values.begin(), values.end(), pixels[i]) - values.begin()));
       last += static_cast<std::int64_t>(values.size());
     }
   }
@@ -222,7 +186,7 @@ py::object mesh(const py::object& vertices, const py::object& triangles, const s
   Mesh m = mesh_of(vertices, triangles);
   Shapes out;
   {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     out.shapes.push_back(measure_shape(name, std::move(m)));
   }
   return to_python(Value::of(std::move(out)));
@@ -247,18 +211,9 @@ py::object sizes(const py::object& class_edges, const py::object& N_V, const py:
   law.kind = distribution::LawKind::Classes;
   law.class_edges = list_of(class_edges, "class_edges");
   law.N_V = list_of(N_V, "N_V");
-  distribution::check_law(law);
-  SizeDistribution out = distribution::make_distribution(law, nullptr);
-  for (auto& e : out.shapes) {
-    if (!low.is_none()) e.low = list_of(low, "low");
-    if (!high.is_none()) e.high = list_of(high, "high");
-    for (const auto& [name, list] : {std::pair("low", &e.low), {"high", &e.high}})
-      if (list->size() != out.classes())
-        throw Error("wrong-count", fmt::format("{} has {} numbers, but class_edges bound {} classes", name,
-                                               list->size(), out.classes()))
-            .parameter(name);
-  }
-  return to_python(Value::of(std::move(out)));
+  if (!low.is_none()) law.low = list_of(low, "low");
+  if (!high.is_none()) law.high = list_of(high, "high");
+  return to_python(Value::of(distribution::make_distribution(law, nullptr)));
 }
 
 py::object table(const py::dict& columns) {

@@ -24,14 +24,16 @@ void bind_errors(py::module_&);
 void bind_values(py::module_&);
 void bind_volumes(py::module_&);
 void bind_arrays(py::module_&);
+void bind_volume_arrays(py::module_&);
 void bind_graph(py::module_&);
 void bind_runs(py::module_&);
 void bind_python_nodes(py::module_&);
 void bind_cache(py::module_&);
 void bind_reproduce(py::module_&);
 
-// Raises terrazzo.Error with these messages. The first error is the exception itself.
-[[noreturn]] void raise(const Diagnostics&);
+// Raises terrazzo.Error with these messages. The first error is the exception itself. `cause`: the exception
+// that led to it, or None.
+[[noreturn]] void raise(const Diagnostics&, const py::object& cause = py::none());
 // A message as terrazzo.Diagnostic.
 py::object to_python(const Diagnostic&);
 
@@ -46,6 +48,11 @@ py::object from_json(const std::string&);
 
 // The place in the user's script of the call being made: the innermost frame outside of this package.
 Place callers_place();
+
+// The value with paths, numbers of numpy and sequences as plain text, numbers and lists. It runs the code of
+// the user's classes, which may edit graphs and let other threads run, so call it before an edit begins.
+// `depth`: of lists in lists.
+py::object plain(const py::object&, int depth = 2);
 
 // A Python object as the written value of a parameter. Throws Error "bad-value" for objects of other kinds.
 WrittenValue written_value(const py::handle&);

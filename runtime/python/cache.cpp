@@ -5,7 +5,8 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/disk_cache.h"
-#include "runtime/python/bind.h"
+#include "runtime/python/outside.h"
+#include "runtime/python/run_object.h"
 #include "runtime/work.h"
 
 namespace terrazzo::python {
@@ -21,7 +22,7 @@ py::dict stats(const std::string& folder) {
   require_cache(folder);
   CacheStats s;
   {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     s = cache_stats(folder);
   }
   py::dict types, out;
@@ -36,7 +37,7 @@ py::dict collect(const std::string& folder, std::uint64_t limit) {
   require_cache(folder);
   Collected c;
   {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     c = collect_cache(folder, limit);
   }
   py::dict out;
@@ -49,8 +50,10 @@ py::dict collect(const std::string& folder, std::uint64_t limit) {
 // Recomputes on this thread. Signals are handled when it ends; nodes in Python are recomputed like others.
 py::dict verify(const std::string& folder, std::uint64_t sample, std::uint64_t seed) {
   require_cache(folder);
+  require_workers();
   Verified v;
   {
+    const InCode in_code;
     std::atomic<bool> cancel{false};
     auto future = std::async(std::launch::async, [&] {
       return verify_cache(folder, registry(), value_types(), sample, seed, Work(&cancel, nullptr));
@@ -58,10 +61,11 @@ py::dict verify(const std::string& folder, std::uint64_t sample, std::uint64_t s
     bool stop = false;
     for (bool end = false; !end;) {
       {
-        const py::gil_scoped_release without_gil;
+        const Outside outside;
         end = future.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
       }
       if (!stop && PyErr_CheckSignals() != 0) stop = cancel = true;
+      if (exiting()) cancel = true;
     }
     if (stop) throw py::error_already_set();
     v = future.get();
@@ -80,11 +84,11 @@ void bind_cache(py::module_& m) {
   m.def("cache_verify", verify);
   m.def("cache_clear", [](const std::string& folder) {
     require_cache(folder);
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     clear_cache(folder);
   });
   m.def("cache_tend", [](const std::string& folder) {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     tend_cache(folder, default_cache_limit);
   });
   m.attr("cache_limit") = default_cache_limit;

@@ -2,7 +2,6 @@
 #include <exception>
 
 #include "runtime/python/bind.h"
-#include "runtime/python/python_node.h"
 
 namespace terrazzo::python {
 namespace {
@@ -28,17 +27,12 @@ py::object to_python(const Diagnostic& d) {
            d.place.line, d.place.column, through, d.text());
 }
 
-void raise(const Diagnostics& all) {
+void raise(const Diagnostics& all, const py::object& cause) {
   py::list list;
   for (const auto& d : all)
     if (d.severity == Severity::Error) list.append(to_python(d));
   const py::object error = error_class()(list);
-  for (const auto& d : all)
-    if (d.code == "python")
-      if (py::object cause = exception_with(d.hint); !cause.is_none()) {
-        PyException_SetCause(error.ptr(), cause.release().ptr());
-        break;
-      }
+  if (!cause.is_none()) PyException_SetCause(error.ptr(), cause.inc_ref().ptr());
   PyErr_SetObject(error_class().ptr(), error.ptr());
   throw py::error_already_set();
 }

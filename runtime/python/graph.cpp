@@ -9,6 +9,7 @@
 #include "runtime/explain.h"
 #include "runtime/files.h"
 #include "runtime/python/graph_object.h"
+#include "runtime/python/outside.h"
 
 namespace terrazzo::python {
 namespace fs = std::filesystem;
@@ -26,7 +27,7 @@ GraphObject::Edit edit_of(const py::dict& values) {
     auto name = key.cast<std::string>();
     if (name.size() > 1 && name.back() == '_' && is_reserved(name.substr(0, name.size() - 1)))
       name.pop_back();
-    edit.values[name] = py::reinterpret_borrow<py::object>(value);
+    edit.values[name] = plain(py::reinterpret_borrow<py::object>(value));
   }
   return edit;
 }
@@ -97,7 +98,7 @@ void add_parameter(GraphObject& g, const std::string& name, const std::string& t
   if (!min.is_none()) p.declaration.min = min.cast<double>();
   if (!max.is_none()) p.declaration.max = max.cast<double>();
   p.declaration.choices = choices, p.declaration.keywords = keywords;
-  if (!value.is_none()) p.value = {written_value(value), p.place};
+  if (!value.is_none()) p.value = {written_value(plain(value)), p.place};
   g.add_parameter(std::move(p));
 }
 
@@ -110,7 +111,7 @@ py::list explain(GraphObject& g, const std::vector<std::string>& targets, const 
   options.output_folder = out;
   Plan plan;
   {
-    const py::gil_scoped_release without_gil;
+    const Outside outside;
     plan = plan_run(*graph, options, s.evaluator().store(), s.evaluator().hashes(), s.history());
   }
   py::list steps;
@@ -212,7 +213,7 @@ void bind_graph(py::module_& m) {
           "The value of a parameter.")
       .def("__setitem__",
            [](const NodeObject& n, const std::string& p, const py::object& value) {
-             graph_of(n.graph).set(n.name, {{{p, value}}, callers_place()});
+             graph_of(n.graph).set(n.name, {{{p, plain(value)}}, callers_place()});
            })
       .def("__getattr__",
            [](const NodeObject& n, const std::string& port) {
@@ -297,8 +298,10 @@ void bind_graph(py::module_& m) {
            [](const py::object& self, const std::string& name) {
              return ParameterReference{self, name};
            })
-      .def("_set_parameter", [](GraphObject& g, const std::string& name,
-                                const py::object& value) { g.set_parameter(name, value, callers_place()); })
+      .def("_set_parameter",
+           [](GraphObject& g, const std::string& name, const py::object& value) {
+             g.set_parameter(name, plain(value), callers_place());
+           })
       .def("_name", [](const GraphObject& g) { return py::make_tuple(g.document().name, g.document().doc); })
       .def("_set_name", &GraphObject::set_name)
       .def("_file", [](const GraphObject& g) { return g.opened().string(); })
@@ -311,10 +314,17 @@ void bind_graph(py::module_& m) {
            })
       .def("_text", [](GraphObject& g, const std::string& folder,
                        bool flat) { return flat ? g.flat_text(folder) : g.text(folder); })
+      .def("_given_value",
+           [](const GraphObject& g, const std::string& node) { return to_python(g.given_value(node)); })
       .def("_save",
-           [](GraphObject& g, const std::string& file, bool flat) {
+           [](const GraphObject& g, const std::string& file, bool flat,
+              const std::map<std::string, std::tuple<std::string, std::string,
+                                                     std::map<std::string, py::object>>>& stand_ins) {
+             GraphObject::StandIns with;
+             for (const auto& [node, s] : stand_ins)
+               with[node] = {std::get<0>(s), std::get<1>(s), std::get<2>(s)};
              const fs::path folder = fs::absolute(file).parent_path();
-             write_text_atomically(file, flat ? g.flat_text(folder) : g.text(folder));
+             write_text_atomically(file, flat ? g.flat_text(folder, with) : g.text(folder, with));
            })
       .def("_explain", explain)
       .def("_draw", draw)

@@ -26,7 +26,8 @@ std::string snake_case(const std::string& name) {
   return out;
 }
 
-// Undoes changes of the document unless keep() was called.
+// Undoes changes of the document unless keep() was called. Edits call no code of the user, so other threads
+// have not changed it meanwhile.
 class Undo {
  public:
   explicit Undo(RawDocument& document) : document_(document), nodes_(document.nodes.size()) {}

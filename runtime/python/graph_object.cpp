@@ -8,6 +8,7 @@
 #include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "runtime/action_key.h"
+#include "runtime/python/outside.h"
 
 namespace terrazzo::python {
 namespace fs = std::filesystem;
@@ -26,7 +27,7 @@ GraphObject::~GraphObject() {
     session_.release();
     return;
   }
-  const py::gil_scoped_release without_gil;  // nodes written in Python need it to end
+  const Outside outside;  // nodes written in Python need it to end
   session_.reset();
 }
 
@@ -184,8 +185,10 @@ Value GraphObject::known(const std::string& output) {
   } catch (const Error&) {
     return {};  // the evaluation reports it
   }
-  const py::gil_scoped_release without_gil;
-  return session_->evaluator().store().get_value(k.record);
+  const OutputRecord record = k.record;  // another thread may replace it once the GIL is released
+  Store& store = session_->evaluator().store();
+  const Outside outside;
+  return store.get_value(record);
 }
 
 void GraphObject::remember(const std::string& output, std::uint64_t revision, const Graph& graph,

@@ -62,10 +62,19 @@ class GraphObject {
   std::vector<std::string> targets(const std::vector<std::string>& given);
   std::uint64_t revision() const { return revision_; }
 
-  // The document as YAML, with paths relative to this folder. Throws Error "not-savable".
-  std::string text(const std::filesystem::path& folder) const;
+  // The value of a node "GivenImage" and so on.
+  Value given_value(const std::string& node) const;
+  // What stands in a file for a node that holds a value: a node that reads or makes the value.
+  struct StandIn {
+    std::string type, output;
+    std::map<std::string, py::object> params;
+  };
+  using StandIns = std::map<std::string, StandIn>;
+  // The document as YAML, with paths relative to this folder. Throws Error "not-savable", unless there is a
+  // stand-in for every node that holds a value.
+  std::string text(const std::filesystem::path& folder, const StandIns& = {}) const;
   // The same without subgraphs, repetitions and parameters: every node that would be evaluated.
-  std::string flat_text(const std::filesystem::path& folder);
+  std::string flat_text(const std::filesystem::path& folder, const StandIns& = {}) const;
 
   // What a node is repeated for, by name: the values as written. Empty for other nodes.
   std::vector<std::pair<std::string, WrittenValue>> each(const std::string& node);
@@ -86,7 +95,7 @@ class GraphObject {
   // Also finds the repeated node that has an element of this name, "solid[17]".
   const RawNode* find_written(const std::string& node) const;
   void apply(RawNode&, const NodeType&, const Edit&);
-  void require_savable() const;
+  RawDocument savable(const StandIns&, Overrides&) const;
   void apply_inside(const std::string& node, const NodeType&, const Edit&);
   std::vector<RawReference> wires(const std::string& node, const Port&, const py::object&, const Place&);
   std::string output_of(const py::handle&, const Port&, const std::string& node);

@@ -6,33 +6,71 @@
 #include "graph/describe.h"
 #include "graph/write_document.h"
 #include "graph/write_graph.h"
+#include "runtime/python/edits.h"
 #include "runtime/python/graph_object.h"
 
 namespace terrazzo::python {
 namespace fs = std::filesystem;
 
-void GraphObject::require_savable() const {
+Value GraphObject::given_value(const std::string& node) const {
+  const RawNode* raw = find(node);
+  if (!raw || !is_given_type(raw->type))
+    throw Error("unknown-node", fmt::format("the node '{}' holds no value", node));
+  return given_.at(raw->params[0].second.written.items[0])->value;
+}
+
+// The document with the stand-ins in place of the nodes that hold values. Wires of the overrides follow.
+RawDocument GraphObject::savable(const StandIns& stand_ins, Overrides& overrides) const {
+  RawDocument doc = document_;
   std::vector<std::string> given;
-  for (const auto& node : document_.nodes)
-    if (is_given_type(node.type)) given.push_back(node.name);
+  std::map<std::string, std::string> outputs;  // former ones, with those of the stand-ins
+  const Place place = callers_place();
+  for (auto& node : doc.nodes) {
+    if (!is_given_type(node.type)) continue;
+    const auto it = stand_ins.find(node.name);
+    if (it == stand_ins.end()) {
+      given.push_back(node.name);
+      continue;
+    }
+    const StandIn& s = it->second;
+    outputs[node.name + ".value"] = node.name + "." + s.output;
+    node.type = s.type, node.params.clear();
+    const NodeType* type = registry().find(s.type);
+    for (const auto& [name, value] : s.params) {
+      RawValue raw{written_value(value), place};
+      if (const Parameter* p = type ? type->find_parameter(name) : nullptr) make_absolute(*p, raw.written);
+      node.params.emplace_back(name, std::move(raw));
+    }
+  }
   if (!given.empty())
     throw Error("not-savable",
                 fmt::format("a graph file cannot hold the arrays of the nodes {}", fmt::join(given, ", ")),
-                "write them to files (value.save) and load these with LoadImage, LoadLabels or LoadMesh");
+                "save(FILE, arrays=FOLDER) writes them to files and loads these");
+  const auto follow = [&](std::string& reference) {
+    if (const auto it = outputs.find(reference); it != outputs.end()) reference = it->second;
+  };
+  for (auto& node : doc.nodes)
+    for (auto& [port, wires] : node.inputs)
+      for (auto& w : wires) follow(w.text);
+  for (auto* list : {&doc.outputs, &doc.inputs})
+    for (auto& [port, w] : *list) follow(w.text);
+  for (auto& [input, sources] : overrides.wires)
+    for (auto& source : sources) follow(source);
+  return doc;
 }
 
-std::string GraphObject::flat_text(const fs::path& folder) {
-  require_savable();
-  link();
-  Graph graph = *session().graph();
-  std::erase_if(graph.outputs, [&](const GraphOutput& o) {  // those that were only evaluated
-    return inner_outputs_.count(o.name) > 0 || inner_outputs_.count(o.name.substr(0, o.name.rfind('['))) > 0;
-  });
+std::string GraphObject::flat_text(const fs::path& folder, const StandIns& stand_ins) const {
+  Overrides overrides = overrides_;
+  RawDocument doc = savable(stand_ins, overrides);
+  Diagnostics found;
+  const Graph graph = link_document(std::move(doc), registry(), overrides, found);
+  if (has_errors(found)) raise(found);
   return write_graph(graph, {}, fs::absolute(folder).lexically_normal());
 }
 
-std::string GraphObject::text(const fs::path& folder) const {
-  require_savable();
+std::string GraphObject::text(const fs::path& folder, const StandIns& stand_ins) const {
+  Overrides ignored;
+  RawDocument doc = savable(stand_ins, ignored);
   if (!overrides_.set.empty() || !overrides_.wires.empty())
     throw Error("not-savable", "a graph file cannot record changes of nodes inside subgraphs",
                 "save it with flat=True, which writes all nodes, or add a parameter to the subgraph's file");
@@ -45,7 +83,6 @@ std::string GraphObject::text(const fs::path& folder) const {
     const fs::path near = (p.is_absolute() ? p : from / p).lexically_normal().lexically_relative(to);
     if (!near.empty()) path = near.generic_string();
   };
-  RawDocument doc = document_;
   const auto ours = [&](const Place& place) { return opened_.empty() || place.file != opened_.string(); };
   const bool same_folder = !from.empty() && from == to;
   const auto move_value = [&](const Parameter& p, RawValue& v) {

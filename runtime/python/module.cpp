@@ -51,6 +51,7 @@ PYBIND11_MODULE(_core, m) {
   bind_values(m);
   bind_volumes(m);
   bind_arrays(m);
+  bind_volume_arrays(m);
   bind_graph(m);
   bind_runs(m);
   bind_python_nodes(m);

@@ -16,6 +16,8 @@ namespace {
 // The parameter that holds the hash of the function's source. It is part of the key, and finds the function.
 constexpr const char* kSource = "source_hash";
 
+constexpr std::size_t kMostExceptions = 20;
+
 struct PythonNode {
   py::object function;
   std::vector<Port> inputs, outputs;
@@ -39,7 +41,8 @@ std::vector<Call*>& calls() {
   return all;
 }
 
-// Exceptions of nodes by their tracebacks, to be the cause of the error that reports them.
+// Exceptions of nodes by their tracebacks, until a run takes them as the cause of its error. They keep the
+// variables of the functions that they passed, so only a few of runs that nobody asks are kept.
 std::map<std::string, py::object>& exceptions() {
   static auto& all = *new std::map<std::string, py::object>;
   return all;
@@ -75,7 +78,7 @@ py::object argument(const Context& c, const Parameter& p) {
   const py::list lines = traceback.attr("format_exception")(e.type(), e.value(), e.trace());
   std::string text;
   for (const auto& line : lines) text += py::str(line).cast<std::string>();
-  if (exceptions().size() > 100) exceptions().clear();
+  if (exceptions().size() >= kMostExceptions) exceptions().clear();
   PyException_SetTraceback(e.value().ptr(), e.trace().ptr());
   exceptions()[text] = e.value();
   throw Error("python", what.empty() ? type : type + ": " + what, text);
@@ -167,7 +170,7 @@ Parameter parameter_of(const py::handle& h) {
   if (!h["min"].is_none()) p.min = h["min"].cast<double>();
   if (!h["max"].is_none()) p.max = h["max"].cast<double>();
   if (!h["default"].is_none()) {
-    const WrittenValue written = written_value(h["default"]);
+    const WrittenValue written = written_value(plain(h["default"].cast<py::object>()));
     std::string why;
     p.value = read_parameter(p, written, why);
     if (!p.value)
@@ -205,9 +208,9 @@ void stop_canceled_calls() {
     }
 }
 
-py::object exception_with(const std::string& traceback) {
-  const auto it = exceptions().find(traceback);
-  return it == exceptions().end() ? py::none() : it->second;
+py::object take_exception(const std::string& traceback) {
+  auto node = exceptions().extract(traceback);
+  return node.empty() ? py::none() : std::move(node.mapped());
 }
 
 void bind_python_nodes(py::module_& m) {

@@ -8,6 +8,7 @@
 #include <future>
 #include <set>
 
+#include "runtime/python/outside.h"
 #include "runtime/python/python_node.h"
 
 namespace terrazzo::python {
@@ -25,24 +26,8 @@ pid_t first_process = 0;  // that evaluated; the worker threads are in it
 
 bool forked() { return first_process != 0 && first_process != ::getpid(); }
 
-void require_workers() {
-  if (ended) throw Error("shut-down", "the interpreter is exiting, so nothing is evaluated any more");
-  if (forked())
-    throw Error("forked", "this process was forked after an evaluation, and has no worker threads",
-                "use multiprocessing.set_start_method('spawn'), or fork before the first evaluation");
-  first_process = ::getpid();
-}
-
-// Releases the GIL. When the interpreter ends, Python kills daemon threads that ask for the GIL, and a thread
-// that is killed inside of C++ code takes the process with it. So end_all_runs() waits until none is.
-std::atomic<int> threads_outside{0};
-struct Outside {
-  struct Count {
-    Count() { ++threads_outside; }
-    ~Count() { --threads_outside; }
-  } count;
-  py::gil_scoped_release without_gil;  // ends first
-};
+std::atomic<int> threads_in_code{0};
+thread_local int depth = 0;  // of InCode in this thread
 
 // Handles signals. If a handler raised, returns the exception.
 std::unique_ptr<py::error_already_set> raised_by_signal() {
@@ -51,6 +36,23 @@ std::unique_ptr<py::error_already_set> raised_by_signal() {
 }
 
 }  // namespace
+
+bool exiting() { return ended; }
+
+InCode::InCode() : counted(!ended || depth > 0) {
+  if (counted) ++threads_in_code, ++depth;
+}
+InCode::~InCode() {
+  if (counted) --depth, --threads_in_code;
+}
+
+void require_workers() {
+  if (ended) throw Error("shut-down", "the interpreter is exiting, so nothing is evaluated any more");
+  if (forked())
+    throw Error("forked", "this process was forked after an evaluation, and has no worker threads",
+                "use multiprocessing.set_start_method('spawn'), or fork before the first evaluation");
+  first_process = ::getpid();
+}
 
 ProgressQueue::ProgressQueue(const Graph& graph, const std::vector<int>& targets) {
   for (const bool needed : needed_nodes(graph, targets.empty() ? graph.sinks() : targets))
@@ -87,7 +89,7 @@ RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
   const std::vector<std::string> known = owner_.targets(targets);
   Session& session = owner_.session();
   session.set_output_folder(out);
-  revision_ = owner_.revision(), given_ = owner_.given();
+  revision_ = owner_.revision(), given_ = owner_.given(), graph_ = session.graph();
   progress_ = std::make_unique<ProgressQueue>(*session.graph(), target_nodes(*session.graph(), known));
   const int asked = apart.value_or(0) > 0 ? *apart : session.options().threads;
   threads_ = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -113,6 +115,7 @@ RunObject::~RunObject() {
 
 void RunObject::wait(const py::object& draw) {
   if (forked()) require_workers();
+  const InCode in_code;
   std::unique_ptr<py::error_already_set> stop;
   bool end = false;
   while (!end) {
@@ -141,6 +144,15 @@ const RunResult& RunObject::result() {
   return evaluation_->wait();
 }
 
+void RunObject::raise_errors() {
+  Diagnostics found;
+  for (const auto& n : result().nodes)
+    if (n.error) found.push_back(*n.error);
+  for (const auto& d : found)
+    if (cause_.is_none() && d.code == "python") cause_ = take_exception(d.hint);
+  if (!found.empty()) raise(found, cause_);
+}
+
 std::optional<std::vector<std::string>> RunObject::elements(const std::string& output) const {
   if (!owner_.is_list(output)) return {};
   // The linker numbers the elements of an output that is a list.
@@ -159,41 +171,63 @@ std::optional<std::vector<std::string>> RunObject::elements(const std::string& o
   return out;
 }
 
-Value RunObject::value(const std::string& output) {
-  const RunResult& r = result();
-  const Wire wire = graph().wire_to(output);
+namespace {
+
+// An output that a run has evaluated, from the store or computed again.
+Value fetch(Session& session, const Graph& graph, const RunResult& r, const Wire& wire) {
+  const InCode in_code;
   const NodeResult& node = r.nodes[static_cast<std::size_t>(wire.node)];
-  const auto record = node.outputs.find(wire.port);
-  if (record == node.outputs.end())
-    throw Error("not-evaluated", fmt::format("'{}' was not evaluated by this run", output),
-                "name it as a target of the run");
-  Session& session = owner_.session();
-  Value value;
   {
     const Outside outside;
-    value = session.evaluator().store().get_value(record->second, node.cached_seconds);
+    if (Value v = session.evaluator().store().get_value(node.outputs.at(wire.port), node.cached_seconds))
+      return v;
   }
-  if (!value) {  // the store has dropped it: compute it again
-    require_workers();
-    std::atomic<bool> cancel{false};
-    RunOptions options;
-    options.cancel = &cancel, options.threads = session.options().threads;
-    options.output_folder = session.options().output_folder, options.memory = session.options().file_memory;
-    auto future =
-        std::async(std::launch::async, [&] { return session.evaluator().value(graph(), r, wire, options); });
-    std::unique_ptr<py::error_already_set> stop;
-    for (bool end = false; !end;) {
-      {
-        const Outside outside;
-        end = future.wait_for(kTick) == std::future_status::ready;
-      }
-      if (!stop && (stop = raised_by_signal())) cancel = true;
+  require_workers();
+  std::atomic<bool> cancel{false};
+  RunOptions options;
+  options.cancel = &cancel, options.threads = session.options().threads;
+  options.output_folder = session.options().output_folder, options.memory = session.options().file_memory;
+  auto future =
+      std::async(std::launch::async, [&] { return session.evaluator().value(graph, r, wire, options); });
+  std::unique_ptr<py::error_already_set> stop;
+  for (bool end = false; !end;) {
+    {
+      const Outside outside;
+      end = future.wait_for(kTick) == std::future_status::ready;
     }
-    if (stop) throw py::error_already_set(*stop);
-    value = future.get();
+    if (!stop) stop = raised_by_signal();
+    if (stop || ended) cancel = true;
   }
-  owner_.remember(output, revision_, graph(), r, wire);
+  if (stop) throw py::error_already_set(*stop);
+  return future.get();
+}
+
+}  // namespace
+
+Wire RunObject::evaluated(const std::string& output) {
+  const RunResult& r = result();
+  const Wire wire = graph().wire_to(output);
+  if (!r.nodes[static_cast<std::size_t>(wire.node)].outputs.count(wire.port))
+    throw Error("not-evaluated", fmt::format("'{}' was not evaluated by this run", output),
+                "name it as a target of the run");
+  return wire;
+}
+
+Value RunObject::value(const std::string& output) {
+  const Wire wire = evaluated(output);
+  Value value = fetch(owner_.session(), graph(), result(), wire);
+  owner_.remember(output, revision_, graph(), result(), wire);
   return value;
+}
+
+KeptOutput RunObject::keep(const std::string& output) {
+  const Wire wire = evaluated(output);
+  if (!kept_) kept_ = std::make_shared<const FinishedRun>(FinishedRun{graph_, result(), given_});
+  return {graph_object_, kept_, wire};
+}
+
+Value KeptOutput::value() const {
+  return fetch(graph_object.cast<GraphObject&>().session(), *run->graph, run->result, wire);
 }
 
 void end_all_runs() {
@@ -208,10 +242,11 @@ void end_all_runs() {
     while (!e->wait_for(kTick)) {
     }
   all.clear();
-  while (threads_outside > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (threads_in_code > depth) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 void leave_without_exit_handlers() {
+  threads_in_code = depth;  // the other threads do not exist here
   // Registered last, so called first, after Python has ended.
   ::on_exit(
       [](int status, void*) {

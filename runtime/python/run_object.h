@@ -37,6 +37,22 @@ class ProgressQueue : public Observer {
   State state_;
 };
 
+// What is left of a run when it is not asked for progress any more.
+struct FinishedRun {
+  std::shared_ptr<const Graph> graph;
+  RunResult result;
+  std::map<std::string, std::shared_ptr<const GivenValue>> given;
+};
+
+// An output of a finished run whose value is read from the store when it is asked for, so that the results of
+// many runs need little memory.
+struct KeptOutput {
+  py::object graph_object;
+  std::shared_ptr<const FinishedRun> run;
+  Wire wire;
+  Value value() const;  // computes it again if the store has dropped it
+};
+
 class RunObject {
  public:
   // Starts the evaluation. `apart`: later edits of the graph do not cancel it, and it uses this many threads.
@@ -54,20 +70,30 @@ class RunObject {
   const Graph& graph() const { return evaluation_->graph(); }
   int threads() const { return threads_; }
   const RunResult& result();  // waits
+  void raise_errors();        // those of nodes
   Value value(const std::string& output);
+  KeptOutput keep(const std::string& output);
   // The elements of a list, to be asked for one by one, or nothing if the output is one value.
   std::optional<std::vector<std::string>> elements(const std::string& output) const;
   ProgressQueue::State progress() const { return progress_->state(); }
 
  private:
+  Wire evaluated(const std::string& output);  // waits; throws Error "not-evaluated"
+
   py::object graph_object_;
   GraphObject& owner_;
   std::uint64_t revision_;
   int threads_;
   std::map<std::string, std::shared_ptr<const GivenValue>> given_;
+  std::shared_ptr<const Graph> graph_;
+  std::shared_ptr<const FinishedRun> kept_;
+  py::object cause_ = py::none();  // the first exception of a node in Python
   std::unique_ptr<ProgressQueue> progress_;
   std::shared_ptr<Evaluation> evaluation_;
 };
+
+// Call it before anything runs on worker threads. Throws Error "shut-down" or "forked".
+void require_workers();
 
 // Cancels every evaluation and waits for all of them, since workers need the interpreter until they end.
 void end_all_runs();

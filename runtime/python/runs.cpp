@@ -46,6 +46,9 @@ py::list nodes(RunObject& run) {
 }  // namespace
 
 void bind_runs(py::module_& m) {
+  py::class_<KeptOutput>(m, "KeptOutput").def("value", [](const KeptOutput& k) {
+    return to_python(k.value());
+  });
   py::class_<RunObject>(m, "RunCore")
       .def(py::init<py::object, std::vector<std::string>, std::string, std::optional<int>>())
       .def("done", &RunObject::done)
@@ -62,14 +65,9 @@ void bind_runs(py::module_& m) {
                  std::filesystem::path(folder) / "report.json",
                  json_text(cli::report_json(r.graph(), r.result(), r.threads(), {}, folder), 2) + "\n");
            })
-      .def("raise_errors",
-           [](RunObject& r) {
-             Diagnostics found;
-             for (const auto& n : r.result().nodes)
-               if (n.error) found.push_back(*n.error);
-             if (!found.empty()) raise(found);
-           })
+      .def("raise_errors", &RunObject::raise_errors)
       .def("elements", &RunObject::elements)
+      .def("keep", &RunObject::keep)
       .def("value", [](RunObject& r, const std::string& output) { return to_python(r.value(output)); });
   m.def("end_all_runs", end_all_runs);
   m.def("leave_without_exit_handlers", leave_without_exit_handlers);

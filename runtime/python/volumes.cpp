@@ -3,9 +3,13 @@
 
 #include <openvdb/tools/Dense.h>
 
+#include <limits>
+#include <numeric>
+
 #include "graph/nearest.h"
 #include "nodes/data/volume.h"
 #include "runtime/memory.h"
+#include "runtime/python/outside.h"
 #include "runtime/python/value_object.h"
 
 namespace terrazzo::python {
@@ -40,11 +44,15 @@ openvdb::CoordBBox box_of(const Volume& v, const openvdb::GridBase& g) {
 }
 
 template <class Grid, class Scalar>
-py::array dense(const Volume& v, const openvdb::GridBase& any, int width) {
+py::array dense(const openvdb::GridBase& any, int width, const openvdb::CoordBBox& box) {
   const auto& g = static_cast<const Grid&>(any);
-  const openvdb::CoordBBox box = box_of(v, g);
   std::vector<py::ssize_t> shape{0, 0, 0};
-  if (!box.empty()) shape = {box.dim().x(), box.dim().y(), box.dim().z()};
+  for (int k = 0; k < 3 && !box.empty(); ++k) {
+    shape[static_cast<std::size_t>(k)] = py::ssize_t{box.max()[k]} - box.min()[k] + 1;
+    if (shape[static_cast<std::size_t>(k)] > std::numeric_limits<int>::max())  // OpenVDB counts with int
+      throw Error("too-large", fmt::format("the voxels of the grid '{}' lie too far apart for a dense array",
+                                           g.getName()));
+  }
   const double bytes = static_cast<double>(shape[0]) * shape[1] * shape[2] * width * sizeof(Scalar);
   require_memory(bytes, available_memory(), fmt::format("a dense array of the grid '{}'", g.getName()));
   if (width > 1) shape.push_back(width);
@@ -53,21 +61,20 @@ py::array dense(const Volume& v, const openvdb::GridBase& any, int width) {
   using T = typename Grid::ValueType;
   static_assert(sizeof(T) % sizeof(Scalar) == 0);
   T* data = reinterpret_cast<T*>(out.mutable_data());
-  const py::gil_scoped_release without_gil;
+  const Outside outside;
   openvdb::tools::Dense<T, openvdb::tools::LayoutZYX> target(box, data);
   openvdb::tools::copyToDense(g, target);
   return out;
 }
 
-py::array dense_by_type(const Volume& v, const std::string& name) {
-  const openvdb::GridBase& g = grid(v, name);
-  if (g.isType<openvdb::FloatGrid>()) return dense<openvdb::FloatGrid, float>(v, g, 1);
-  if (g.isType<openvdb::DoubleGrid>()) return dense<openvdb::DoubleGrid, double>(v, g, 1);
-  if (g.isType<openvdb::Int32Grid>()) return dense<openvdb::Int32Grid, std::int32_t>(v, g, 1);
-  if (g.isType<openvdb::BoolGrid>()) return dense<openvdb::BoolGrid, bool>(v, g, 1);
-  if (g.isType<openvdb::Vec3SGrid>()) return dense<openvdb::Vec3SGrid, float>(v, g, 3);
-  if (g.isType<openvdb::Vec3IGrid>()) return dense<openvdb::Vec3IGrid, std::int32_t>(v, g, 3);
-  throw Error("unsupported-grid", fmt::format("the grid '{}' has the type {}", name, g.type()));
+py::array dense_by_type(const openvdb::GridBase& g, const openvdb::CoordBBox& box) {
+  if (g.isType<openvdb::FloatGrid>()) return dense<openvdb::FloatGrid, float>(g, 1, box);
+  if (g.isType<openvdb::DoubleGrid>()) return dense<openvdb::DoubleGrid, double>(g, 1, box);
+  if (g.isType<openvdb::Int32Grid>()) return dense<openvdb::Int32Grid, std::int32_t>(g, 1, box);
+  if (g.isType<openvdb::BoolGrid>()) return dense<openvdb::BoolGrid, bool>(g, 1, box);
+  if (g.isType<openvdb::Vec3SGrid>()) return dense<openvdb::Vec3SGrid, float>(g, 3, box);
+  if (g.isType<openvdb::Vec3IGrid>()) return dense<openvdb::Vec3IGrid, std::int32_t>(g, 3, box);
+  throw Error("unsupported-grid", fmt::format("the grid '{}' has the type {}", g.getName(), g.type()));
 }
 
 }  // namespace
@@ -102,10 +109,19 @@ void bind_volumes(py::module_& m) {
           py::arg("name"), "The voxel that is the first element of dense(name).")
       .def(
           "dense",
-          [](const VolumeObject& v, const std::string& name) { return dense_by_type(the_volume(v), name); },
+          [](const VolumeObject& v, const std::string& name) {
+            const openvdb::GridBase& g = grid(the_volume(v), name);
+            return dense_by_type(g, box_of(the_volume(v), g));
+          },
           py::arg("name"),
           "A grid as a new array (nx, ny, nz), or (nx, ny, nz, 3) for vectors: one period, or the active "
-          "voxels if the volume does not tile. Fails if the memory does not suffice.");
+          "voxels if the volume does not tile. Fails if the memory does not suffice.")
+      .def("_plane", [](const VolumeObject& v, const std::string& name) {  // the middle one along z
+        const openvdb::GridBase& g = grid(the_volume(v), name);
+        openvdb::CoordBBox box = box_of(the_volume(v), g);
+        if (!box.empty()) box.min().z() = box.max().z() = std::midpoint(box.min().z(), box.max().z());
+        return dense_by_type(g, box);
+      });
 }
 
 }  // namespace terrazzo::python

@@ -54,6 +54,42 @@ void check_name(const std::string& name) {
                     name));
 }
 
+py::object plain(const py::object& value, int depth) {
+  const py::handle h = value;
+  if (h.is_none() || PyUnicode_CheckExact(h.ptr()) || PyLong_CheckExact(h.ptr()) ||
+      PyFloat_CheckExact(h.ptr()) || PyBool_Check(h.ptr()) || PyRange_Check(h.ptr()) ||
+      py::isinstance<OutputObject>(h) || py::isinstance<NodeObject>(h) ||
+      py::isinstance<ParameterReference>(h) || is_value(h))
+    return value;
+  if (PyUnicode_Check(h.ptr())) return py::str(h.cast<std::string>());
+  if (PyFloat_Check(h.ptr())) return py::float_(PyFloat_AS_DOUBLE(h.ptr()));
+  if (PyLong_Check(h.ptr())) return py::reinterpret_steal<py::object>(PyNumber_Long(h.ptr()));
+  const auto items = [&](const py::object& list) {
+    py::list out;
+    for (const auto& item : py::list(list))
+      out.append(plain(py::reinterpret_borrow<py::object>(item), depth - 1));
+    return out;
+  };
+  if (PyDict_Check(h.ptr()) && depth > 0) {
+    const py::list keys = value.attr("keys")();
+    const py::list values = items(value.attr("values")());
+    py::dict out;
+    for (std::size_t i = 0; i < std::min(keys.size(), values.size()); ++i) out[keys[i]] = values[i];
+    return out;
+  }
+  if (py::isinstance<py::array>(h)) return h.cast<py::array>().ndim() < 2 ? value.attr("tolist")() : value;
+  if ((PyList_Check(h.ptr()) || PyTuple_Check(h.ptr())) && depth > 0) return items(value);
+  if (py::hasattr(h, "__fspath__")) {
+    const py::object path = value.attr("__fspath__")();
+    if (PyUnicode_Check(path.ptr())) return py::str(path.cast<std::string>());
+    throw Error("bad-value", fmt::format("a path must be text, not {}", Py_TYPE(path.ptr())->tp_name));
+  }
+  if (py::hasattr(h, "dtype") && py::hasattr(h, "item") && py::hasattr(h, "ndim") &&
+      value.attr("ndim").cast<int>() == 0)
+    return value.attr("item")();  // a number of numpy
+  return value;
+}
+
 WrittenValue written_value(const py::handle& h) {
   const auto scalar = [](const py::handle& v) -> std::optional<std::string> {
     if (PyBool_Check(v.ptr())) return v.ptr() == Py_True ? "true" : "false";
@@ -61,19 +97,10 @@ WrittenValue written_value(const py::handle& h) {
     if (PyLong_Check(v.ptr())) return py::str(v).cast<std::string>();
     if (PyFloat_Check(v.ptr())) return fmt::format("{}", v.cast<double>());
     if (py::isinstance<ParameterReference>(v)) return "${" + v.cast<const ParameterReference&>().name + "}";
-    if (py::hasattr(v, "__fspath__")) return py::str(v.attr("__fspath__")()).cast<std::string>();
-    if (py::hasattr(v, "dtype") && py::hasattr(v, "item") && py::hasattr(v, "ndim") &&
-        v.attr("ndim").cast<int>() == 0) {  // a number of numpy
-      const py::object item = v.attr("item")();
-      if (PyBool_Check(item.ptr())) return item.ptr() == Py_True ? "true" : "false";
-      if (PyFloat_Check(item.ptr())) return fmt::format("{}", item.cast<double>());
-      return py::str(item).cast<std::string>();
-    }
     return {};
   };
   if (const auto one = scalar(h)) return {false, {*one}, {}};
-  const bool list = PyList_Check(h.ptr()) || PyTuple_Check(h.ptr()) || py::isinstance<py::array>(h);
-  if (list) {
+  if (PyList_Check(h.ptr()) || PyTuple_Check(h.ptr())) {
     WrittenValue out{true, {}, {}};
     for (const auto& item : py::reinterpret_borrow<py::object>(h)) {
       const auto one = scalar(item);

@@ -13,6 +13,16 @@ os.environ["TERRAZZO_PROGRESS"] = "0"
 os.environ["MPLBACKEND"] = "Agg"
 
 
+# AddressSanitizer keeps freed memory for a while, so the growth of a process means nothing.
+needs_plain_memory = pytest.mark.skipif("libasan" in os.environ.get("LD_PRELOAD", ""), reason="AddressSanitizer keeps memory")
+
+
+def resident():
+    """Memory of the process in bytes."""
+    with open("/proc/self/statm") as f:
+        return int(f.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
 @pytest.fixture(autouse=True)
 def own_folders(tmp_path, monkeypatch):
     """Each test has a working folder and a cache of its own."""

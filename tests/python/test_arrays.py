@@ -75,6 +75,13 @@ def test_wrong_images():
         assert code(t.image, np.zeros((2, 2, 3)), size) == "bad-value"
 
 
+def test_masked_arrays_are_refused():
+    mask = [[True, False]]
+    assert code(t.image, np.ma.array([[0.5, 0.5]], mask=mask)) == "wrong-type"
+    assert code(t.labels, np.ma.array([[1, 2]], mask=mask)) == "wrong-type"
+    assert t.labels(np.ma.array([[1, 2]], mask=mask).filled(0)).count == 1
+
+
 def test_huge_arrays_are_refused_before_they_are_copied():
     huge = np.broadcast_to(np.float32(0), (1 << 20, 1 << 20, 3))
     assert code(t.image, huge) == "too-large"
@@ -151,7 +158,9 @@ def test_wrong_sizes():
     assert code(t.sizes, [1, 2], [-1]) == "bad-value"
     assert code(t.sizes, [1, 2], [[1]]) == "wrong-shape"
     assert code(t.sizes, [1, 2], ["a"]) == "wrong-type"
-    assert code(t.sizes, [1, 2], [0.001], low=[0, 0]) == "wrong-count"
+    assert code(t.sizes, [1, 2], [0.001], low=[0, 0]) == "bad-classes"
+    assert code(t.sizes, [1, 2], [0.001], low=[0.002]) == "bad-classes"
+    assert code(t.sizes, [1, 2], [0.001], high=[0]) == "bad-classes"
 
 
 def test_tables():
@@ -173,7 +182,7 @@ def test_arrays_are_inputs_of_nodes():
     assert [n.type for n in g.nodes] == ["GivenImage", "GivenLabels", "Segment"]
     with pytest.raises(t.Error) as e:
         g.save("arrays.yaml")
-    assert e.value.code == "not-savable" and "image, labels" in e.value.message
+    assert e.value.code == "not-savable" and "image, labels" in e.value.message and "arrays=" in e.value.hint
     # An array that replaces another one does not keep it.
     for k in range(3):
         seg.set(image=t.image(picture * (1 - 0.1 * k), 0.5))

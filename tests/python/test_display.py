@@ -50,6 +50,19 @@ def test_labels_are_pictures():
     assert shown[1:].min() >= 64
 
 
+def test_volumes_are_pictures():
+    colors = np.zeros((4, 6, 3, 3), np.float32)
+    colors[3, :, 1], colors[:, 5, 1, 1] = (1, 0, 0), 1
+    shown = pixels_of(t.volume(colors, 1, name="Cd")._repr_png_())
+    assert shown.shape == (6, 4, 3)  # x to the right
+    assert np.array_equal(shown[0], [[0, 255, 0]] * 3 + [[255, 255, 0]])  # y up
+    assert np.array_equal(shown[5], [[0, 0, 0]] * 3 + [[255, 0, 0]])
+    gray = pixels_of(t.volume(np.arange(24).reshape(4, 6, 1) - 5.0, 1)._repr_png_())
+    assert gray[5, 0].tolist() == [0, 0, 0] and gray[0, 3].tolist() == [255] * 3
+    assert not pixels_of(t.volume(np.ones((2, 2, 2)), 1)._repr_png_()).any()
+    assert pixels_of(t.volume(np.ones((2, 3000, 2)), 1, period=True)._repr_png_()).shape == (1500, 1, 3)
+
+
 def test_html_is_escaped():
     html = t.table({"<b>": [1.5, "<script>"]})._repr_html_()
     assert "<script>" not in html and "&lt;script&gt;" in html and "&lt;b&gt;" in html and "1.5" in html

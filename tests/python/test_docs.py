@@ -12,7 +12,7 @@ from conftest import SOURCE
 TEXT = (SOURCE / "docs" / "python.md").read_text()
 EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 # What each example prints, or a part of it.
-PRINTED = ["90 % interval", "5 to run", "bad-value pattern width 4", "[", "", "profiles", "1 0."]
+PRINTED = ["90 % interval", "5 to run", "bad-value pattern width 4", "[", "[", "profiles", "1 0."]
 
 
 def test_every_example_is_tested():
@@ -34,7 +34,9 @@ def test_example(number, script):
         # The truth of the sample, graphs/samples/section_N_V.csv, is 0.0134 per mm³ above 1.5 mm.
         assert 0.25 * 0.0134 < sum(row[2] for row in rows if row[0] > 1.5) < 4 * 0.0134
     if number == 4:
-        assert open("split.png", "rb").read(4) == b"\x89PNG"
+        assert open("profiles.png", "rb").read(4) == b"\x89PNG"
+        counts = [int(n) for n in re.findall(r"\d+", done.stdout)]
+        assert len(counts) == 5 and counts == sorted(set(counts), reverse=True)  # the plot shows something
 
 
 def mypy(file, *options):

@@ -248,6 +248,56 @@ def test_values_of_parameters_are_checked():
             d["classes"] = value
 
 
+def test_code_of_the_users_classes_may_edit_the_graph():
+    import enum
+
+    import numpy as np
+    g = t.Graph(cache=False)
+    g.parameter("photo", "path", "a.jpg")
+
+    class Path:
+        def __init__(self, edit):
+            self.edit = edit
+
+        def __fspath__(self):
+            for k in range(100):
+                self.edit(k)
+            return "b.jpg"
+
+    g.parameters["photo"] = Path(lambda k: g.parameter(f"p{len(g.parameters)}", "int", k))
+    assert g.parameters["photo"].endswith("b.jpg") and len(g.parameters) == 101
+    photo = g.LoadImage(path=Path(lambda k: g.Pattern(name=f"n{k}")))
+    with pytest.raises(t.Error):  # what __fspath__ added stays
+        g.LoadImage(path=Path(lambda k: g.Pattern(name=f"m{k}")), pixel_size=-1)
+    assert len(g) == 201
+    with pytest.raises(t.Error) as e:
+        photo.set(path=Path(lambda k: g.__delitem__("load_image") if "load_image" in g else None))
+    assert e.value.code == "unknown-node"
+
+    class Wrong:
+        def __fspath__(self):
+            return 3
+
+    loop = []
+    loop.append(loop)
+    d = g.Distribution(kind="classes", class_edges=[1, 2], N_V=0.1)
+    for value in (Wrong(), loop, {"a": loop}, [loop], np.zeros((2, 2)), [None], Ellipsis):
+        with pytest.raises(t.Error) as e:
+            d["N_V"] = value
+        assert e.value.code == "bad-value"
+
+    class Number(enum.IntEnum):
+        FIVE = 5
+
+    class Real(float):
+        pass
+
+    d.set(classes=Number.FIVE, mean=Real(2.5), sd=np.float32(0.5), N_V=np.array(0.25))
+    assert (d["classes"], d["mean"], d["sd"], d["N_V"]) == (5, 2.5, 0.5, [0.25])
+    d["N_V"] = (np.int8(1),)
+    assert d["N_V"] == [1] and "N_V: [1]" in g.to_yaml()
+
+
 def test_explain_and_run():
     g, dots, seg = small()
     plan = g.explain()

@@ -1,17 +1,14 @@
 """Memory does not grow with the number of evaluations. docs/results/python.md has ten thousand."""
 
 import gc
-import os
 import tracemalloc
 
 import numpy as np
 
 import terrazzo as t
+from conftest import needs_plain_memory, resident
 
-
-def resident():
-    with open("/proc/self/statm") as f:
-        return int(f.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+pytestmark = needs_plain_memory
 
 
 def grows(step, warm_up, count):

@@ -1,7 +1,8 @@
 """Library graphs, sweeps and reproduction."""
 
-import csv
+import gc
 import os
+import pickle
 import subprocess
 import json
 
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 import terrazzo as t
-from conftest import SOURCE
+from conftest import SOURCE, needs_plain_memory, resident
 
 
 def test_a_library_graph_is_a_function(section):
@@ -71,6 +72,34 @@ def test_sweeps():
     with pytest.raises(ValueError):
         g.sweep({"grain.seed": []})
     assert grain["seed"] == 1
+
+
+@needs_plain_memory
+def test_a_sweep_keeps_no_values_in_memory():
+    g = t.Graph(cache=False, memory=1)  # the store keeps only values in use
+    base = g.Pattern(kind="fat", width=256, height=256)
+    sweep = g.sweep({"pattern.seed": range(1, 41)}, base.image)
+    gc.collect()
+    before = resident()
+    assert len(sweep.values) == 40 and [len(values) for values in sweep.values] == [1] * 40
+    base["seed"] = 7
+    assert sweep.values[6][0] == base.image.value()  # computed again
+    base["kind"] = "wood"
+    assert sweep.values[6][0] != base.image.value() and sweep.values[39][0].width == 256  # of the graph as it was
+    assert sweep.values[6][:] == [sweep.values[6][-1]] and repr(sweep.values[6]) == "<1 values>"
+    for (image,) in sweep.values:
+        assert image.width == 256
+    assert resident() - before < 16e6  # 40 images would take 31 MB
+    with pytest.raises(IndexError):
+        sweep.values[0][1]
+
+
+def test_sweeps_survive_pickling():
+    g = t.Graph(cache=False)
+    base = g.Pattern(kind="fat", width=16, height=16)
+    sweep = g.sweep({"pattern.seed": [1, 2]}, base.image)
+    again = pickle.loads(pickle.dumps(sweep))
+    assert again.points == sweep.points and again.values == sweep.values and again.values[0] != again.values[1]
 
 
 @pytest.mark.parametrize("jobs", [1, 3, 50])
@@ -173,6 +202,12 @@ def test_reproduce(tmp_path):
     assert keys["grain"] == again.made_keys["grain"]
     values = [t.Graph(cache=False).LoadImage(path=tmp_path / f / "out.png").image.value() for f in ("out", "reproduced")]
     assert values[0] == values[1]
+    # A table has no room for provenance: the report beside it has.
+    seg = g.Segment(image=g.Pattern(kind="fat", width=48, height=48).image, method="clusters", name="seg")
+    g.Export(profiles=seg.profiles, path="p.csv", name="profiles")
+    g.run("profiles", out=tmp_path / "table")
+    assert sorted(os.listdir(tmp_path / "table")) == ["p.csv", "report.json"]
+    assert t.reproduce(tmp_path / "table" / "p.csv", cache=False)["seg"]["method"] == "clusters"
     # The provenance may be a stranger's: other content is not read.
     t.image(np.zeros((16, 16, 3))).save(tmp_path / "in.png")
     with pytest.raises(t.Error, match="is not the file it was made from"):

@@ -1,6 +1,9 @@
 """Nodes written in Python."""
 
+import functools
+import gc
 import traceback
+import weakref
 from typing import Annotated, Literal
 
 import numpy as np
@@ -91,6 +94,27 @@ def test_version_and_source_are_in_the_key(script):
     assert not run()
 
 
+def test_decorators_inside_of_a_node_are_in_the_key(script):
+    def run(factor):
+        done = script(f'''
+import terrazzo as t
+def times(factor):
+    return lambda function: lambda: factor * function()
+@t.node
+def number() -> t.Table:
+    print("called")
+    @times({factor})
+    def one():
+        return 1
+    return t.table({{"a": [one()]}})
+print(t.Graph().Number().table.value()["a"][0])
+''')
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert (run(2), run(2), run(3)) == ("called\n2.0\n", "2.0\n", "called\n3.0\n")
+
+
 def test_redefining_a_node(script):
     done = script('''
 import terrazzo as t
@@ -143,6 +167,35 @@ def test_errors_carry_the_users_traceback():
             node.image.value()
 
 
+def test_an_exception_is_kept_only_by_its_run():
+    g = t.Graph(cache=False)
+    node = g.Holding(number=-1)
+    for k in range(3):
+        node["number"] = k
+        run = g.start(node)
+        for _ in range(2):  # the cause is there whenever the run is asked
+            with pytest.raises(t.Error) as e:
+                run.result()
+            assert isinstance(e.value.__cause__, KeyError)
+        del run, e
+        gc.collect()
+    assert not [held() for held in holders if held() is not None]
+
+
+class Big:
+    pass
+
+
+holders = []
+
+
+@t.node
+def holding(number: int = 0) -> t.Table:
+    big = Big()
+    holders.append(weakref.ref(big))
+    raise KeyError(number)
+
+
 def test_declarations_that_cannot_work():
     with pytest.raises(TypeError, match="needs a type"):
         @t.node
@@ -162,6 +215,9 @@ def test_declarations_that_cannot_work():
     with pytest.raises(t.Error, match="has a node type Segment already"):
         @t.node
         def segment(image: t.Image) -> t.Labels: ...
+    for function in (functools.lru_cache(broken_helper), functools.partial(broken_helper), Big):
+        with pytest.raises(TypeError, match="written with def"):
+            t.node(function)
     outer = 3
     with pytest.raises(ValueError, match="variables outer"):
         @t.node

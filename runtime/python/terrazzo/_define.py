@@ -46,7 +46,10 @@ def _camel(name):
 
 
 def _source(function):
-    """The source without decorators, comments and documentation, so that changing those keeps the cache."""
+    """The source without comments and documentation, so that changing those keeps the cache.
+
+    Decorators stay: those below @node are part of the function that runs.
+    """
     try:
         text = textwrap.dedent(inspect.getsource(function))
     except (OSError, TypeError):
@@ -54,8 +57,7 @@ def _source(function):
                          "define it in a file or in a notebook") from None
     tree = ast.parse(text)
     for item in ast.walk(tree):
-        if isinstance(item, (ast.FunctionDef, ast.ClassDef)):
-            item.decorator_list = []
+        if isinstance(item, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
             if ast.get_docstring(item) is not None:
                 item.body = item.body[1:] or [ast.Pass()]
     return ast.unparse(tree)
@@ -87,6 +89,8 @@ def _parameter(function, name, annotation, default):
 def _define(function, version, name, outputs):
     if not isinstance(version, int) or version < 1:
         raise ValueError("the version of a node is a whole number of at least 1")
+    if not isinstance(function, types.FunctionType):
+        raise TypeError(f"a node is a function that is written with def, not a {type(function).__name__}")
     if function.__code__.co_freevars:
         raise ValueError(f"{function.__name__} uses the variables {', '.join(function.__code__.co_freevars)} of the "
                          "function around it, which no key can contain; pass them as parameters")

@@ -168,14 +168,20 @@ class Graph(_core.Graph):
         """The file that the graph was loaded from, or ""."""
         return self._file()
 
-    def save(self, file, *, flat=False):
+    def save(self, file, *, flat=False, arrays=None):
         """Writes a graph file. Paths are relative to its folder.
 
         A loaded graph keeps its text and comments wherever nothing changed. flat: write every node that would
         be evaluated, without subgraphs, repetitions and parameters of the graph, and with changes inside of
-        subgraphs. Raises Error "not-savable" if the graph contains arrays, or without `flat` such changes.
+        subgraphs. arrays: a folder, relative to the file's, for the arrays that the graph contains; the saved
+        graph loads them from there. Raises Error "not-savable" without `flat` if there are such changes, and
+        without `arrays` if there are arrays.
         """
-        self._save(os.fspath(file), flat)
+        stand_ins = {}
+        if arrays is not None:
+            from ._array_files import write_arrays
+            stand_ins = write_arrays(self, os.path.join(os.path.dirname(os.path.abspath(file)), os.fspath(arrays)))
+        self._save(os.fspath(file), flat, stand_ins)
 
     def to_yaml(self, folder=".", *, flat=False):
         """The text that save() writes to a file in this folder."""

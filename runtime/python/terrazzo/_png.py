@@ -53,6 +53,23 @@ def image_png(image):
     return encode(srgb(_shown(pixels if pixels.ndim == 4 else pixels[None])))
 
 
+def volume_png(volume):
+    """The middle plane along z, with x to the right and y up: colors, or the first grid from its least value (black) to
+    its largest (white)."""
+    name = "Cd" if "Cd" in volume.grids else next(iter(volume.grids), None)
+    plane = None if name is None else volume._plane(name)
+    if plane is None or not plane.size:
+        return None
+    pixels = plane[:, :, 0].swapaxes(0, 1)[::-1]
+    if name != "Cd":
+        pixels = pixels.astype(float)
+        least, span = pixels.min(), np.ptp(pixels)
+        pixels = (pixels - least) / span if span > 0 else np.zeros_like(pixels)
+    if pixels.ndim == 2:
+        pixels = np.repeat(pixels[..., None], 3, axis=-1)
+    return encode(srgb(_shown(pixels[None])))
+
+
 def labels_png(labels):
     """Each profile in a color of its own; the binder is black."""
     ids = labels.ids

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 import warnings
 
 from . import _core
-from ._errors import Canceled, NodeWarning
+from ._errors import Canceled, Error, NodeWarning
 from ._progress import drawing
 
 _exiting = False
@@ -20,6 +21,20 @@ def end_all_runs():
     _core.end_all_runs()
 
 
+def until_exit(call, *arguments):
+    """Calls a function of the extension. While the interpreter exits, nothing is evaluated any more, and other threads
+    end without a traceback."""
+    ends = threading.current_thread() is not threading.main_thread()
+    if _exiting and ends:
+        raise SystemExit
+    try:
+        return call(*arguments)
+    except (Error, Canceled):
+        if _exiting and ends:
+            raise SystemExit from None
+        raise
+
+
 class Run:
     """An evaluation: started by Graph.start, or done by Graph.run.
 
@@ -27,9 +42,9 @@ class Run:
     """
 
     def __init__(self, graph, targets, out, apart=None):
-        self._graph = graph
-        self._core = _core.RunCore(graph, [_target(t) for t in targets], os.fspath(out), apart)
-        self._warned = False
+        self._graph, self._out = graph, os.path.abspath(out)
+        self._core = until_exit(_core.RunCore, graph, [_target(t) for t in targets], self._out, apart)
+        self._done = False
 
     @property
     def done(self):
@@ -58,17 +73,25 @@ class Run:
         return self
 
     def result(self, progress=None):
-        """Waits, and raises Error if a node failed or Canceled if nodes were canceled."""
-        self.wait(progress)
-        if not self._warned:
-            self._warned = True
+        """Waits, and raises Error if a node failed or Canceled if nodes were canceled.
+
+        If the run wrote files, their report.json, from which terrazzo.reproduce works, is beside them.
+        """
+        return self.wait(progress)._settled(report=True)
+
+    def _settled(self, report):
+        if not self._done:
+            self._done = True
+            if report and self.files:
+                self._core.write_report(self._out)
             self._warn()
+        until_exit(self._raise)
+        return self
+
+    def _raise(self):
         self._core.raise_errors()
         if self._core.canceled():
-            if _exiting:
-                raise SystemExit  # ends a daemon thread without a traceback
             raise Canceled()
-        return self
 
     def _warn(self):
         level = 1
@@ -87,10 +110,15 @@ class Run:
 
     def value(self, output):
         """The value of an output that this run evaluated. A repeated node gives a list."""
+        return self._each(output, lambda name: until_exit(self._core.value, name))
+
+    def _keep(self, output):
+        """The same as objects with value(), which keep no value."""
+        return self._each(output, self._core.keep)
+
+    def _each(self, output, get):
         elements = self._core.elements(_target(output))
-        if elements is None:
-            return self._core.value(_target(output))
-        return [self._core.value(element) for element in elements]
+        return get(_target(output)) if elements is None else [get(element) for element in elements]
 
     @property
     def seconds(self):

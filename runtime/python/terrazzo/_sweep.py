@@ -2,21 +2,57 @@
 
 from __future__ import annotations
 
+import collections.abc
 import csv
 import os
 
 from . import _core
 from ._errors import Error
 from ._progress import drawing
-from ._run import Run
+from ._run import Run, until_exit
+
+
+class PointValues(collections.abc.Sequence):
+    """The values of one point, as a list that reads each from the cache when it is asked for.
+
+    A value that the cache has dropped is computed again.
+    """
+
+    def __init__(self, kept):
+        self._kept = kept
+
+    def __len__(self):
+        return len(self._kept)
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return PointValues(self._kept[index])
+        kept = self._kept[index]
+        if isinstance(kept, list):  # of a repeated node
+            return [until_exit(element.value) for element in kept]
+        return None if kept is None else until_exit(kept.value)
+
+    def __eq__(self, other):
+        if not isinstance(other, (PointValues, list, tuple)):
+            return NotImplemented
+        return list(self) == list(other)
+
+    __hash__ = None
+
+    def __repr__(self):
+        return f"<{len(self)} values>"
+
+    def __reduce__(self):  # processes share no cache in memory
+        return list, (list(self),)
 
 
 class Sweep:
     """The results of a sweep, a point for each combination; the last parameter varies fastest.
 
     points: a dictionary for each point: the varied values, `status` ("done" or "failed"), `seconds`, and every
-    metric as NODE.METRIC. values: for each point, the values of the targets that are outputs. errors: the
-    Error of each point, or None.
+    metric as NODE.METRIC. values: for each point, the values of the targets that are outputs, or None if the point
+    failed. They are read from the cache when they are asked for, so a sweep may have more than fit in memory.
+    errors: the Error of each point, or None.
     """
 
     def __init__(self, varied):
@@ -145,7 +181,7 @@ def sweep(graph, vary, targets, out, jobs, progress):
             for target, value in point:
                 _set(graph, target, value)
             graph.check()
-        for number, point in enumerate(points, 1):
+        for point in points:
             run = runs.first(progress)
             error = None
             try:
@@ -160,9 +196,7 @@ def sweep(graph, vary, targets, out, jobs, progress):
                     row[f"{node}.{name}"] = value
             result.points.append(row)
             result.errors.append(error)
-            result.values.append([None if error else run.value(o) for o in outputs])
-            if run.files:
-                run._core.write_report(os.path.join(os.fspath(out), _folder(number)))
+            result.values.append(PointValues([None if error else run._keep(o) for o in outputs]))
     finally:
         runs.stop()
         for target, value in before.items():

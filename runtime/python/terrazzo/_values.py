@@ -6,7 +6,7 @@ import os
 
 from . import _core
 from ._html import table_html
-from ._png import image_png, labels_png
+from ._png import image_png, labels_png, volume_png
 
 
 def image(array, pixel_size=1.0, *, srgb=None):
@@ -70,7 +70,7 @@ def _save(self, file):
     if port is None:
         raise TypeError(f"no node writes values of type {self.type} to files")
     graph.Export(**{port: self}, path=os.path.basename(file))
-    graph.run(out=os.path.dirname(file), progress=False)
+    graph.start(out=os.path.dirname(file)).wait(False)._settled(report=False)
 
 
 def _ports_of_export():
@@ -132,6 +132,7 @@ _core.Image.__array__ = _array_of("pixels")
 _core.Labels.__array__ = _array_of("ids")
 _core.Image._repr_png_ = image_png
 _core.Labels._repr_png_ = labels_png
+_core.Volume._repr_png_ = volume_png
 _core.Table._repr_html_ = lambda self: table_html(self.columns, self.rows)
 _core.Table.to_pandas = _to_pandas
 _core.Table.to_dict = _to_dict

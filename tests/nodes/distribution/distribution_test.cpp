@@ -38,6 +38,26 @@ TEST(Distribution, LawsHaveTheirMoments) {
   EXPECT_NEAR(total(d, 1) / total(d, 0), 4 * std::tgamma(1.5), 0.01);
 }
 
+TEST(Distribution, IntervalsAreScaledLikeDensities) {
+  SizeLaw law;
+  law.kind = LawKind::Classes, law.class_edges = {1, 2, 3}, law.N_V = {0.01, 0.02};
+  law.low = {0.005, 0.01}, law.high = {0.02, 0.02};
+  SizeDistribution d = make_distribution(law, nullptr);
+  EXPECT_EQ(d.shapes[0].low, law.low);
+  EXPECT_EQ(d.shapes[0].high, law.high);
+  law.number_density = 0.3;
+  law.low.clear();
+  d = make_distribution(law, nullptr);
+  EXPECT_EQ(d.shapes[0].low, d.shapes[0].N_V);
+  EXPECT_NEAR(d.shapes[0].high[0], 0.2, 1e-12);
+  law.high = {0.009, 0.02};
+  EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
+  law.high = {0.02};
+  EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
+  law.high.clear(), law.low = {0.011, 0.02};
+  EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
+}
+
 TEST(Distribution, FillsTheVolumeAsked) {
   for (const LawKind kind : {LawKind::Lognormal, LawKind::Uniform, LawKind::RosinRammler, LawKind::Normal})
     for (const DensityBy density_by : {DensityBy::Number, DensityBy::Volume}) {

@@ -69,6 +69,28 @@ TEST(LoadLabels, StackNumbersThrough) {
   EXPECT_EQ(l.ids, (std::vector<std::int32_t>{1, 0, 2, 3}));
 }
 
+TEST(LoadLabels, ASecondMaskHasTheClasses) {
+  const auto folder = test::temporary_folder();
+  const auto bytes = [&](const char* name, int w, const std::vector<std::uint8_t>& data) {
+    return write(folder / name, w, static_cast<int>(data.size()) / w, 1, data, OIIO::TypeDesc::UINT8);
+  };
+  const auto with = [&](const std::string& path, const std::string& classes, const std::string& kind) {
+    return test::run_node("LoadLabels", {}, {{"path", path}, {"classes", classes}, {"kind", kind}})
+        .output<Labels>("labels");
+  };
+  const auto ids = bytes("i.png", 5, {7, 7, 7, 0, 2});
+  // The profiles 2 and 7 have the classes 3 and 1; a pixel of 7 is background, and one has another class.
+  const Labels l = with(ids, bytes("c.png", 5, {1, 1, 4, 9, 3}), "instances");
+  EXPECT_EQ(l.ids, (std::vector<std::int32_t>{2, 2, 2, 0, 1}));
+  EXPECT_EQ(l.classes, (std::vector<std::int32_t>{2, 0}));
+  EXPECT_EQ(with(ids, bytes("b.png", 5, {0, 0, 4, 0, 3}), "instances").classes,
+            (std::vector<std::int32_t>{2, 3}));
+  EXPECT_EQ(code_of([&] { with(ids, bytes("n.png", 5, {1, 1, 1, 1, 0}), "instances"); }), "bad-labels");
+  EXPECT_EQ(code_of([&] { with(ids, bytes("s.png", 4, {1, 1, 1, 1}), "instances"); }), "size-mismatch");
+  EXPECT_EQ(code_of([&] { with(ids, ids, "classes"); }), "both-given");
+  EXPECT_EQ(code_of([&] { with(ids, (folder / "missing.png").string(), "instances"); }), "no-file");
+}
+
 TEST(LoadLabels, Errors) {
   const auto folder = test::temporary_folder();
   const auto empty = write(folder / "e.png", 2, 1, 1, std::vector<std::uint8_t>{0, 0}, OIIO::TypeDesc::UINT8);

@@ -1,0 +1,121 @@
+"""Graphs that contain arrays, saved with their arrays beside them."""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import terrazzo as t
+
+TETRAHEDRON = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+RNG = np.random.default_rng(1)
+IDS = RNG.integers(0, 4, (3, 12, 8))
+
+# A value, a node and its input that takes it, and what stands in for the value in the file.
+VALUES = {
+    "image": (t.image(RNG.random((5, 7, 3)).astype(np.float32) * 3, 0.123456789), "Grain", "image", "LoadImage"),
+    "stack": (t.image(RNG.random((12, 5, 7, 3)), 0.1), "Grain", "image", "LoadImage"),
+    "labels": (t.labels(IDS[0], 1 / 3), "Export", "labels", "LoadLabels"),
+    "classes": (t.labels(IDS[0], 0.5, classes=[0, 2, 999_999]), "Export", "labels", "LoadLabels"),
+    "stack of classes": (t.labels(IDS, 0.5, classes=range(9)), "Export", "labels", "LoadLabels"),
+    "mesh": (t.mesh(*TETRAHEDRON, name="corner"), "KMatrix", "shapes", "LoadMesh"),
+    "sizes": (t.sizes([0.1, 1 / 3, 4], [0.005, 0.0025]), "Export", "distribution", "Distribution"),
+    "intervals": (t.sizes([1, 2, 4], [0.005, 0.0025], low=[0.004, 0.001], high=[0.005, 0.003]), "Export", "distribution",
+                  "Distribution"),
+    "volume": (t.volume(RNG.random((3, 4, 5)), 0.1), "Export", "volume", "LoadVolume"),
+    "period": (t.volume(RNG.random((3, 4, 5, 3)), 0.1, name="Cd", period=True), "Export", "volume", "LoadVolume"),
+    "ids": (t.volume(RNG.integers(-1, 2**25, (3, 4, 5)), 0.1, name="id"), "Export", "volume", "LoadVolume"),
+}
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_the_saved_graph_has_the_same_values(kind, tmp_path):
+    value, node, port, stand_in = VALUES[kind]
+    g = t.Graph("Given", cache=False)
+    g._add(node, {port: value, **({"path": "out.json"} if node == "Export" else {})})
+    given = g.nodes[0].name
+    g.output("value", g[given])
+    before = g._ports(True), [n.type for n in g.nodes]
+    os.makedirs(tmp_path / "a")
+    g.save(tmp_path / "g.yaml", arrays="values")
+    assert (g._ports(True), [n.type for n in g.nodes]) == before  # the graph itself keeps the arrays
+    text = (tmp_path / "g.yaml").read_text()
+    assert str(tmp_path) not in text and f"type: {stand_in}" in text
+    # The folder can be moved.
+    for name in ("values", "g.yaml"):
+        if (tmp_path / name).exists():
+            os.rename(tmp_path / name, tmp_path / "a" / name)
+    again = t.load(tmp_path / "a" / "g.yaml", cache=False)
+    read = again.value.value()
+    if kind == "mesh":
+        assert read[0].name == "corner" and np.allclose(read[0].mesh.vertices, value[0].mesh.vertices, atol=1e-12)
+        assert np.array_equal(read[0].mesh.triangles, value[0].mesh.triangles)
+    else:
+        assert read == value
+    assert f"inputs: {{{port}: {given}." in text
+
+
+def test_several_arrays_and_changed_subgraphs(tmp_path, section):
+    image, ids = t.image(RNG.random((40, 40, 3)), 0.5), np.zeros((40, 40), int)
+    ids[4:10, 4:10], ids[20:30, 20:30] = 1, 2
+    g = t.Graph(cache=False)
+    segment = g.Segment(image=image, labels=t.labels(ids, 0.5))
+    sheet = g.ContactSheet(images=[t.image(RNG.random((4, 4, 3))), t.image(RNG.random((2, 4, 4, 3))), segment.labels])
+    inner = g.subgraph(t._library.graphs_folder() + "/library/fields.yaml", image=image)
+    g.output("areas", segment.profiles)
+    g.save(tmp_path / "g.yaml", arrays="arrays")
+    assert sorted(os.listdir(tmp_path / "arrays")) == ["image.exr", "images.exr", "images_2", "labels.tif"]
+    again = t.load(tmp_path / "g.yaml", cache=False)
+    assert again.areas.value() == segment.profiles.value()
+    assert again["contact_sheet"].image.value() == sheet.image.value()
+    # A second save replaces the files, and a loaded graph needs none.
+    g.save(tmp_path / "g.yaml", arrays=tmp_path / "arrays")
+    again.save(tmp_path / "again.yaml")
+    assert t.load(tmp_path / "again.yaml", cache=False).areas.value() == segment.profiles.value()
+    # Changes inside of subgraphs need flat=True, with and without arrays.
+    g[inner.name + "/small"]["seed"] = 3
+    with pytest.raises(t.Error) as e:
+        g.save(tmp_path / "inner.yaml", arrays="arrays")
+    assert e.value.code == "not-savable" and "flat=True" in e.value.hint
+    g.save(tmp_path / "flat.yaml", flat=True, arrays="arrays")
+    assert "graph:" not in (tmp_path / "flat.yaml").read_text()
+    flat = t.load(tmp_path / "flat.yaml", cache=False)
+    assert flat.areas.value() == segment.profiles.value() and flat[inner.name + "/small"]["seed"] == 3
+
+
+def test_the_program_runs_a_saved_graph(tmp_path):
+    program = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(t.__file__))), "terrazzo")
+    if not os.path.exists(program):
+        pytest.skip("the program was not built beside the module")
+    g = t.Graph(cache=False)
+    g.Export(image=g.Grain(image=t.image(RNG.random((8, 8, 3)))).image, path="out.exr")
+    g.save(tmp_path / "g.yaml", arrays="arrays")
+    g.run(out=tmp_path / "ours")
+    subprocess.run([program, "run", tmp_path / "g.yaml", "--out", tmp_path / "theirs", "--no-cache", "--quiet"], check=True,
+                   timeout=120, capture_output=True)
+    ours, theirs = (t.Graph(cache=False).LoadImage(path=tmp_path / f / "out.exr").image.value() for f in ("ours", "theirs"))
+    assert ours == theirs
+
+
+def test_what_cannot_be_saved(tmp_path):
+    def refused(node, **values):
+        g = t.Graph(cache=False)
+        g._add(node, values)
+        with pytest.raises(t.Error) as e:
+            g.save(tmp_path / "g.yaml", arrays="arrays")
+        assert e.value.code == "not-savable" and e.value.message and not (tmp_path / "g.yaml").exists()
+        return e.value
+
+    assert refused("Export", table=t.table({"a": [1]}), path="a.csv").node == "table"
+    g = t.Graph(cache=False)
+    two = g.Shape(kind="rock", count=2).shapes.value()
+    assert "single shape" in refused("KMatrix", shapes=two).message
+    g = t.Graph(cache=False)
+    g.Grain(image=t.image([[0.5]]))
+    with pytest.raises(t.Error) as e:
+        g.save(tmp_path / "g.yaml")
+    assert e.value.code == "not-savable" and "arrays=" in e.value.hint
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError):
+        g.save(tmp_path / "g.yaml", arrays="file")
