@@ -23,7 +23,7 @@ std::string shapes_view(const Shapes&, int triangles);
 
 // One plane of voxels, or a grid. Gray is the share of the way from lo to hi.
 struct Slice {
-  std::string grid;  // "": the first
+  std::string grid = {};  // "": the first
   int axis = 2, index = 0;
   double lo = 0, hi = 1;
 };

@@ -88,15 +88,25 @@ export function Canvas() {
     if (!doc || doc.nodes.length > kMostNodes) return;
     if (!keep) moved.current = {}, forgetPlaces(doc.file);
     const at = layout(doc, types);
-    setNodes(before => doc.nodes.map(n => {
-      const size = nodeSize(n, types);
-      const old = before.find(b => b.id === n.name) as GraphNode | undefined;
-      return {
-        ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
-        selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
-        ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
-      };
-    }));
+    setNodes(before => {
+      // Nodes stay where they are, so that a new one may have to move out of their way.
+      const taken = keep ? before.filter(b => doc.nodes.some(n => n.name === b.id)).map(b => ({ ...(moved.current[b.id] ?? b.position), w: b.measured?.width ?? 172, h: b.measured?.height ?? 80 })) : [];
+      for (const n of doc.nodes) {
+        if (!taken.length || moved.current[n.name] || before.some(b => b.id === n.name)) continue;
+        const place = at[n.name], { width: w, height: h } = nodeSize(n, types);
+        for (let k = 0; k < 60 && taken.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
+        taken.push({ ...place, w, h });
+      }
+      return doc.nodes.map(n => {
+        const size = nodeSize(n, types);
+        const old = before.find(b => b.id === n.name) as GraphNode | undefined;
+        return {
+          ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
+          selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
+          ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
+        };
+      });
+    });
   }, [doc, types]);
 
   useEffect(() => {
@@ -108,6 +118,7 @@ export function Canvas() {
       moved.current = { ...(same ? moved.current : {}), ...readPlaces(doc.file) };
       shown.current = doc.file;
       if (same) keepPlaces(doc.file, moved.current);
+      else setNodes([]); // another graph's nodes may have the same names
     }
     drawn.current = doc.nodes.map(n => n.name).join('\n');
     const taller = small.current !== thumbnails && !Object.keys(moved.current).length;
@@ -209,14 +220,14 @@ export function Canvas() {
   };
 
   // A note where the pointer is, or a frame around the selected nodes.
-  const write = (frame: boolean) => {
+  const write = (frame: boolean, here: { x: number; y: number } | null = null) => {
     const around = nodes.filter(n => n.selected);
     if (frame && around.length) {
       const x = Math.min(...around.map(n => n.position.x)) - 20, y = Math.min(...around.map(n => n.position.y)) - 40;
       const right = Math.max(...around.map(n => n.position.x + (n.measured?.width ?? 172))), bottom = Math.max(...around.map(n => n.position.y + (n.measured?.height ?? 80)));
       return addNote({ x, y, width: right - x + 20, height: bottom - y + 20, text: '', frame });
     }
-    const at = flow.screenToFlowPosition(pointer.current ?? { x: window.innerWidth / 3, y: 200 });
+    const at = flow.screenToFlowPosition(here ?? { x: window.innerWidth / 4, y: 160 });
     addNote({ ...at, width: frame ? 320 : 190, height: frame ? 200 : 70, text: '', frame });
   };
 
@@ -246,7 +257,7 @@ export function Canvas() {
       else if (e.key === 'a' && !scope) setSearch(pointer.current ?? { x: window.innerWidth / 3, y: 160 });
       // Tab moves the focus, except for users who work in the canvas with the pointer.
       else if (e.key === 'Tab' && !e.shiftKey && !scope && pointer.current) setSearch(pointer.current);
-      else if (e.key === 'n' && !scope) write(false);
+      else if (e.key === 'n' && !scope) write(false, pointer.current);
       else if (e.key === 'Enter' && chosen.length === 1 && doc?.nodes.find(n => n.name === chosen[0])?.graph) void enter(chosen[0]);
       else if (e.key === 'Escape' && scope && !chosen.length) void enter(scope.split('/').slice(0, -1).join('/'));
       else return;
