@@ -70,6 +70,9 @@ function weigh(brush: Brush | null, outlines: Outlines | null, d: Distribution |
     if (brush.kind === 'profiles') profiles.set(p.index, chosen.has(p.index) ? 1 : 0);
     else profiles.set(p.index, i < 0 ? 0 : origin ? origin[i].reduce((s, v, j) => s + v * classes[j], 0) : classes[i]);
   }
+  // The likeliest ones are full, so that differences can be seen.
+  const likeliest = Math.max(...profiles.values(), 1e-300);
+  for (const [index, weight] of profiles) profiles.set(index, weight / likeliest);
   const particles = sizes && sizes.map((size, i) => (brush.kind === 'particles' ? (chosen.has(i) ? 1 : 0) : classes[classOf(d, size)] ?? 0));
   return { profiles, classes, particles };
 }

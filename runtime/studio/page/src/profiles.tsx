@@ -31,7 +31,7 @@ export function OutlinesPane({ data, under, weights, chosen, choose, brush }: {
   } : null;
   return (
     <PanZoom width={width} height={Math.round(height)} pen={pen}>
-      {under && Math.abs(under.height - height) < 2 ? <Picture raster={under} /> : null}
+      {under && Math.abs(under.height - height) < 2 ? <Picture raster={under} opacity={weights ? 0.4 : 1} /> : null}
       <svg className={weights ? 'weighted' : ''} width={width} height={height} role="img" aria-label={`${data.profiles.length} profiles`}>
         {!under && <rect width={width} height={height} fill={hex(data.binder)} />}
         {data.profiles.map(p => {
