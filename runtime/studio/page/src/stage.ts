@@ -40,7 +40,7 @@ export class Stage {
   private observer: ResizeObserver;
   private moving = false;
   private coarse = false; // while the view moves, if drawing is slow
-  private slow = 0; // frames since the view began to move
+  private slow = false; // what is shown took long to draw
   private painted = 0; // when
 
   constructor(private host: HTMLElement) {
@@ -62,7 +62,10 @@ export class Stage {
       if (this.plane && this.side(this.plane) !== this.facing) this.cut(this.plane);
       this.draw();
     });
-    this.controls.addEventListener('start', () => { this.moving = true, this.slow = 0, this.painted = 0; });
+    this.controls.addEventListener('start', () => {
+      this.moving = true, this.painted = 0;
+      if (this.slow) this.setCoarse(true);
+    });
     this.controls.addEventListener('end', () => {
       this.moving = false;
       if (this.coarse) this.setCoarse(false), this.draw();
@@ -78,6 +81,8 @@ export class Stage {
     const old = this.contents[at];
     if (old) this.scenes[at].remove(old.object);
     this.contents[at] = content;
+    this.slow = false;
+    if (this.coarse) this.setCoarse(false);
     if (content) this.scenes[at].add(content.object);
     const main = this.contents[0] ?? this.contents[1];
     if (main && at === 0) {
@@ -221,7 +226,7 @@ export class Stage {
 
   private paint() {
     const now = performance.now();
-    if (this.moving && !this.coarse && this.painted && now - this.painted > 50 && ++this.slow > 1) this.setCoarse(true);
+    if (this.moving && !this.coarse && this.painted && now - this.painted > 50) this.slow = true, this.setCoarse(true);
     this.painted = now;
     const r = this.renderer, { clientWidth: w, clientHeight: h } = this.host;
     if (!w || !h) return;
