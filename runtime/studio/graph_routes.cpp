@@ -24,16 +24,12 @@ WrittenValue written_value(const json& j) {
 }
 
 Edit edit_of(const json& j) {
-  static const std::map<std::string, Edit::Kind> kinds = {{"set", Edit::Kind::SetParameter},
-                                                          {"reset", Edit::Kind::ResetParameter},
-                                                          {"append", Edit::Kind::AppendItem},
-                                                          {"remove_item", Edit::Kind::RemoveItem},
-                                                          {"set_default", Edit::Kind::SetDefault},
-                                                          {"connect", Edit::Kind::Connect},
-                                                          {"rewire", Edit::Kind::Rewire},
-                                                          {"add", Edit::Kind::AddNode},
-                                                          {"remove", Edit::Kind::RemoveNode},
-                                                          {"rename", Edit::Kind::RenameNode}};
+  static const std::map<std::string, Edit::Kind> kinds = {
+      {"set", Edit::Kind::SetParameter},       {"reset", Edit::Kind::ResetParameter},
+      {"append", Edit::Kind::AppendItem},      {"remove_item", Edit::Kind::RemoveItem},
+      {"set_default", Edit::Kind::SetDefault}, {"connect", Edit::Kind::Connect},
+      {"rewire", Edit::Kind::Rewire},          {"add", Edit::Kind::AddNode},
+      {"remove", Edit::Kind::RemoveNode},      {"rename", Edit::Kind::RenameNode}};
   const auto kind = kinds.find(j.at("op").get<std::string>());
   if (kind == kinds.end())
     throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");

@@ -309,6 +309,7 @@ TEST_F(LiveGraphTest, PricesAreThoseOfTheNodesThatAnEditRuns) {
 TEST_F(LiveGraphTest, EarlierStatesAreKeptAndComeBack) {
   open();
   const double first = number(settled(), "sum");
+  when([&](const json&) { return live->history().size() == 1; });  // ends are noticed after up to 50 ms
   set("b", "value", "7");
   when([&](const json&) { return live->history().size() == 2; });
   const json list = live->history();
