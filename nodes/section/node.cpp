@@ -26,11 +26,29 @@ SectionChoice choice_of(const NodeParameters& c) {
   choice.height = c.optional_number("height").value_or(0);
   choice.pixel_size = c.optional_number("pixel_size").value_or(0);
   choice.seed = c.seed();
-  if (choice.axis != "random" && (choice.width > 0 || choice.height > 0))
-    throw Error(
-        "window-on-axis",
-        "width and height apply only to random planes; planes across an axis show a whole face of the box",
-        "set axis to random, or set width and height to auto")
+  const auto point = [&](const char* name) {
+    const std::vector<double> v = c.numbers(name);
+    if (v.size() != 3)
+      throw Error("bad-value", fmt::format("{} has {} numbers, but needs three: x, y, z", name, v.size()))
+          .parameter(name);
+    return Vec3(v[0], v[1], v[2]);
+  };
+  if (choice.axis == "free") {
+    choice.normal = point("normal");
+    if (c.keyword("through").empty()) choice.through = point("through");
+    if (choice.planes != 1)
+      throw Error("planes-and-offsets",
+                  fmt::format("planes is {}, but there is one free plane", choice.planes),
+                  "leave planes at 1, or set axis to random")
+          .parameter("planes");
+  }
+  const bool window = choice.axis == "random" || choice.axis == "free";
+  if (!window && (choice.width > 0 || choice.height > 0))
+    throw Error("window-on-axis",
+                "width and height apply only to free and random planes; planes across an axis show a whole "
+                "face of the "
+                "box",
+                "set axis to free or random, or set width and height to auto")
         .parameter(choice.width > 0 ? "width" : "height");
   if (choice.offsets.size() == 1 && choice.planes > 1)
     throw Error("planes-and-offsets", fmt::format("planes is {}, but there is one offset", choice.planes),
@@ -47,7 +65,7 @@ SectionChoice with_picture(Context& c, SectionChoice choice) {
   if (!like) return choice;
   constexpr int kMost = 1024;
   if (!(choice.pixel_size > 0)) choice.pixel_size = like->pixel_size;
-  if (choice.axis == "random") {
+  if (choice.axis == "random" || choice.axis == "free") {
     if (!(choice.width > 0)) choice.width = std::min(like->width, kMost) * like->pixel_size;
     if (!(choice.height > 0)) choice.height = std::min(like->height, kMost) * like->pixel_size;
   }
@@ -144,8 +162,8 @@ NodeType section_node() {
                       "Fine detail from DetailSolid, added to the colors of particles and "
                       "binder. Not used for volumes, whose colors contain it")
       .optional_input("like", {"Image"},
-                      "Picture whose pixel size the sections take, and of random planes also the width and "
-                      "height, up to 1,024 pixels. Parameters that are set apply instead.")
+                      "Picture whose pixel size the sections take, and of free and random planes also the "
+                      "width and height, up to 1,024 pixels. Parameters that are set apply instead.")
       .output("image", "Image", "Stack of all sections, particles antialiased over the binder")
       .output("labels", "Labels", "Profile at each pixel's center; 0 is binder")
       .output("profiles", "Profiles",
@@ -158,9 +176,14 @@ NodeType section_node() {
                      .range(1, 100000)
                      .doc_("Number of planes. If offsets are given, their count applies."))
       .parameter(
-          Parameter::choice("axis", "z", {"x", "y", "z", "random"})
+          Parameter::choice("axis", "z", {"x", "y", "z", "free", "random"})
               .doc_("Axis perpendicular to the planes. x shows y to the right and z up, y shows x and z, z "
-                    "shows x and y. random: random orientation and position."))
+                    "shows x and y. free: one plane, by normal and through. random: random orientation and "
+                    "position."))
+      .parameter(Parameter::numbers("normal", {0, 0, 1}).doc_("Normal of a free plane: x, y, z."))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "through", "auto")
+                     .unit_("mm")
+                     .doc_("Center of a free plane's window: x, y, z. auto: the box's center."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
               .unit_("mm")
@@ -170,11 +193,11 @@ NodeType section_node() {
       .parameter(Parameter::optional_number("width", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Window width of random planes. auto: the box's shortest edge."))
+                     .doc_("Window width of free and random planes. auto: the box's shortest edge."))
       .parameter(Parameter::optional_number("height", "auto")
                      .unit_("mm")
                      .above(0)
-                     .doc_("Window height of random planes. auto: the box's shortest edge."))
+                     .doc_("Window height of free and random planes. auto: the box's shortest edge."))
       .parameter(
           Parameter::optional_number("pixel_size", "auto")
               .unit_("mm")

@@ -30,27 +30,42 @@ void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
   layout.pixel_size = layout.width / x;
 }
 
+// Columns: to the right, upwards, and the normal.
+Mat3 frame_of(const Vec3& normal) {
+  if (!(normal.norm() > 1e-9) || !normal.allFinite())
+    throw Error("bad-normal", "the plane's normal has no direction", "set three numbers that are not all 0")
+        .parameter("normal");
+  Mat3 frame;
+  frame.col(2) = normal.normalized();
+  const Vec3 up = std::abs(frame(2, 2)) < 1 - 1e-9 ? Vec3::UnitZ() : Vec3::UnitY();
+  frame.col(0) = up.cross(frame.col(2)).normalized();
+  frame.col(1) = frame.col(2).cross(frame.col(0));
+  return frame;
+}
+
 }  // namespace
 
 SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool periodic,
                             double default_pixel_size) {
   SectionLayout layout;
-  if (choice.axis == "random") {
+  if (choice.axis == "random" || choice.axis == "free") {
     if (!choice.offsets.empty())
-      throw Error("offsets-at-random", "offsets do not apply to random planes",
+      throw Error("offsets-at-random", fmt::format("offsets do not apply to {} planes", choice.axis),
                   "set axis to x, y or z, or offsets to auto")
           .parameter("offsets");
     layout.width = choice.width > 0 ? choice.width : box.minCoeff();
     layout.height = choice.height > 0 ? choice.height : box.minCoeff();
-    for (int i = 0; i < choice.planes; ++i) {
+    const auto add = [&](const Mat3& frame, const Vec3& center) {
+      layout.planes.push_back(
+          {frame, center - frame.col(0) * (layout.width / 2) - frame.col(1) * (layout.height / 2)});
+    };
+    if (choice.axis == "free") add(frame_of(choice.normal), choice.through.value_or(box / 2));
+    for (int i = 0; choice.axis == "random" && i < choice.planes; ++i) {
       Random random(choice.seed, 0x73656374, static_cast<std::uint64_t>(i));
-      SectionPlane plane;
-      plane.frame = random_rotation(random).normalized().toRotationMatrix();
+      const Mat3 frame = random_rotation(random).normalized().toRotationMatrix();
       Vec3 center;
       for (int k = 0; k < 3; ++k) center[k] = box[k] * random.uniform();
-      plane.origin =
-          center - plane.frame.col(0) * (layout.width / 2) - plane.frame.col(1) * (layout.height / 2);
-      layout.planes.push_back(plane);
+      add(frame, center);
     }
   } else {
     const int u = choice.axis[0] - 'x';

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,9 +30,11 @@ struct SectionLayout {
 
 struct SectionChoice {
   int planes = 1;
-  std::string axis = "z";        // x, y, z or random
+  std::string axis = "z";        // x, y, z, free or random
   std::vector<double> offsets;   // mm along the axis; empty: evenly spaced, half a step from both ends
-  double width = 0, height = 0;  // mm, of random windows; 0: the box's shortest edge
+  Vec3 normal = Vec3::UnitZ();   // of a free plane
+  std::optional<Vec3> through;   // mm, the center of a free plane's window; nothing: the box's center
+  double width = 0, height = 0;  // mm, of free and random windows; 0: the box's shortest edge
   double pixel_size = 0;         // mm; 0: `default_pixel_size`
   std::uint64_t seed = 1;
 };
@@ -39,10 +42,10 @@ struct SectionChoice {
 // Windows through a box with one corner at the origin (edges in mm). Axis windows are parallel to the faces
 // of the box and oriented as in slice_axes.h: x shows y to the right and z up, y shows x and z, z shows x and
 // y, so that a section of a solid texture looks like the exemplar for its axis. Random windows are isotropic
-// uniform random: every orientation and every center in the box is equally likely. A given pixel size is
-// rounded so that whole pixels fill the width. The default, `default_pixel_size`, is raised if the stack
-// would exceed 64 megapixels. Throws Error "bad-offset", "offsets-at-random", "planes-and-offsets",
-// "too-many-pixels".
+// uniform random: every orientation and every center in the box is equally likely. A free window has z
+// upwards, or, if it is perpendicular to z, y. A given pixel size is rounded so that whole pixels fill the
+// width. The default, `default_pixel_size`, is raised if the stack would exceed 64 megapixels. Throws Error
+// "bad-offset", "bad-normal", "offsets-at-random", "planes-and-offsets", "too-many-pixels".
 SectionLayout choose_planes(const SectionChoice&, const Vec3& box, bool periodic, double default_pixel_size);
 
 }  // namespace terrazzo::section

@@ -74,7 +74,7 @@ void LiveGraph::document_changed() {
           p.kind == ParameterKind::InputPath && it != node.parameters.end())
         for (const auto& f : expand_glob(std::get<std::string>(it->second.value))) inputs_[f] = stamp_of(f);
   if (live_)
-    start(safe_targets(), true);
+    start(safe_targets(*session_.graph()), true);
   else
     plan();
 }
@@ -96,15 +96,14 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   then_.clear();
   document_ = std::move(document);
   overrides_ = {};  // they belong to the graph of the command line
-  states_.clear();
+  states_.clear(), past_.clear();
   disk_changed_ = false, seconds_ = 0, trouble_.clear();
   if (live) live_ = *live;
   document_changed();
 }
 
 // Everything that a run without targets evaluates, but not the nodes that write files.
-std::vector<std::string> LiveGraph::safe_targets() const {
-  const Graph& graph = *session_.graph();
+std::vector<std::string> LiveGraph::safe_targets(const Graph& graph) {
   std::vector<std::string> out;
   for (const int i : graph.sinks()) {
     const GraphNode& node = graph.nodes[static_cast<std::size_t>(i)];
@@ -121,8 +120,15 @@ void LiveGraph::plan() {
   RunOptions options;
   options.output_folder = session_.options().output_folder;
   auto& e = session_.evaluator();
-  apply_plan(states_, *graph, plan_run(*graph, options, e.store(), e.hashes(), session_.history()), false);
+  const Plan plan = plan_run(*graph, options, e.store(), e.hashes(), session_.history());
+  apply_plan(states_, *graph, plan, false);
   for (const auto& [path, s] : states_) tell_node(path);
+  // Finds the values that are in the cache, so that they can be looked at. Nothing is computed.
+  std::vector<std::string> cached;
+  for (std::size_t i = 0; i < graph->nodes.size(); ++i)
+    if (plan.nodes[i].step == Plan::Step::Cached && !graph->nodes[i].type->writes_files)
+      cached.push_back(graph->nodes[i].path);
+  if (!cached.empty()) begin(cached, false);
   events_.add("run", json_text(run_json()));
 }
 
@@ -191,7 +197,7 @@ void LiveGraph::set_live(bool live) {
   const std::lock_guard lock(mutex_);
   live_ = live;
   events_.add("run", json_text(run_json()));
-  if (live_ && valid_) start(safe_targets(), true);
+  if (live_ && valid_) start(safe_targets(*session_.graph()), true);
 }
 
 Value LiveGraph::value(const std::string& hash) {
@@ -226,7 +232,10 @@ void LiveGraph::watch() {
       } catch (const std::exception& e) {
         trouble_ = e.what();
       }
-      if (const auto rest = std::exchange(then_, {}); !rest.empty()) begin(rest, true);
+      if (const auto rest = std::exchange(then_, {}); !rest.empty())
+        begin(rest, true);
+      else if (valid_)
+        past_.add(document_.text(), states_);
       events_.add("run", json_text(run_json()));
     }
     if (tick % 20 != 0) continue;  // files: once a second
@@ -245,7 +254,7 @@ void LiveGraph::watch() {
                                   [](const auto& f) { return stamp_of(f.first) == f.second; });
     if (same || !live_ || !valid_) continue;
     for (auto& [file, stamp] : inputs_) stamp = stamp_of(file);
-    start(safe_targets(), true);
+    start(safe_targets(*session_.graph()), true);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "runtime/studio/document.h"
 #include "runtime/studio/event_log.h"
 #include "runtime/studio/node_states.h"
+#include "runtime/studio/past_states.h"
 
 namespace terrazzo::studio {
 
@@ -50,6 +51,24 @@ class LiveGraph {
   // others, so that an edit shows soon.
   void show(const std::string& node);
 
+  // What these edits would cost, without making them: {nodes: [{path, seconds, reason, perhaps}], seconds},
+  // for all nodes that a change evaluates. Seconds are those of the last computation, 0 if unknown. Throws
+  // what edit_document() throws, and Error with the first message if the graph would have errors.
+  nlohmann::json price(const std::vector<Edit>&);
+
+  // States after earlier evaluations of this document: see past_states.h. restore() is a step of undo.
+  nlohmann::json history();
+  nlohmann::json past(std::size_t number);
+  void restore(std::size_t number);
+
+  // The document inside of a node that is a subgraph, by its path ("asset", "asset/part"), like the document
+  // of state(). Throws Error "unknown-node".
+  nlohmann::json subgraph(const std::string& path);
+  // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
+  nlohmann::json files();
+  // Keeps where nodes and notes are, beside the graph: see arrangement.h. Throws Error "read-only".
+  void arrange(const nlohmann::json&);
+
   // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
   // "lost-value".
   Value value(const std::string& hash);
@@ -65,7 +84,7 @@ class LiveGraph {
   void start(const std::vector<std::string>& targets, bool shown_first = false);
   void begin(const std::vector<std::string>& targets, bool continues);
   void plan();
-  std::vector<std::string> safe_targets() const;
+  static std::vector<std::string> safe_targets(const Graph&);
   nlohmann::json document_json() const;
   nlohmann::json run_json() const;
   void tell_node(const std::string& path);
@@ -83,6 +102,7 @@ class LiveGraph {
   bool valid_ = false;         // the session has the document's graph
   bool disk_changed_ = false;  // another program changed the file, and there are unsaved changes
   double seconds_ = 0;         // of the last run that ended
+  PastStates past_;
   std::string trouble_;
   std::map<std::string, OutputRecord> values_;
   std::uint64_t previews_ = 0;                              // made so far

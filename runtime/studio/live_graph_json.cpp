@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/json_text.h"
+#include "runtime/studio/arrangement.h"
 #include "runtime/studio/document_json.h"
 #include "runtime/studio/live_graph.h"
 
@@ -22,6 +23,7 @@ json LiveGraph::document_json() const {
   out["disk_changed"] = disk_changed_;
   out["valid"] = valid_;
   out["messages"] = messages;
+  out["arrangement"] = read_arrangement(document_.file());
   return out;
 }
 

@@ -1,10 +1,13 @@
 #include "runtime/studio/studio_server.h"
 
 #include <atomic>
+#include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
 #include "runtime/json_text.h"
+#include "runtime/studio/graph_routes.h"
 #include "runtime/studio/live_graph.h"
 #include "runtime/studio/start_routes.h"
 #include "runtime/studio/studio_bundle.h"
@@ -19,40 +22,6 @@ namespace {
 constexpr const char* kEvents = "/api/events";
 constexpr std::size_t kMostUpload = 64 << 20;
 constexpr int kMostStreams = 32;  // each occupies a thread of the server's 64
-
-WrittenValue written_value(const json& j) {
-  const auto word = [](const json& x) { return x.is_string() ? x.get<std::string>() : json_text(x); };
-  WrittenValue v{j.is_array(), {}, {}};
-  if (!j.is_array()) {
-    v.items.push_back(word(j));
-    return v;
-  }
-  for (const auto& x : j) v.items.push_back(word(x));
-  return v;
-}
-
-Edit edit_of(const json& j) {
-  static const std::map<std::string, Edit::Kind> kinds = {
-      {"set", Edit::Kind::SetParameter},       {"reset", Edit::Kind::ResetParameter},
-      {"append", Edit::Kind::AppendItem},      {"remove_item", Edit::Kind::RemoveItem},
-      {"set_default", Edit::Kind::SetDefault}, {"connect", Edit::Kind::Connect},
-      {"rewire", Edit::Kind::Rewire},          {"add", Edit::Kind::AddNode},
-      {"remove", Edit::Kind::RemoveNode},      {"rename", Edit::Kind::RenameNode}};
-  const auto kind = kinds.find(j.at("op").get<std::string>());
-  if (kind == kinds.end())
-    throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
-  Edit e;
-  e.kind = kind->second;
-  e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
-  e.type = j.value("type", ""), e.graph = j.value("graph", "");
-  e.index = j.value("index", std::size_t{0});
-  if (j.contains("value")) e.value = written_value(j["value"]);
-  if (j.contains("wires")) e.wires = j["wires"].get<std::vector<std::string>>();
-  const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::AppendItem ||
-                           e.kind == Edit::Kind::SetDefault;
-  if (needs_value && !j.contains("value")) throw Error("bad-request", "the edit has no value");
-  return e;
-}
 
 std::string event_text(std::uint64_t number, const std::string& type, const std::string& data) {
   return "id: " + std::to_string(number) + "\nevent: " + type + "\ndata: " + data + "\n\n";
@@ -114,13 +83,28 @@ struct StudioServer::Impl {
   }
 
   static ValueView view(const httplib::Request& in, const Value& v) {
-    return view_of(v, in.get_param_value("as"), number_in(in, "section", 0, 0, 1 << 20),
-                   number_in(in, "most", 2048, 16, 8192));
+    const auto real = [&](const char* name, double otherwise) {
+      const std::string text = in.get_param_value(name);
+      double out = otherwise;
+      if (text.empty()) return out;
+      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+      if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(out))
+        throw Error("bad-request", std::string("'") + name + "' is not a number");
+      return out;
+    };
+    return view_of(v, in.get_param_value("as"),
+                   {.most = number_in(in, "most", 2048, 16, 8192),
+                    .slice = {.grid = in.get_param_value("grid"),
+                              .axis = number_in(in, "axis", 2, 0, 2),
+                              .index = number_in(in, "section", 0, 0, 1 << 20),
+                              .lo = real("lo", 0),
+                              .hi = real("hi", 1)}});
   }
 
   void value(const httplib::Request& in, httplib::Response& out) {
     std::string tag = "\"" + in.matches[1].str();
-    for (const char* name : {"as", "section", "most"}) tag += "." + in.get_param_value(name);
+    for (const char* name : {"as", "section", "most", "grid", "axis", "lo", "hi"})
+      tag += "." + in.get_param_value(name);
     tag += "\"";
     const auto set_cached = [&] {
       out.headers.erase("Cache-Control");
@@ -148,6 +132,7 @@ struct StudioServer::Impl {
     using Out = httplib::Response;
     auto& http = server.http();
     server.add_page("/", "studio.html");
+    server.add_page("/events.js", "events.js");
     http.Get("/studio.js", [](const In&, Out& out) {
       out.set_header("Content-Encoding", "gzip");
       out.set_content(studio_bundle().data(), studio_bundle().size(), "text/javascript; charset=utf-8");
@@ -179,9 +164,7 @@ struct StudioServer::Impl {
       post(path, [this, act](const json& body) { live.change([&](Document& d) { act(d, body); }); });
     };
     change("/api/edit", [](Document& d, const json& body) {
-      std::vector<Edit> edits;
-      for (const auto& e : body.at("edits")) edits.push_back(edit_of(e));
-      d.edit(edits, body.value("group", ""));
+      d.edit(edits_of(body.at("edits")), body.value("group", ""));
     });
     change("/api/text", [](Document& d, const json& body) { d.replace(body.at("text").get<std::string>()); });
     change("/api/undo", [](Document& d, const json&) {
@@ -194,6 +177,7 @@ struct StudioServer::Impl {
     change("/api/reload", [](Document& d, const json&) { d.reload(); });
     change("/api/recover", [](Document& d, const json& body) { d.recover(body.at("use").get<bool>()); });
     add_start_routes(server, live, registry, start);
+    add_graph_routes(server, live);
     post("/api/run",
          [this](const json& body) { live.evaluate(body.value("targets", std::vector<std::string>{})); });
     post("/api/view", [this](const json& body) { live.show(body.at("node").get<std::string>()); });

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 
 #include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
 #include "runtime/json_text.h"
+#include "runtime/studio/geometry_views.h"
+#include "runtime/studio/view_bytes.h"
 
 namespace terrazzo::studio {
 using nlohmann::json;
@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kShown = 200;          // entries of a list in a summary
 constexpr std::size_t kMostJson = 48 << 20;  // bytes
+const char* const kBytes = "application/octet-stream";
 
 // Cuts long lists. Numbers stay together, so that curves are complete up to a limit.
 void reduce(json& j) {
@@ -57,16 +58,11 @@ struct Raster {
     for (const int v : {w(), h(), sections, width, height}) append(out, static_cast<std::uint32_t>(v));
     for (int y = 0; y < height; y += factor)
       for (int x = 0; x < width; x += factor) append(out, pixel(x, y));
-    return {"application/octet-stream", std::move(out)};
-  }
-
- private:
-  static void append(std::string& out, std::uint32_t v) {
-    char bytes[4];
-    std::memcpy(bytes, &v, 4);
-    out.append(bytes, 4);
+    return {kBytes, std::move(out)};
   }
 };
+
+}  // namespace
 
 std::uint32_t rgba(const Vec3f& linear) {
   const Vec3f c = linear_to_srgb(linear);
@@ -78,7 +74,6 @@ std::uint32_t rgba(const Vec3f& linear) {
   return out;
 }
 
-// A color for a profile number: neighbors in number differ.
 std::uint32_t color_of(std::int32_t id) {
   if (id <= 0) return 0xff201c1au;
   const double hue = std::fmod(static_cast<double>(id) * 0.61803398875, 1.0) * 6;
@@ -90,6 +85,8 @@ std::uint32_t color_of(std::int32_t id) {
   }
   return out;
 }
+
+namespace {
 
 ValueView json_view(const json& j) {
   std::string text = json_text(j);
@@ -123,7 +120,8 @@ json outlines(const Profiles& p, int section) {
 
 }  // namespace
 
-ValueView view_of(const Value& value, const std::string& as, int section, int most) {
+ValueView view_of(const Value& value, const std::string& as, const ViewChoice& choice) {
+  const int section = choice.slice.index, most = choice.most;
   if (as == "json") return json_view(value.type().describe(value.data()));
   if (as == "summary") {
     json j = value.type().describe(value.data());
@@ -144,6 +142,14 @@ ValueView view_of(const Value& value, const std::string& as, int section, int mo
     });
   }
   if (as == "outlines" && value.is<Profiles>()) return json_view(outlines(value.as<Profiles>(), section));
+  if (as == "particles" && value.is<Particles>()) return {kBytes, particles_view(value.as<Particles>())};
+  if (as == "meshes" && value.is<Shapes>()) return {kBytes, shapes_view(value.as<Shapes>(), most)};
+  if (value.is<Volume>()) {
+    const auto& volume = value.as<Volume>();
+    if (as == "head") return json_view(volume_head(volume));
+    if (as == "slice") return {kBytes, slice_view(volume, choice.slice, most)};
+    if (as == "voxels") return {kBytes, voxels_view(volume, choice.slice, most)};
+  }
   throw Error("bad-request", fmt::format("a value of type {} has no view '{}'", value.type().name, as),
               "use summary or json");
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "runtime/studio/geometry_views.h"
 #include "runtime/value.h"
 
 namespace terrazzo::studio {
@@ -17,8 +18,14 @@ struct ValueView {
 // "pixels": of an Image, or of Labels in colors: five 32-bit little-endian integers (width, height, sections,
 // full width, full height), then sRGB as RGBA. "ids": of Labels: the same head, then 32-bit profile numbers.
 // "outlines": of Profiles: JSON with the outlines of a section in mm.
-// Pictures of more than `most` pixels on their longer edge are reduced by a whole factor. Throws Error
-// "bad-request" if the type has no such view, "too-large" if JSON would be.
-ValueView view_of(const Value&, const std::string& as, int section = 0, int most = 2048);
+// "particles", "meshes", "head", "slice", "voxels": see geometry_views.h.
+// Throws Error "bad-request" if the type has no such view, "too-large" if it would be.
+struct ViewChoice {
+  // Pixels, or voxels, on the longest edge, beyond which they are reduced by a whole factor. Of meshes,
+  // triangles.
+  int most = 2048;
+  Slice slice = {};  // its index is also the section of a stack
+};
+ValueView view_of(const Value&, const std::string& as, const ViewChoice& = {});
 
 }  // namespace terrazzo::studio

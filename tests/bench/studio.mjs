@@ -1,4 +1,4 @@
-// node studio.mjs REPOSITORY [GRAPH]: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
+// node studio.mjs REPOSITORY [GRAPH | response]: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
 // final one, and how long the nodes compute that a page without previews and kept geometry waits for.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -6,6 +6,8 @@ import { mkdtempSync, rmSync, cpSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
+
+import { measureResponse } from './studio_response.mjs';
 
 const [, , repository, only = ''] = process.argv;
 const { chromium } = createRequire(join(repository, 'build/studio/package.json'))('playwright-core');
@@ -87,6 +89,7 @@ async function measure(graph, list) {
 
 try {
   for (const [graph, list] of Object.entries(cases)) if (graph.includes(only)) await measure(graph, list);
+  if ('response'.includes(only)) await measureResponse(repository, { graphs: join(folder, 'graphs'), cache: join(folder, 'cache') });
 } finally {
   rmSync(folder, { recursive: true });
 }

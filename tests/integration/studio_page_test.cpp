@@ -165,5 +165,38 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
   EXPECT_GT(equal, 30u);
 }
 
+// Solids, slices, plots, linked views, the plane, prices, comparisons, subgraphs, notes, the nib, and pages
+// without WebGL.
+TEST_F(StudioPage, ShowsComparesAndCuts) {
+  const auto run =
+      test::run_command({"timeout", "280", "node", "views.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  // An empty drawing has two or three colors: background and frame.
+  for (const char* drawing : {"particle_colors", "block_colors", "plane_colors"})
+    EXPECT_GT(r[drawing], 12) << drawing;
+  EXPECT_EQ(r["turned"], true);
+  EXPECT_NE(r["picked"].get<std::string>().find("size"), std::string::npos);
+  EXPECT_NE(r["row"].get<std::string>().find("row 3 is selected"), std::string::npos);
+  EXPECT_NE(r["linked"].get<std::string>().find("1 size class"), std::string::npos);
+  EXPECT_GT(r["brushed"], 0);
+  EXPECT_EQ(r["free"], "computed");
+  // A seed of the packing: the packing, and what follows from it.
+  EXPECT_EQ(r["priced"], 4) << r["price"];
+  EXPECT_EQ(r["price"].get<std::string>().rfind("4 nodes, about ", 0), 0u) << r["price"];
+  EXPECT_EQ(r["not_sent"], true);
+  EXPECT_EQ(r["wipe"], "40");
+  EXPECT_GE(r["states"], 4);
+  EXPECT_EQ(r["inside"].get<std::string>().rfind("inner", 0), 0u);
+  EXPECT_EQ(r["note"], "Why marble?");
+  EXPECT_EQ(r["tab"], 1);
+  EXPECT_EQ(r["peek"].get<std::string>().rfind("Image", 0), 0u);
+  EXPECT_EQ(r["nib"], true);
+  EXPECT_EQ(r["pages"], 8);
+  EXPECT_NE(r["without"].get<std::string>().find("no WebGL"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace terrazzo

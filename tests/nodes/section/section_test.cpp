@@ -5,6 +5,7 @@
 #include "nodes/common/geometry/mesh_section.h"
 #include "nodes/common/geometry/slice_axes.h"
 #include "tests/nodes/section/packing.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -65,6 +66,31 @@ TEST(Section, AxesShowTheirFacesTheRightWayUp) {
     EXPECT_NEAR(s.profiles.profiles[0].centroid.x(), p.position[0][kSliceColumns[u]], 1e-12);
     EXPECT_NEAR(s.profiles.profiles[0].centroid.y(), p.position[0][kSliceRows[u]], 1e-12);
   }
+}
+
+TEST(Section, AFreePlaneIsPlacedByItsNormalAndAPoint) {
+  const Shapes shapes{{test::cube()}};
+  const Particles p = one_cube({2, 2, 2});
+  SectionChoice choice;
+  choice.axis = "free", choice.width = choice.height = 4;
+  for (const auto& [normal, area] : {std::pair(Vec3(0, 0, 2), 1.0),
+                                     {Vec3(1, 1, 0), std::sqrt(2.0)},
+                                     {Vec3(1, 1, 1), 0.75 * std::sqrt(3.0)}}) {
+    choice.normal = normal, choice.through.reset();
+    const Section s = cut(p, shapes, choice);
+    ASSERT_EQ(s.profiles.profiles.size(), 1u);
+    EXPECT_NEAR(s.profiles.profiles[0].area, area, 1e-9) << normal.transpose();
+    EXPECT_NEAR(s.profiles.profiles[0].centroid.x(), 2, 1e-9);
+    EXPECT_NEAR(s.profiles.profiles[0].centroid.y(), 2, 1e-9);
+    choice.through = Vec3(2, 2, 2) + 0.9 * normal.normalized();
+    EXPECT_TRUE(cut(p, shapes, choice).profiles.profiles.empty());
+  }
+  // z is upwards where the plane allows it.
+  choice.normal = Vec3(1, 0, 0);
+  EXPECT_NEAR((choose_planes(choice, p.box, true, 0.1).planes[0].frame.col(1) - Vec3::UnitZ()).norm(), 0,
+              1e-12);
+  choice.normal = Vec3::Zero();
+  EXPECT_EQ(test::code_of([&] { choose_planes(choice, p.box, true, 0.1); }), "bad-normal");
 }
 
 TEST(Section, PictureLabelsAndProfilesAgree) {

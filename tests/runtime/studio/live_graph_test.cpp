@@ -128,6 +128,19 @@ TEST_F(LiveGraphTest, OnDemandOnlyPlans) {
   EXPECT_EQ(test::code_of([&] { live->evaluate({"nothing"}); }), "unknown-node");
 }
 
+TEST_F(LiveGraphTest, OnDemandShowsWhatIsInTheCache) {
+  open();
+  settled();
+  open(kLiveText, false);
+  json s = settled();
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "cached");
+  EXPECT_EQ(number(s, "sum"), 5);
+  set("b", "value", "7");
+  s = settled();
+  EXPECT_EQ(s["nodes"]["sum"]["state"], "stale");
+  EXPECT_EQ(number(s, "clamp"), 3);
+}
+
 TEST_F(LiveGraphTest, AGraphWithErrorsOpens) {
   open("terrazzo: 1\nnodes:\n  a: {type: Constnat}\n  b: {type: Constant}\n");
   json s = live->state();
@@ -276,6 +289,82 @@ TEST_F(LiveGraphTest, ShowsPreviewsUntilTheResult) {
   EXPECT_EQ(s["nodes"]["a"]["state"], "canceled");
   EXPECT_TRUE(preview(s).empty());
   EXPECT_EQ(number(s, "a"), 10);
+}
+
+TEST_F(LiveGraphTest, PricesAreThoseOfTheNodesThatAnEditRuns) {
+  open();
+  settled();
+  const Edit edit{Edit::Kind::SetParameter, "b", "value", {false, {"7"}, {}}};
+  const json price = live->price({edit});
+  std::vector<std::string> paths;
+  for (const auto& n : price["nodes"]) paths.push_back(n["path"]);
+  EXPECT_EQ(paths, (std::vector<std::string>{"b", "sum"}));  // not the node that writes a file
+  EXPECT_NE(price["nodes"][0]["reason"].get<std::string>().find("2 → 7"), std::string::npos);
+  EXPECT_EQ(live->state()["document"]["text"], kLiveText);
+  EXPECT_EQ(live->price({})["nodes"], json::array());
+  const Edit bad{Edit::Kind::SetParameter, "b", "value", {false, {"much"}, {}}};
+  EXPECT_EQ(test::code_of([&] { live->price({bad}); }), "bad-value");
+}
+
+TEST_F(LiveGraphTest, EarlierStatesAreKeptAndComeBack) {
+  open();
+  const double first = number(settled(), "sum");
+  when([&](const json&) { return live->history().size() == 1; });  // ends are noticed after up to 50 ms
+  set("b", "value", "7");
+  when([&](const json&) { return live->history().size() == 2; });
+  const json list = live->history();
+  EXPECT_EQ(list[0]["changed"], "");
+  EXPECT_EQ(list[1]["changed"], "b: value: 7");
+  const json past = live->past(list[0]["number"]);
+  EXPECT_EQ(past["text"], kLiveText);
+  EXPECT_EQ(test::number_of(live->value(past["nodes"]["sum"]["outputs"]["out"]["hash"])), first);
+  live->restore(list[0]["number"]);
+  const json s = settled();
+  EXPECT_EQ(s["document"]["text"], kLiveText);
+  EXPECT_EQ(s["document"]["can_undo"], true);
+  EXPECT_EQ(test::code_of([&] { live->past(99); }), "unknown-state");
+  live->open(Document(file), true);
+  EXPECT_EQ(live->history().size() <= 1, true);  // states of another document are gone
+}
+
+TEST_F(LiveGraphTest, SubgraphsShowTheirDocument) {
+  write_text_atomically(
+      folder / "part.yaml",
+      "terrazzo: 1\nnodes:\n  inner: {type: Constant, params: {value: 4}}\noutputs: {out: inner.out}\n");
+  open("terrazzo: 1\nnodes:\n  part: {graph: part.yaml}\n  sum: {type: Sum, inputs: {in: part.out}}\n");
+  settled();
+  const json inside = live->subgraph("part");
+  EXPECT_EQ(inside["nodes"][0]["name"], "inner");
+  EXPECT_EQ(inside["file"], (folder / "part.yaml").string());
+  EXPECT_EQ(test::code_of([&] { live->subgraph("sum"); }), "unknown-node");
+  EXPECT_EQ(test::code_of([&] { live->subgraph("part/inner"); }), "unknown-node");
+  EXPECT_EQ(test::code_of([&] { live->subgraph(""); }), "unknown-node");
+}
+
+TEST_F(LiveGraphTest, AGraphThatAnotherProgramChangesIsReadAgain) {
+  open();
+  settled();
+  std::string other = kLiveText;
+  other.replace(other.find("value: 2"), 8, "value: 4");
+  write_text_atomically(file, other);
+  EXPECT_EQ(number(when([&](const json& s) { return s["document"]["text"] == other; }), "a"), 5);
+  EXPECT_EQ(number(settled(), "sum"), 7);
+  // With unsaved changes, both are kept until somebody decides.
+  set("b", "value", "7");
+  write_text_atomically(file, kLiveText);
+  const json s = when([](const json& s) { return s["document"]["disk_changed"] == true; });
+  EXPECT_NE(s["document"]["text"].get<std::string>().find("value: 7"), std::string::npos);
+  EXPECT_EQ(test::code_of([&] { live->change([](Document& d) { d.save(false); }); }), "file-changed");
+}
+
+TEST_F(LiveGraphTest, TenMegabytesOfTextOpenAndAreEdited) {
+  const std::string comments = "# " + std::string(10 << 20, 'x') + "\n";
+  open(comments + kLiveText);
+  EXPECT_EQ(number(settled(), "sum"), 5);
+  set("b", "value", "7");
+  const json s = settled();
+  EXPECT_EQ(number(s, "sum"), 10);
+  EXPECT_EQ(s["document"]["text"].get<std::string>().size(), comments.size() + kLiveText.size());
 }
 
 }  // namespace

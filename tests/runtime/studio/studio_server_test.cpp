@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+
 #include <atomic>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -171,6 +174,31 @@ TEST_F(Studio, TwelveClientsSeeAnEdit) {
   }
 }
 
+// Clients that open a stream and never read it: the server goes on, and so do all others.
+TEST_F(Studio, ClientsThatDoNotReadStopNobody) {
+  std::vector<int> slow;
+  const std::string ask = "GET /api/events HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: terrazzo_studio_" +
+                          std::to_string(port) + "=" + token + "\r\n\r\n";
+  for (int k = 0; k < 8; ++k) {
+    const int s = ::socket(AF_INET, SOCK_STREAM, 0), small = 4096;
+    ::setsockopt(s, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
+    sockaddr_in to{};
+    to.sin_family = AF_INET, to.sin_port = htons(static_cast<std::uint16_t>(port));
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ASSERT_EQ(::connect(s, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
+    ASSERT_EQ(::send(s, ask.data(), ask.size(), MSG_NOSIGNAL), static_cast<ssize_t>(ask.size()));
+    slow.push_back(s);
+  }
+  const std::string large =
+      "terrazzo: 1\ndoc: " + std::string(400'000, 'x') + "\nnodes:\n  a: {type: Constant, params: {value: ";
+  for (int k = 0; k < 30; ++k)
+    ASSERT_EQ(post("/api/text", {{"text", large + std::to_string(k) + "}}\n"}}), 200);
+  const auto got = events(1);
+  ASSERT_EQ(got.size(), 1u);
+  EXPECT_NE(got[0].find("value: 29"), std::string::npos);
+  for (const int s : slow) ::close(s);
+}
+
 TEST_F(Studio, StrangersGetNothing) {
   const auto status = [&](const httplib::Headers& headers, const char* path = "/api/state") {
     return client().Get(path, headers)->status;
@@ -198,20 +226,41 @@ TEST_F(Studio, StrangersGetNothing) {
   EXPECT_EQ(client().Get("/../../etc/passwd")->status, 404);
 }
 
-TEST(StudioViews, PicturesAreReducedByAWholeFactor) {
-  Image image(100, 50, 2, 1, Vec3f(1, 0, 0));
-  image.at(3, 0, 1) = Vec3f(0, 1, 0);
-  const auto view = studio::view_of(Value::of(image), "pixels", 1, 40);
-  std::uint32_t head[5];
-  std::memcpy(head, view.body.data(), sizeof head);
-  EXPECT_EQ(head[0], 34u);
-  EXPECT_EQ(head[1], 17u);
-  EXPECT_EQ(head[2], 2u);
-  EXPECT_EQ(head[3], 100u);
-  EXPECT_EQ(view.body.size(), 20u + 34 * 17 * 4);
-  EXPECT_EQ(view.body.substr(20, 8), std::string("\xff\x00\x00\xff\x00\xff\x00\xff", 8));
-  EXPECT_EQ(test::code_of([] { studio::view_of(Value::of(Image{}), "pixels"); }), "empty-image");
-  EXPECT_EQ(test::code_of([&] { studio::view_of(Value::of(image), "ids"); }), "bad-request");
+TEST_F(Studio, TellsThePriceOfAnEditAndDoesNotMakeIt) {
+  json answer;
+  ASSERT_EQ(post("/api/price", kSet, &answer), 200);
+  ASSERT_EQ(answer["nodes"].size(), 1u);
+  EXPECT_EQ(answer["nodes"][0]["path"], "a");
+  EXPECT_EQ(get("/api/state")["document"]["can_undo"], false);
+  EXPECT_EQ(post("/api/price", {{"edits", {{{"op", "explode"}}}}}), 400);
+  EXPECT_EQ(post("/api/price", {{"edits", {{{"op", "remove"}, {"node", "x"}}}}}), 400);
+}
+
+TEST_F(Studio, KeepsWhereNodesAreBesideTheGraph) {
+  const json mine = {
+      {"places", {{"a", {10, 20}}}},
+      {"notes", {{{"x", 1}, {"y", 2}, {"width", 30}, {"height", 40}, {"text", "why"}, {"frame", false}}}}};
+  ASSERT_EQ(post("/api/arrange", {{"arrangement", mine}}), 200);
+  const fs::path beside = file.parent_path() / "graph.studio.json";
+  EXPECT_EQ(json::parse(*read_file(beside)), mine);
+  EXPECT_EQ(get("/api/state")["document"]["arrangement"], mine);
+  EXPECT_EQ(get("/api/state")["document"]["saved"], true);  // it is no part of the graph
+  for (const json& bad :
+       {json{{"places", {{"a", "left"}}}}, json{{"scripts", json::array()}}, json{{"notes", {{{"x", 1}}}}}})
+    EXPECT_EQ(post("/api/arrange", {{"arrangement", bad}}), 400) << bad;
+  ASSERT_EQ(post("/api/arrange", {{"arrangement", {{"places", json::object()}}}}), 200);
+  EXPECT_FALSE(fs::exists(beside));
+  write_text_atomically(beside, "{\"places\": {\"a\": [\"<script>\", 1]}}");  // a stranger's file
+  ASSERT_EQ(post("/api/edit", kSet), 200);
+  EXPECT_EQ(get("/api/state")["document"]["arrangement"], json::object());
+  EXPECT_EQ(post("/api/arrange", {{"arrangement", mine}}), 400);  // it is not replaced
+}
+
+TEST_F(Studio, ListsFilesBelowTheGraphsFolder) {
+  fs::create_directories(file.parent_path() / "pictures");
+  write_text_atomically(file.parent_path() / "pictures/a.png", "");
+  write_text_atomically(file.parent_path() / ".hidden", "");
+  EXPECT_EQ(get("/api/files"), json({{"files", {"graph.yaml", "pictures/a.png"}}, {"more", false}}));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 import { secondsText } from './format';
 import { SaveAs } from './start';
-import { post, save, useStore } from './store';
+import { post, priceText, save, useStore } from './store';
 
 export function Bar() {
   const doc = useStore(s => s.doc);
@@ -12,8 +12,10 @@ export function Bar() {
   const failed = useStore(s => Object.values(s.nodes).filter(n => n.state === 'failed').length);
   const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
-  const toggle = (d: 'yaml' | 'messages') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
+  const price = useStore(s => s.price);
+  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
   const status = !online ? 'not connected'
+    : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
     : run.running ? `${running} running, ${waiting} waiting${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
     : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
@@ -36,6 +38,7 @@ export function Bar() {
       </label>
       <button className="primary" disabled={!doc?.valid} onClick={() => void post('/api/run')} title="Evaluate everything and write the output files">Run and write files</button>
       <div className="group">
+        <button aria-pressed={drawer === 'history'} onClick={() => toggle('history')}>History</button>
         <button aria-pressed={drawer === 'messages'} onClick={() => toggle('messages')}>Messages{doc?.messages.length ? ` (${doc.messages.length})` : ''}</button>
         <button aria-pressed={drawer === 'yaml'} onClick={() => toggle('yaml')}>YAML</button>
       </div>

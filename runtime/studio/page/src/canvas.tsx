@@ -7,24 +7,15 @@ import { copy, duplicate, paste } from './clipboard';
 import { typeColor } from './format';
 import { layout, nodeSize } from './layout';
 import { NodeCard, type GraphNode } from './node';
-import { Search } from './search';
-import { declarationOf, edit, select, splitWire, useStore } from './store';
-import type { Doc, NodeType } from './types';
+import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
+import { forgetPlaces, keepPlaces, readPlaces, type Places } from './places';
+import { Search, type SearchAt } from './search';
+import { declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import type { Doc, DocNode, NodeType } from './types';
 
-const nodeTypes = { node: NodeCard };
+const nodeTypes = { node: NodeCard, note: NoteCard };
 const noPro = { hideAttribution: true };
-
-const places = (file: string) => `terrazzo.places.${file}`;
-
-const keepPlaces = (file: string, at: Record<string, { x: number; y: number }>) => localStorage.setItem(places(file), JSON.stringify(at));
-
-function readPlaces(file: string): Record<string, { x: number; y: number }> {
-  try {
-    return JSON.parse(localStorage.getItem(places(file)) ?? '{}');
-  } catch {
-    return {};
-  }
-}
+type AnyNode = GraphNode | NoteNode;
 
 function wiresOf(doc: Doc, types: Map<string, NodeType>): Edge[] {
   const out: Edge[] = [];
@@ -44,33 +35,78 @@ function wiresOf(doc: Doc, types: Map<string, NodeType>): Edge[] {
   return out;
 }
 
+// The wire that a node was dropped on, if the node can stand in it: the edits that put it there.
+function insertion(node: DocNode, edge: Edge, doc: Doc, types: Map<string, NodeType>): Edit[] | null {
+  const typeOf = (name: string, port: string | null | undefined) => {
+    const n = doc.nodes.find(x => x.name === name), d = n && declarationOf(n, types);
+    return d?.outputs.find(p => p.name === port)?.types[0];
+  };
+  const target = doc.nodes.find(n => n.name === edge.target), own = declarationOf(node, types);
+  const accepts = target && declarationOf(target, types)?.inputs.find(p => p.name === edge.targetHandle)?.types;
+  const type = typeOf(edge.source, edge.sourceHandle);
+  const input = own?.inputs.find(p => !node.inputs[p.name] && type && (!p.types.length || p.types.includes(type)));
+  const output = own?.outputs.find(p => accepts && (!accepts.length || accepts.includes(p.types[0])));
+  if (!target || !input || !output) return null;
+  const wires = [...(target.inputs[edge.targetHandle!] ?? [])];
+  wires[Number(edge.id.split('.').pop())] = `${node.name}.${output.name}`;
+  return [{ op: 'connect', node: node.name, name: input.name, wires: [`${edge.source}.${edge.sourceHandle}`] }, { op: 'connect', node: target.name, name: edge.targetHandle!, wires }];
+}
+
+// The wire that passes nearest to a point on the screen, within 30 pixels.
+function wireAt(x: number, y: number): string | null {
+  let found: string | null = null, least = 30;
+  for (const g of document.querySelectorAll<SVGGElement>('.react-flow__edge')) {
+    const path = g.querySelector<SVGPathElement>('.react-flow__edge-path'), matrix = path?.getScreenCTM();
+    if (!path || !matrix) continue;
+    const length = path.getTotalLength();
+    for (let k = 1; k < 20; ++k) {
+      const p = path.getPointAtLength((k / 20) * length).matrixTransform(matrix), d = Math.hypot(p.x - x, p.y - y);
+      if (d < least) least = d, found = g.dataset.id ?? null;
+    }
+  }
+  return found;
+}
+
 const kMostNodes = 2000; // the layout of more takes minutes
 
 export function Canvas() {
-  const doc = useStore(s => s.doc);
+  const doc = useStore(shownDoc), root = useStore(s => s.doc), scope = useStore(s => s.scope);
   const types = useStore(s => s.types);
   const selected = useStore(s => s.selected);
-  const lit = useStore(s => Object.entries(s.nodes).filter(([, n]) => n.state === 'running' || n.state === 'waiting').map(([p]) => p.split('/')[0]).join(' '));
-  const flow = useReactFlow();
+  const lit = useStore(s => (s.price ? s.price.nodes.map(n => n.path) : Object.entries(s.nodes).filter(([, n]) => n.state === 'running' || n.state === 'waiting').map(([p]) => p))
+    .map(p => (s.scope && p.startsWith(s.scope + '/') ? `${s.scope}/${p.slice(s.scope.length + 1).split('/')[0]}` : p.split('/')[0])).join(' '));
+  const notes = useStore(s => s.arrangement.notes), arranged = useStore(s => s.arrangement.places), thumbnails = useStore(s => s.thumbnails);
+  const flow = useReactFlow<AnyNode>();
   const far = useFlow(s => s.transform[2] < 0.6);
-  const moved = useRef<Record<string, { x: number; y: number }>>({});
-  const shown = useRef(''), drawn = useRef(''); // the file; the names of its nodes
-  const [nodes, setNodes] = useState<GraphNode[]>([]);
-  const [search, setSearch] = useState<{ x: number; y: number; from?: { node: string; port: string; type: string } } | null>(null);
+  const moved = useRef<Places>({});
+  const shown = useRef(''), drawn = useRef(''), small = useRef(thumbnails); // the file; the names of its nodes; as they were laid out
+  const pointer = useRef<{ x: number; y: number } | null>(null); // over the canvas, if that is where the user works
+  const [nodes, setNodes] = useState<AnyNode[]>([]);
+  const [search, setSearch] = useState<SearchAt | null>(null);
 
-  const arrange = useCallback((keep: boolean) => {
+  const arrangeAll = useCallback((keep: boolean) => {
     if (!doc || doc.nodes.length > kMostNodes) return;
-    if (!keep) moved.current = {}, localStorage.removeItem(places(doc.file));
+    if (!keep) moved.current = {}, forgetPlaces(doc.file);
     const at = layout(doc, types);
-    setNodes(before => doc.nodes.map(n => {
-      const size = nodeSize(n, types);
-      const old = before.find(b => b.id === n.name);
-      return {
-        ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
-        selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
-        ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
-      };
-    }));
+    setNodes(before => {
+      // Nodes stay where they are, so that a new one may have to move out of their way.
+      const taken = keep ? before.filter(b => doc.nodes.some(n => n.name === b.id)).map(b => ({ ...(moved.current[b.id] ?? b.position), w: b.measured?.width ?? 172, h: b.measured?.height ?? 80 })) : [];
+      for (const n of doc.nodes) {
+        if (!taken.length || moved.current[n.name] || before.some(b => b.id === n.name)) continue;
+        const place = at[n.name], { width: w, height: h } = nodeSize(n, types);
+        for (let k = 0; k < 60 && taken.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
+        taken.push({ ...place, w, h });
+      }
+      return doc.nodes.map(n => {
+        const size = nodeSize(n, types);
+        const old = before.find(b => b.id === n.name) as GraphNode | undefined;
+        return {
+          ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
+          selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
+          ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
+        };
+      });
+    });
   }, [doc, types]);
 
   useEffect(() => {
@@ -82,29 +118,74 @@ export function Canvas() {
       moved.current = { ...(same ? moved.current : {}), ...readPlaces(doc.file) };
       shown.current = doc.file;
       if (same) keepPlaces(doc.file, moved.current);
+      else setNodes([]); // another graph's nodes may have the same names
     }
     drawn.current = doc.nodes.map(n => n.name).join('\n');
-    arrange(true);
+    const taller = small.current !== thumbnails && !Object.keys(moved.current).length;
+    small.current = thumbnails;
+    arrangeAll(!taller);
     if (first) setTimeout(() => flow.fitView({ padding: 0.06 }), 60);
-  }, [doc, types, arrange, flow]);
+  }, [doc, types, arrangeAll, flow, thumbnails]);
 
-  useEffect(() => setNodes(all => all.map(n => (n.selected === (n.id === selected) ? n : { ...n, selected: n.id === selected }))), [selected]);
+  // Another page moved nodes.
+  useEffect(() => {
+    if (!arranged || scope || JSON.stringify(arranged) === JSON.stringify(Object.fromEntries(Object.entries(moved.current).map(([n, p]) => [n, [Math.round(p.x), Math.round(p.y)]])))) return;
+    moved.current = Object.fromEntries(Object.entries(arranged).map(([n, [x, y]]) => [n, { x, y }]));
+    setNodes(all => all.map(n => (moved.current[n.id] ? { ...n, position: moved.current[n.id] } : n)));
+  }, [arranged, scope]);
+
+  useEffect(() => setNodes(all => all.map(n => (n.type === 'note' || n.selected === (n.id === selected) ? n : { ...n, selected: n.id === selected }))), [selected]);
+
+  const [noteNodes, setNoteNodes] = useState<NoteNode[]>([]);
+  useEffect(() => setNoteNodes(before => (scope ? [] : notes ?? []).map((note, k) => ({
+    id: `note ${k}`, type: 'note' as const, data: { index: k, note }, position: { x: note.x, y: note.y }, width: note.width, height: note.height, zIndex: note.frame ? -1 : 0,
+    selected: before[k]?.selected ?? false, ariaLabel: `${note.frame ? 'Frame' : 'Note'}: ${note.text}`,
+  }))), [notes, scope]);
 
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
     return doc && doc.nodes.length <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
   }, [doc, types, lit]);
 
-  const onNodesChange = useCallback((changes: NodeChange<GraphNode>[]) => {
-    setNodes(all => applyNodeChanges(changes.filter(c => c.type !== 'remove'), all));
+  const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
+    const isNote = (c: NodeChange<AnyNode>) => 'id' in c && c.id.startsWith('note ');
+    setNodes(all => applyNodeChanges(changes.filter(c => c.type !== 'remove' && !isNote(c)), all));
+    setNoteNodes(all => applyNodeChanges(changes.filter(c => c.type !== 'remove' && isNote(c)) as NodeChange<NoteNode>[], all));
+    let places = false;
     for (const c of changes) {
-      if (c.type === 'select' && c.selected) select(c.id);
-      if (c.type === 'position' && c.position && c.dragging === false && shown.current) {
-        moved.current[c.id] = c.position;
-        keepPlaces(shown.current, moved.current);
-      }
+      if (c.type === 'select' && c.selected && !isNote(c)) select(c.id);
+      if (c.type !== 'position' || !c.position || c.dragging !== false || !shown.current) continue;
+      if (isNote(c)) changeNote(Number(c.id.slice(5)), { x: c.position.x, y: c.position.y });
+      else moved.current[c.id] = c.position, places = true;
     }
+    if (places) keepPlaces(shown.current, moved.current);
   }, []);
+
+  // A frame takes the nodes in it along.
+  const held = useRef<{ from: { x: number; y: number }; nodes: Record<string, { x: number; y: number }> } | null>(null);
+  const onNodeDragStart = (_: unknown, n: AnyNode) => {
+    held.current = null;
+    if (n.type !== 'note' || !n.data.note.frame) return;
+    const { x, y } = n.position, w = n.width ?? 0, h = n.height ?? 0;
+    const within = nodes.filter(m => m.position.x >= x && m.position.y >= y && m.position.x + (m.measured?.width ?? 0) <= x + w && m.position.y + (m.measured?.height ?? 0) <= y + h);
+    held.current = { from: n.position, nodes: Object.fromEntries(within.map(m => [m.id, m.position])) };
+  };
+  const onNodeDrag = (_: unknown, n: AnyNode) => {
+    const h = held.current;
+    if (h) setNodes(all => all.map(m => (h.nodes[m.id] ? { ...m, position: { x: h.nodes[m.id].x + n.position.x - h.from.x, y: h.nodes[m.id].y + n.position.y - h.from.y } } : m)));
+  };
+  const onNodeDragStop = (e: MouseEvent | TouchEvent, n: AnyNode) => {
+    if (held.current) {
+      for (const m of nodes) if (held.current.nodes[m.id]) moved.current[m.id] = m.position;
+      held.current = null;
+      return keepPlaces(shown.current, moved.current);
+    }
+    const own = doc?.nodes.find(x => x.name === n.id);
+    if (!doc || !own || scope || !('clientX' in e) || Object.keys(own.inputs).length || edges.some(w => w.source === n.id)) return;
+    const box = document.querySelector(`.react-flow__node[data-id="${CSS.escape(n.id)}"]`)!.getBoundingClientRect();
+    const edge = edges.find(w => w.id === wireAt(box.left + box.width / 2, box.top + box.height / 2)), edits = edge && insertion(own, edge, doc, types);
+    if (edits) void edit(edits);
+  };
 
   const inputOf = (c: Connection | Edge) => {
     const node = doc?.nodes.find(n => n.name === c.target);
@@ -116,14 +197,17 @@ export function Canvas() {
   };
   const valid = (c: Connection | Edge) => {
     const input = inputOf(c), type = outputOf(c.source, c.sourceHandle)?.types[0];
-    return c.source !== c.target && !!input && !!type && (!input.types.length || input.types.includes(type));
+    return !scope && c.source !== c.target && !!input && !!type && (!input.types.length || input.types.includes(type));
   };
   const connect = (c: Connection) => {
     const before = doc?.nodes.find(n => n.name === c.target)?.inputs[c.targetHandle!] ?? [];
     const wire = `${c.source}.${c.sourceHandle}`;
     void edit([{ op: 'connect', node: c.target, name: c.targetHandle!, wires: inputOf(c)?.many ? [...before, wire] : [wire] }]);
   };
-  const remove = ({ nodes: gone, edges: cut }: { nodes: GraphNode[]; edges: Edge[] }) => {
+  const remove = ({ nodes: all, edges: cut }: { nodes: AnyNode[]; edges: Edge[] }) => {
+    const text = all.filter(n => n.type === 'note').map(n => n.data.index as number), gone = all.filter(n => n.type !== 'note');
+    if (text.length) removeNotes(text);
+    if (scope) return Promise.resolve(false);
     const edits = gone.map(n => ({ op: 'remove', node: n.id }) as Parameters<typeof edit>[0][number]);
     for (const e of cut) {
       if (gone.some(n => n.id === e.source || n.id === e.target)) continue;
@@ -133,6 +217,18 @@ export function Canvas() {
     }
     if (edits.length) void edit(edits);
     return Promise.resolve(false); // the document's next event removes them
+  };
+
+  // A note where the pointer is, or a frame around the selected nodes.
+  const write = (frame: boolean, here: { x: number; y: number } | null = null) => {
+    const around = nodes.filter(n => n.selected);
+    if (frame && around.length) {
+      const x = Math.min(...around.map(n => n.position.x)) - 20, y = Math.min(...around.map(n => n.position.y)) - 40;
+      const right = Math.max(...around.map(n => n.position.x + (n.measured?.width ?? 172))), bottom = Math.max(...around.map(n => n.position.y + (n.measured?.height ?? 80)));
+      return addNote({ x, y, width: right - x + 20, height: bottom - y + 20, text: '', frame });
+    }
+    const at = flow.screenToFlowPosition(here ?? { x: window.innerWidth / 4, y: 160 });
+    addNote({ ...at, width: frame ? 320 : 190, height: frame ? 200 : 70, text: '', frame });
   };
 
   useEffect(() => {
@@ -150,48 +246,73 @@ export function Canvas() {
       if (e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]')) return;
       if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
         if (e.key === 'c' && chosen.length && !window.getSelection()?.toString()) copy(doc, chosen);
-        else if (e.key === 'v') void paste(doc).then(place);
-        else if (e.key === 'd' && chosen.length) void duplicate(doc, chosen).then(place);
+        else if (e.key === 'v' && !scope) void paste(doc).then(place);
+        else if (e.key === 'd' && chosen.length && !scope) void duplicate(doc, chosen).then(place);
         else return;
         return e.preventDefault();
       }
       if (e.ctrlKey || e.metaKey || e.altKey) return;
       if (e.key === 'f') void flow.fitView({ padding: 0.06, duration: 150 });
-      else if (e.key === 'l') arrange(false);
-      else if (e.key === 'a') setSearch({ x: window.innerWidth / 3, y: 160 });
+      else if (e.key === 'l') arrangeAll(false);
+      else if (e.key === 'a' && !scope) setSearch(pointer.current ?? { x: window.innerWidth / 3, y: 160 });
+      // Tab moves the focus, except for users who work in the canvas with the pointer.
+      else if (e.key === 'Tab' && !e.shiftKey && !scope && pointer.current) setSearch(pointer.current);
+      else if (e.key === 'n' && !scope) write(false, pointer.current);
+      else if (e.key === 'Enter' && chosen.length === 1 && doc?.nodes.find(n => n.name === chosen[0])?.graph) void enter(chosen[0]);
+      else if (e.key === 'Escape' && scope && !chosen.length) void enter(scope.split('/').slice(0, -1).join('/'));
       else return;
       e.preventDefault();
     };
     window.addEventListener('keydown', key);
     return () => window.removeEventListener('keydown', key);
-  }, [flow, arrange, doc, nodes]);
+  }, [flow, arrangeAll, doc, nodes, scope]);
 
   if (doc && doc.nodes.length > kMostNodes)
     return <main className="canvas" aria-label="Graph"><p className="none">The graph has {doc.nodes.length.toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
+  const steps = scope ? scope.split('/') : [];
   return (
-    <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph">
-      <ReactFlow<GraphNode>
-        nodes={nodes} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} isValidConnection={valid} onConnect={connect}
+    <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph" onPointerMove={e => { pointer.current = { x: e.clientX, y: e.clientY }; }} onPointerLeave={() => { pointer.current = null; }}>
+      <ReactFlow<AnyNode>
+        nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} isValidConnection={valid} onConnect={connect}
+        onNodeDragStart={onNodeDragStart} onNodeDrag={onNodeDrag} onNodeDragStop={onNodeDragStop} nodesConnectable={!scope}
+        onNodeDoubleClick={(_, n) => { if (n.type === 'node' && n.data.node.graph) void enter(n.id); }}
         onBeforeDelete={remove} onPaneClick={() => select(null)} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
         minZoom={0.1} maxZoom={2} proOptions={noPro} selectNodesOnDrag={false} nodeDragThreshold={2} onlyRenderVisibleElements={nodes.length > 80}
-        onDoubleClick={e => (e.target as HTMLElement).classList.contains('react-flow__pane') && setSearch({ x: e.clientX, y: e.clientY })}
+        onDoubleClick={e => !scope && (e.target as HTMLElement).classList.contains('react-flow__pane') && setSearch({ x: e.clientX, y: e.clientY })}
         zoomOnDoubleClick={false}
         onConnectEnd={(e, c) => {
-          if (c.isValid || !c.fromNode || c.fromHandle?.type !== 'source' || !('clientX' in e) || c.toNode) return;
-          const type = outputOf(c.fromNode.id, c.fromHandle.id)?.types[0];
-          if (type) setSearch({ x: e.clientX, y: e.clientY, from: { node: c.fromNode.id, port: c.fromHandle.id!, type } });
+          if (c.isValid || !c.fromNode || !('clientX' in e) || c.toNode || scope) return;
+          const node = c.fromNode.id, port = c.fromHandle?.id ?? '', at = { x: e.clientX, y: e.clientY };
+          if (c.fromHandle?.type === 'source') {
+            const type = outputOf(node, port)?.types[0];
+            if (type) setSearch({ ...at, from: { node, port, types: [type], many: false } });
+          } else {
+            const input = inputOf({ source: '', sourceHandle: null, target: node, targetHandle: port });
+            if (input) setSearch({ ...at, to: { node, port, types: input.types, many: input.many } });
+          }
         }}>
         <Background variant={BackgroundVariant.Dots} gap={22} size={1} />
         <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />
         <Controls showInteractive={false} aria-label="Zoom" />
       </ReactFlow>
-      <div className="tools">
-        <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A)">Add node</button>
-        <button onClick={() => arrange(false)} title="Arrange all nodes (L)">Arrange</button>
+      <div className="tools" role="toolbar" aria-label="Graph">
+        {scope ? (
+          <nav aria-label="Subgraph"><button onClick={() => void enter('')}>{root?.name || 'Graph'}</button>
+            {steps.map((name, k) => <span key={k}> › <button aria-current={k === steps.length - 1} onClick={() => void enter(steps.slice(0, k + 1).join('/'))}>{name}</button></span>)}
+            <em> {doc?.file.split('/').pop()}, read only</em></nav>
+        ) : <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
+        <button onClick={() => arrangeAll(false)} title="Arrange all nodes (L)">Arrange</button>
         <button onClick={() => void flow.fitView({ padding: 0.06, duration: 150 })} title="Show all nodes (F)">Fit</button>
+        {!scope && !root?.read_only && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
+        {!scope && !root?.read_only && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
+        <button aria-pressed={thumbnails} title="Show pictures in the nodes" onClick={() => {
+          localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
+          useStore.setState({ thumbnails: !thumbnails });
+        }}>Pictures</button>
       </div>
       {search && <Search at={search} close={() => setSearch(null)} place={(name) => {
         moved.current[name] = flow.screenToFlowPosition({ x: search.x, y: search.y });
+        keepPlaces(shown.current, moved.current);
       }} />}
     </main>
   );

@@ -30,13 +30,15 @@ function useSender(send: Send) {
   };
 }
 
-export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; send: Send }) {
+// `price` is told the value that would be sent, and null when it was, or is not.
+export function Field({ spec, value, send, price, files = [] }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[] }) {
   const [draft, setDraft] = useState<string | null>(null);
   const sender = useSender(send);
   const drag = useRef<{ x: number; start: number; step: number } | null>(null);
   const text = draft ?? textOf(value);
   useEffect(() => { if (!sender.busy()) setDraft(null); }, [value]); // else an earlier value arrives while the control moves
   const commit = () => {
+    price?.(null);
     if (draft !== null && draft !== textOf(value)) sender.set(written(draft, spec.kind));
     else setDraft(null);
   };
@@ -46,6 +48,7 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
     const lo = spec.min ?? -Infinity, hi = spec.max ?? Infinity;
     const clamped = Math.min(Math.max(spec.kind === 'int' ? Math.round(v) : Number(v.toPrecision(6)), lo), hi);
     setDraft(String(clamped));
+    price?.(String(clamped));
     sender.move(String(clamped));
   };
   const label = (
@@ -58,7 +61,7 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
         e.currentTarget.setPointerCapture(e.pointerId);
       }}
       onPointerMove={e => { if (drag.current && Math.abs(e.clientX - drag.current.x) > 2) move(drag.current.start + (e.clientX - drag.current.x) * drag.current.step); }}
-      onPointerUp={() => { drag.current = null; }}>
+      onPointerUp={() => { drag.current = null; price?.(null); }}>
       {spec.name}{spec.unit && <small> {spec.unit}</small>}
     </label>
   );
@@ -75,14 +78,14 @@ export function Field({ spec, value, send }: { spec: FieldSpec; value: Written; 
   return (
     <>{label}
       <span className="control">
-        <input id={id} value={text} list={spec.keywords.length || spec.choices.length ? `${id}-words` : undefined} spellCheck={false}
-          onChange={e => setDraft(e.target.value)} onBlur={commit}
-          onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setDraft(null); }} />
+        <input id={id} value={text} list={spec.keywords.length || spec.choices.length || files.length ? `${id}-words` : undefined} spellCheck={false}
+          onChange={e => { setDraft(e.target.value); if (e.target.value.trim()) price?.(written(e.target.value, spec.kind)); }} onBlur={commit}
+          onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setDraft(null), price?.(null); }} />
         {spec.kind === 'color' && /^#[0-9a-f]{6}$/i.test(text) &&
           <input type="color" value={text} aria-label={`${spec.name}, color`} onChange={e => { setDraft(e.target.value); sender.move(e.target.value); }} />}
         {slider && <input type="range" aria-label={`${spec.name}, slider`} min={spec.min} max={spec.max} step={spec.kind === 'int' ? 1 : (spec.max! - spec.min!) / 200}
-          value={Number(text)} onChange={e => move(Number(e.target.value))} />}
-        {(spec.keywords.length > 0 || spec.choices.length > 0) && <datalist id={`${id}-words`}>{[...spec.keywords, ...spec.choices].map(k => <option key={k} value={k} />)}</datalist>}
+          value={Number(text)} onChange={e => move(Number(e.target.value))} onPointerUp={() => price?.(null)} onBlur={() => price?.(null)} />}
+        {(spec.keywords.length > 0 || spec.choices.length > 0 || files.length > 0) && <datalist id={`${id}-words`}>{[...spec.keywords, ...spec.choices, ...files].map(k => <option key={k} value={k} />)}</datalist>}
       </span>
     </>
   );

@@ -2,7 +2,8 @@ import { useEffect, useState } from 'react';
 
 import { Field } from './fields';
 import { bytesText, numberText, secondsText } from './format';
-import { declarationOf, edit, goToLine, post, stateOf, useStore, valueOf } from './store';
+import { Inputs } from './inputs';
+import { askPrice, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {
@@ -81,29 +82,49 @@ function Items({ node, spec, items }: { node: DocNode; spec: Parameter; items: s
   );
 }
 
+// Files below the graph's folder, for parameters that name one.
+function useFiles(wanted: boolean): string[] {
+  const [files, setFiles] = useState<string[]>([]);
+  const doc = useStore(s => s.doc?.file);
+  useEffect(() => {
+    if (wanted) void fetch('/api/files').then(a => a.json()).then((l: { files: string[] }) => setFiles(l.files)).catch(() => {});
+  }, [wanted, doc]);
+  return files;
+}
+
+function PriceLine() {
+  const price = useStore(s => s.price);
+  return price && <em className="price">{priceText(price)}</em>;
+}
+
 function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
+  const inside = useStore(s => !!s.scope);
+  const files = useFiles(!!declaration?.parameters.some(p => p.kind === 'path'));
   return (
     <>
-      <div className="title"><Name node={node} /><span>{node.type || node.graph}</span>
-        <button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></div>
+      <div className="title">{inside ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
+        {inside ? <em>line {node.line}</em> : <button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button>}</div>
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
-      {!!declaration?.parameters.length && <h2>Parameters</h2>}
-      <div className="fields">
+      {!!declaration?.inputs.length && <Inputs node={node} inputs={declaration.inputs} />}
+      {!!declaration?.parameters.length && <h2>Parameters <PriceLine /></h2>}
+      {inside && <p className="doc">This node belongs to the file of a subgraph. Open that file to change it.</p>}
+      <fieldset className="fields" disabled={inside}>
         {declaration?.parameters.map(p => {
           const own = node.params[p.name];
           if (p.kind === 'texts' && Array.isArray(own?.value)) return <Items key={`${node.name}.${p.name}`} node={node} spec={p} items={own.value} />;
           return (
             <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
               <Field spec={p} value={own ? own.value : defaultText(p)}
-                send={(value, merge) => edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} />
+                send={(value, merge) => edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
+                price={value => void askPrice(value === null ? null : [{ op: 'set', node: node.name, name: p.name, value }])} />
               {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
                 onClick={() => void edit([{ op: 'reset', node: node.name, name: p.name }])}>×</button> : <span />}
             </div>
           );
         })}
-      </div>
+      </fieldset>
       {!!declaration?.outputs.length && <h2>Outputs</h2>}
       <Outputs node={node} />
     </>
@@ -112,16 +133,18 @@ function NodeInspector({ node }: { node: DocNode }) {
 
 function GraphInspector() {
   const doc = useStore(s => s.doc)!;
+  const files = useFiles(doc.parameters.some(p => p.kind === 'path'));
   return (
     <>
       <div className="title"><b>{doc.name || 'Graph'}</b></div>
       {doc.doc && <p className="doc">{doc.doc}</p>}
       <p className="doc">Select a node to see its parameters and its result.</p>
-      {doc.parameters.length > 0 && <h2>Parameters of the graph</h2>}
+      {doc.parameters.length > 0 && <h2>Parameters of the graph <PriceLine /></h2>}
       <div className="fields">
         {doc.parameters.map(p => (
           <div key={p.name} className="field own">
-            <Field spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} /><span />
+            <Field spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
+              price={value => void askPrice(value === null ? null : [{ op: 'set_default', name: p.name, value }])} /><span />
           </div>
         ))}
       </div>
@@ -130,7 +153,7 @@ function GraphInspector() {
 }
 
 export function Inspector() {
-  const node = useStore(s => s.doc?.nodes.find(n => n.name === s.selected));
+  const node = useStore(s => shownDoc(s)?.nodes.find(n => n.name === s.selected));
   const doc = useStore(s => s.doc);
   return (
     <section className="inspector" aria-label="Inspector" tabIndex={0}>

@@ -5,7 +5,8 @@ import { fetchRaster, PanZoom, Picture, type Raster } from './raster';
 import { useStore } from './store';
 import { correct, setBinder, tools, usable } from './tools';
 import type { DocNode, OutputValue } from './types';
-import { Sections, useBase, useLoaded } from './viewers';
+import { Sections } from './images';
+import { useLoaded, useNearest } from './load';
 
 // The median color of the 5 × 5 pixels around a point: grain and noise do not matter.
 function colorAt(r: Raster, [x, y]: Point): string {
@@ -42,7 +43,7 @@ function Tools({ node }: { node: DocNode }) {
 export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode }) {
   const [section, setSection] = useState(0), [opacity, setOpacity] = useState(0.55);
   const name = useStore(s => s.tool);
-  const base = useBase(node.name);
+  const base = useNearest(node.name, 'Image');
   const labels = useLoaded(`${value?.hash}.${section}`, async () => (value ? {
     colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
   } : null));

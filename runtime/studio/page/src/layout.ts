@@ -1,10 +1,11 @@
 import dagre from '@dagrejs/dagre';
 
-import { declarationOf, splitWire } from './store';
+import { declarationOf, splitWire, useStore } from './store';
 import type { Doc, DocNode, NodeType, Port } from './types';
 
 export const nodeWidth = 172;
 export const rowHeight = 20;
+export const thumbHeight = 108;
 
 // Optional inputs without a wire appear only while the node is selected or a wire is being drawn.
 export const inputsShown = (node: DocNode, inputs: Port[]) => inputs.filter(p => !p.optional || node.inputs[p.name]);
@@ -15,7 +16,9 @@ function sizeOf(inputs: number, outputs: number) {
 
 export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
   const d = declarationOf(n, types), all = d?.inputs ?? [], shown = inputsShown(n, all).length;
-  return sizeOf(shown + (shown < all.length ? 1 : 0), d?.outputs.length ?? 0);
+  const size = sizeOf(shown + (shown < all.length ? 1 : 0), d?.outputs.length ?? 0);
+  if (useStore.getState().thumbnails && d?.outputs.some(p => ['Image', 'Labels'].includes(p.types[0]))) size.height += thumbHeight;
+  return size;
 }
 
 export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {

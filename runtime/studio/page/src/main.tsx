@@ -6,13 +6,12 @@ import { createRoot } from 'react-dom/client';
 import { Bar, Notices } from './bar';
 import { Canvas } from './canvas';
 import { Inspector } from './inspector';
-import { PlaneBar } from './plane';
+import { History } from './history';
 import { Splitter } from './splitter';
 import { Start } from './start';
-import { connect, declarationOf, nearest, post, previewOf, save, stateOf, useStore, valueOf } from './store';
+import { connect, post, save, useStore } from './store';
 import style from './style.css';
-import { LabelsView } from './labels';
-import { View } from './viewers';
+import { Viewer } from './viewer';
 import { Messages, Yaml } from './yaml';
 
 // Constructed style sheets, because the page's policy allows no inline styles.
@@ -20,39 +19,6 @@ for (const text of [flowStyle, style]) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(text);
   document.adoptedStyleSheets.push(sheet);
-}
-
-function Viewer() {
-  const doc = useStore(s => s.doc), types = useStore(s => s.types), nodes = useStore(s => s.nodes);
-  const pinned = useStore(s => s.pinned), selected = useStore(s => s.selected), port = useStore(s => s.port);
-  const name = pinned?.node ?? selected;
-  const node = doc?.nodes.find(n => n.name === name);
-  const outputs = (node && declarationOf(node, types)?.outputs) ?? [];
-  const shown = pinned?.port ?? port ?? outputs[0]?.name ?? '';
-  const preview = node && previewOf(node, shown, nodes);
-  const value = preview ?? (node && valueOf(node, shown, nodes));
-  const kind = outputs.find(p => p.name === shown)?.types[0];
-  const state = node && stateOf(node, nodes);
-  const old = value && !preview && state && !['cached', 'computed'].includes(state.state);
-  return (
-    <section className="viewer" aria-label="Viewer">
-      <div className="tabs">
-        <b>{name ?? 'Viewer'}</b>
-        {outputs.map(p => <button key={p.name} aria-pressed={p.name === shown} onClick={() => useStore.setState(pinned ? { pinned: { node: pinned.node, port: p.name } } : { port: p.name })}>{p.name}</button>)}
-        <span className="space" />
-        {preview && <span className="old">preview{state?.state === 'running' ? `, ${Math.round(100 * state.progress)} %` : ''}</span>}
-        {old && <span className="old">{state.state}: earlier result</span>}
-        {node && <button aria-pressed={!!pinned} title={pinned ? 'Follow the selection' : 'Keep showing this node'}
-          onClick={() => useStore.setState({ pinned: pinned ? null : { node: node.name, port: shown } })}>{pinned ? 'Pinned' : 'Pin'}</button>}
-      </div>
-      <div className={`stage${old ? ' stale' : ''}`}>
-        {node && (value?.type ?? kind) === 'Labels' ? <LabelsView value={value ?? nearest(node.name, 'Labels', 'up', { doc, types, nodes })?.value} node={node} />
-          : value && node ? <View key={value.type} value={value} node={node} />
-            : <p className="none">{!node ? 'Select a node to see its result.' : !outputs.length ? 'This node writes files and has no outputs.' : 'There is no result yet.'}</p>}
-        {node?.type === 'Section' && <PlaneBar key={node.name} node={node} />}
-      </div>
-    </section>
-  );
 }
 
 function App() {
@@ -87,15 +53,15 @@ function App() {
       window.removeEventListener('drop', drop);
     };
   }, []);
-  const starting = useStore(s => s.starting);
+  const starting = useStore(s => s.starting), wide = useStore(s => s.wide);
   return (
     <div className="app">
       <Bar />
       <Notices />
       <div className="below">
         {starting && <Start />}
-        <div className="body" inert={starting}>
-          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}</div>
+        <div className={`body${wide ? ' wide' : ''}`} inert={starting}>
+          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}{drawer === 'history' && <History />}</div>
           <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
         </div>
       </div>

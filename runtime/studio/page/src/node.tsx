@@ -1,9 +1,11 @@
 import { Handle, Position, useConnection, type Node, type NodeProps } from '@xyflow/react';
-import { memo } from 'react';
+import { memo, useState } from 'react';
+import { createPortal } from 'react-dom';
 
 import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
-import { declarationOf, elementsOf, stateOf, useStore, valueOf } from './store';
+import { hasThumbnail, Peek, Thumbnail } from './peek';
+import { declarationOf, elementsOf, enter, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
@@ -15,15 +17,17 @@ const words: Record<string, string> = {
 
 function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 'out' }) {
   const value = useStore(s => (side === 'out' ? valueOf(node, port.name, s.nodes) : undefined));
+  const [over, setOver] = useState<DOMRect | null>(null);
   const color = typeColor(port.types[0]);
   const title = `${port.name}: ${port.types.join(' or ') || 'any'}${port.many ? ', list' : ''}${port.optional ? ', optional' : ''}\n${port.doc}`
-    + (value ? `\n${value.type}` : '');
+;
   return (
-    <div className={`socket ${side}`} title={title}>
+    <div className={`socket ${side}`} title={value ? undefined : title} onPointerEnter={e => setOver(e.currentTarget.getBoundingClientRect())} onPointerLeave={() => setOver(null)} onPointerDown={() => setOver(null)}>
       <Handle type={side === 'in' ? 'target' : 'source'} id={port.name} position={side === 'in' ? Position.Left : Position.Right}
         className={`${port.many ? 'many ' : ''}${side === 'in' && port.optional && !node.inputs[port.name] ? 'open' : ''}`}
         style={{ '--type': color } as React.CSSProperties} />
       <span>{port.name}<span className="sr">, {side === 'in' ? 'input' : 'output'}, {port.types.join(' or ') || 'any type'}</span></span>
+      {value && over && createPortal(<Peek value={value} at={over} />, document.body)}
     </div>
   );
 }
@@ -33,6 +37,11 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split(/[/[]/)[0] === node.name));
   const connecting = useConnection(c => c.inProgress);
+  const priced = useStore(s => s.price?.nodes.some(n => `${n.path}/`.startsWith(`${node.name}/`)));
+  const small = useStore(s => {
+    if (!s.thumbnails) return undefined;
+    return declaration?.outputs.map(p => valueOf(node, p.name, s.nodes)).find(hasThumbnail);
+  });
   const elements = useStore(s => (node.each ? elementsOf(node, s.nodes) : 0));
   const inputs = declaration?.inputs ?? [];
   const shown = selected || connecting ? inputs : inputsShown(node, inputs);
@@ -41,14 +50,15 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
     : state?.seconds ? secondsText(state.seconds) : '';
   const warnings = state?.warnings.length ?? 0;
   return (
-    <div className={`card ${word}${selected ? ' selected' : ''}`}>
+    <div className={`card ${word}${selected ? ' selected' : ''}${priced ? ' priced' : ''}`}>
       <header>
         <i className="badge" role="img" aria-label={broken ? 'has errors' : words[word]} title={broken ? 'has errors' : words[word]} />
-        <b>{node.name.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
+        <b>{node.name.split('/').pop()!.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
         {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
         <time>{time}</time>
       </header>
-      <div className="kind">{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}</div>
+      <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}</div>
+      {small && <Thumbnail value={small} most={320} />}
       <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">
         <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}

@@ -6,6 +6,7 @@ export interface View { x: number; y: number; k: number }
 // A tool that takes points in a picture. `most`: it is done with so many points; `freehand`: dragging draws a line.
 export interface Pen {
   least: number; most: number; freehand: boolean; shape: 'points' | 'line' | 'area' | 'box';
+  wide?: number; // width of the line, in pixels of the picture
   done: (points: Point[]) => void;
   leave: () => void;
 }
@@ -50,7 +51,8 @@ export function usePen(pen: Pen | null, width: number, height: number) {
     up(p: Point) {
       if (!from) return;
       setFrom(null);
-      if (!from.dragged) add(p);
+      if (!from.dragged && pen.freehand && pen.least === 1) finish([...points, p]); // a dab
+      else if (!from.dragged) add(p);
       else if (pen.freehand) finish(points);
       else if (pen.most === 1) add(p);
       else if (!points.length) finish([from.at, p]);
@@ -87,7 +89,7 @@ export function Draft({ pen, state, k, width, height }: { pen: Pen; state: NonNu
   return (
     <svg className="draft" viewBox={`0 0 ${width} ${height}`} aria-hidden="true">
       {pen.shape === 'box' && all.length === 2 ? <rect x={Math.min(all[0][0], all[1][0])} y={Math.min(all[0][1], all[1][1])} width={Math.abs(all[0][0] - all[1][0])} height={Math.abs(all[0][1] - all[1][1])} />
-        : pen.shape === 'area' && all.length > 2 ? <polygon points={text} /> : pen.shape !== 'points' || all.length > 1 ? <polyline points={text} /> : null}
+        : pen.shape === 'area' && all.length > 2 ? <polygon points={text} /> : pen.shape !== 'points' || all.length > 1 ? <polyline points={text} style={pen.wide ? { strokeWidth: pen.wide, vectorEffect: 'none', strokeLinecap: 'round', strokeLinejoin: 'round', opacity: 0.5 } : undefined} /> : null}
       {(from?.dragged && pen.freehand ? [] : points).map(([x, y], i) => <circle key={i} cx={x} cy={y} r={r} />)}
       {cursor && <path d={`M${cursor[0] + 0.5 - 3 * r} ${cursor[1] + 0.5}h${6 * r}M${cursor[0] + 0.5} ${cursor[1] + 0.5 - 3 * r}v${6 * r}`} />}
     </svg>

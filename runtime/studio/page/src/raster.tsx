@@ -7,8 +7,8 @@ export interface Raster { width: number; height: number; sections: number; fullW
 export const isPreview = (hash: string) => hash.startsWith('preview/');
 export const urlOf = (hash: string) => (isPreview(hash) ? `/api/${hash}` : `/api/value/${hash}`);
 
-export async function fetchRaster(hash: string, as: string, section: number): Promise<Raster> {
-  const answer = await fetch(`${urlOf(hash)}?as=${as}&section=${section}`);
+export async function fetchRaster(hash: string, as: string, section: number, most = 2048): Promise<Raster> {
+  const answer = await fetch(`${urlOf(hash)}?as=${as}&section=${section}&most=${most}`);
   if (answer.status === 204) throw new Error('there is a newer preview');
   if (!answer.ok) throw new Error((await answer.json()).message);
   const bytes = await answer.arrayBuffer();
@@ -28,29 +28,44 @@ export function Picture({ raster, opacity }: { raster: Raster; opacity?: number 
 
 // Zoom with the wheel, pan by dragging, double click to fit. Children are drawn in pixels of the picture. With a pen, dragging
 // draws, and other buttons pan. A picture of other resolution takes the place of the one before. `smooth`: pixels are never sharp.
-export function PanZoom({ width, height, children, hover, pen = null, smooth = false }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string; pen?: Pen | null; smooth?: boolean }) {
+// Pictures with one `link` move together: its view is in mm, and `scale` is the size of this picture's pixel.
+export interface Link { view: View | null; set: (v: View) => void; scale: number }
+
+export function PanZoom({ width, height, children, hover, pen = null, smooth = false, link }: { width: number; height: number; children: ReactNode; hover?: (x: number, y: number) => string; pen?: Pen | null; smooth?: boolean; link?: Link }) {
   const box = useRef<HTMLDivElement>(null);
-  const [view, setView] = useState<View | null>(null);
+  const [own, setOwn] = useState<View | null>(null);
+  const view = link ? link.view && { ...link.view, k: link.view.k * link.scale } : own;
+  const linked = useRef(link);
+  linked.current = link;
+  const setView = useCallback((v: View) => (linked.current ? linked.current.set({ ...v, k: v.k / linked.current.scale }) : setOwn(v)), []);
   const draft = usePen(pen, width, height);
   const [note, setNote] = useState('');
   const drag = useRef<{ x: number; y: number } | null>(null);
+  const fitted = useRef(false);
   const fit = useCallback(() => {
     const b = box.current;
+    fitted.current = true;
     if (!b || !width || !b.clientWidth) return;
     const k = Math.min((b.clientWidth - 16) / width, (b.clientHeight - 16) / height);
     setView({ k, x: (b.clientWidth - k * width) / 2, y: (b.clientHeight - k * height) / 2 });
-  }, [width, height]);
+  }, [width, height, setView]);
+  // A picture that fills its place fills it again when the place changes.
+  useEffect(() => {
+    const observer = new ResizeObserver(() => { if (fitted.current) fit(); });
+    observer.observe(box.current!);
+    return () => observer.disconnect();
+  }, [fit]);
   const before = useRef({ width: 0, height: 0 });
   useEffect(() => {
     const old = before.current;
     before.current = { width, height };
-    if (old.width && Math.abs(old.width / old.height / (width / height) - 1) < 0.02) setView(v => v && { ...v, k: (v.k * old.width) / width });
-    else fit();
+    if (old.width && Math.abs(old.width / old.height / (width / height) - 1) < 0.02) { if (!linked.current) setOwn(v => v && { ...v, k: (v.k * old.width) / width }); } else if (!linked.current?.view) fit();
   }, [fit, width, height]);
   const wheel = (e: WheelEvent) => {
     if (!view) return;
     const r = box.current!.getBoundingClientRect(), px = e.clientX - r.left, py = e.clientY - r.top;
     const k = Math.min(Math.max(view.k * 2 ** (-e.deltaY / 300), 0.02), 64), q = k / view.k;
+    fitted.current = false;
     setView({ k, x: px - (px - view.x) * q, y: py - (py - view.y) * q });
   };
   const pointOf = (e: PointerEvent, v: View): [number, number] => {
@@ -60,6 +75,7 @@ export function PanZoom({ width, height, children, hover, pen = null, smooth = f
   const move = (e: PointerEvent) => {
     if (!view) return;
     if (drag.current) {
+      fitted.current = false;
       setView({ ...view, x: view.x + e.clientX - drag.current.x, y: view.y + e.clientY - drag.current.y });
       drag.current = { x: e.clientX, y: e.clientY };
     }

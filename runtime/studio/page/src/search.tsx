@@ -1,13 +1,19 @@
 import { useMemo, useState } from 'react';
 
 import { edit, select, useStore, type Edit } from './store';
+import type { NodeType } from './types';
+
+// Where the search opens, and the wire that the new node gets: from an output, or to an input.
+type End = { node: string; port: string; types: string[]; many: boolean };
+export interface SearchAt { x: number; y: number; from?: End; to?: End }
 
 interface Props {
-  at: { x: number; y: number; from?: { node: string; port: string; type: string } };
+  at: SearchAt;
   close: () => void;
   place: (name: string) => void;
 }
 
+const accepts = (types: string[], type: string) => !types.length || types.includes(type);
 const snake = (type: string) => type.replace(/([a-z0-9])([A-Z])/g, '$1_$2').toLowerCase();
 
 // Finds a node type by name or description and adds a node of it.
@@ -17,21 +23,24 @@ export function Search({ at, close, place }: Props) {
   const [index, setIndex] = useState(0);
   const found = useMemo(() => {
     const q = text.toLowerCase();
-    const fits = (t: { inputs: { types: string[] }[] }) => !at.from || t.inputs.some(p => !p.types.length || p.types.includes(at.from!.type));
+    const fits = (t: NodeType) => (!at.from || t.inputs.some(p => accepts(p.types, at.from!.types[0]))) && (!at.to || t.outputs.some(p => accepts(at.to!.types, p.types[0])));
     const all = [...types.values()].filter(fits);
     const score = (t: { type: string; doc: string }) => {
       const n = t.type.toLowerCase();
       return n.startsWith(q) ? 0 : n.includes(q) ? 1 : t.doc.toLowerCase().includes(q) ? 2 : 3;
     };
     return all.filter(t => score(t) < 3).sort((a, b) => score(a) - score(b) || a.type.localeCompare(b.type)).slice(0, 60);
-  }, [text, types, at.from]);
+  }, [text, types, at.from, at.to]);
 
   const add = (type: string) => {
     const taken = new Set(useStore.getState().doc?.nodes.map(n => n.name));
     let name = snake(type);
     for (let k = 2; taken.has(name); ++k) name = `${snake(type)}_${k}`;
     const edits: Edit[] = [{ op: 'add', node: name, type }];
-    const input = at.from && types.get(type)?.inputs.find(p => !p.types.length || p.types.includes(at.from!.type));
+    const input = at.from && types.get(type)?.inputs.find(p => accepts(p.types, at.from!.types[0]));
+    const output = at.to && types.get(type)?.outputs.find(p => accepts(at.to!.types, p.types[0]));
+    const before = at.to?.many ? useStore.getState().doc?.nodes.find(n => n.name === at.to!.node)?.inputs[at.to.port] ?? [] : [];
+    if (output) edits.push({ op: 'connect', node: at.to!.node, name: at.to!.port, wires: [...before, `${name}.${output.name}`] });
     if (input) edits.push({ op: 'connect', node: name, name: input.name, wires: [`${at.from!.node}.${at.from!.port}`] });
     place(name);
     close();
@@ -40,7 +49,7 @@ export function Search({ at, close, place }: Props) {
 
   return (
     <div className="search" role="dialog" aria-label="Add a node" style={{ left: Math.min(at.x, window.innerWidth - 360), top: Math.min(at.y, window.innerHeight - 380) }}>
-      <input autoFocus value={text} placeholder={at.from ? `Add a node that accepts ${at.from.type}` : 'Add a node'} aria-label="Find a node type"
+      <input autoFocus value={text} placeholder={at.from ? `Add a node that accepts ${at.from.types[0]}` : at.to ? `Add a node that makes ${at.to.types.join(' or ') || 'a value'}` : 'Add a node'} aria-label="Find a node type"
         onChange={e => { setText(e.target.value); setIndex(0); }} onBlur={e => { if (!e.currentTarget.parentElement?.contains(e.relatedTarget)) setTimeout(close, 150); }}
         onKeyDown={e => {
           if (e.key === 'Escape') close();

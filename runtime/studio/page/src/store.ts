@@ -1,12 +1,16 @@
 import { create } from 'zustand';
-import type { Doc, DocNode, NodeState, NodeType, OutputValue, Run, StartInfo, State } from './types';
+
+import { secondsText } from './format';
+import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State } from './types';
 
 export interface Target { node: string; port: string }
 export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
 
 interface Store {
   types: Map<string, NodeType>;
-  doc: Doc | null;
+  doc: Doc | null; // the document
+  scope: string; // the path of the subgraph that is open, or ""
+  inside: Doc | null; // what is in it
   nodes: Record<string, NodeState>;
   run: Run;
   selected: string | null;
@@ -14,23 +18,35 @@ interface Store {
   pinned: Target | null;
   online: boolean;
   trouble: Trouble | null;
-  drawer: 'none' | 'yaml' | 'messages';
+  drawer: 'none' | 'yaml' | 'messages' | 'history';
   line: number; // to show in the YAML text; 0: none
   start: StartInfo | null;
   starting: boolean; // the start page is shown
   picture: File | null; // to make a graph of
   savingAs: boolean;
   tool: string | null; // that is used in the picture
+  extra: string; // another view of the selected node than that of its output, or ""
+  reference: Reference | null; // what results are compared with
+  price: Price | null; // of an edit that is being made
+  arrangement: Arrangement;
+  thumbnails: boolean;
+  wide: boolean; // the panel takes most of the window
 }
 
+// An earlier state, or one value, whichever is given.
+export interface Reference { label: string; past?: Past; value?: OutputValue }
+
 export const useStore = create<Store>(() => ({
-  types: new Map(), doc: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
+  types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, trouble: '' }, drawer: 'none', line: 0,
-  start: null, starting: false, picture: null, savingAs: false, tool: null,
+  start: null, starting: false, picture: null, savingAs: false, tool: null, extra: '', reference: null, price: null,
+  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', wide: false,
 }));
 const set = useStore.setState;
 
-export const select = (selected: string | null) => set({ selected, port: null });
+export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '' }));
+// What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
+export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
 export const goToLine = (line: number) => set({ drawer: 'yaml', line });
 
 export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
@@ -61,7 +77,7 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
-export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number };
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; };
 // `merge`: one of many edits while a control moves. Those within a second are one step of undo.
 let moving = { what: '', group: 0, at: 0 };
 export function edit(edits: Edit[], merge = false): Promise<boolean> {
@@ -93,37 +109,103 @@ export async function connect() {
   set({ types: new Map(types.map(t => [t.type, t])) });
   const start = await (await fetch('/api/start')).json() as StartInfo;
   set({ start, starting: start.welcome });
-  const events = new EventSource('/api/events');
-  const on = <T>(type: string, use: (data: T) => void) =>
-    events.addEventListener(type, e => use(JSON.parse((e as MessageEvent<string>).data) as T));
-  events.onopen = () => set({ online: true });
-  events.onerror = () => {
-    set({ online: false });
-    if (events.readyState === EventSource.CLOSED) // refused: another server, with another token
-      set({ trouble: { message: 'this page belongs to a server that has ended', hint: 'open the address that terrazzo studio printed last', code: 'offline' } });
-  };
+  const uses = new Map<string, (data: never) => void>();
+  const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true });
+    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, arrangement: s.document.arrangement });
+    void enter(useStore.getState().scope);
   });
-  on<Doc>('document', doc => set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
-    doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0,
-  } : {
-    doc, selected: doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
-    pinned: s.pinned && doc.nodes.some(n => n.name === s.pinned!.node) ? s.pinned : null,
-  })));
+  on<Arrangement>('arrangement', arrangement => set({ arrangement }));
+  on<Doc>('document', doc => {
+    set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
+      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
+    } : {
+      doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
+    }));
+    void enter(useStore.getState().scope);
+  });
   on<Run>('run', run => set({ run }));
   on<NodeState & { path: string }>('node', n => later(n.path, n));
   on<{ path: string; progress: number; note: string }>('progress', p => {
     const before = pending[p.path] ?? useStore.getState().nodes[p.path];
     if (before) later(p.path, { ...before, state: 'running', progress: p.progress, note: p.note });
   });
+  listen(uses);
+}
+
+// Follows the server: through a worker that all pages share, or alone where browsers have no such workers.
+function listen(uses: Map<string, (data: never) => void>) {
+  const failed = (closed: boolean) => {
+    set({ online: false });
+    if (closed) // refused: another server, with another token
+      set({ trouble: { message: 'this page belongs to a server that has ended', hint: 'open the address that terrazzo studio printed last', code: 'offline' } });
+  };
+  if (typeof SharedWorker === 'undefined') {
+    const events = new EventSource('/api/events');
+    events.onopen = () => set({ online: true });
+    events.onerror = () => failed(events.readyState === EventSource.CLOSED);
+    for (const [type, use] of uses) events.addEventListener(type, e => use(JSON.parse((e as MessageEvent<string>).data) as never));
+    return;
+  }
+  const { port } = new SharedWorker('/events.js', 'terrazzo events');
+  port.onmessage = (e: MessageEvent<{ kind: string; data?: string; closed?: boolean }>) => {
+    const { kind, data, closed } = e.data;
+    if (kind === 'open') set({ online: true });
+    else if (kind === 'error') failed(!!closed);
+    else uses.get(kind)?.(JSON.parse(data!) as never);
+  };
+  window.addEventListener('pagehide', () => port.postMessage('leave'));
+  window.addEventListener('pageshow', e => { if (e.persisted) location.reload(); });
+}
+
+// Opens a subgraph by the path of its node; "" is the document itself. Its file may have changed.
+export async function enter(scope: string): Promise<void> {
+  if (!scope) return useStore.getState().inside ? set({ scope: '', inside: null, selected: null }) : undefined;
+  const answer = await fetch(`/api/subgraph?path=${encodeURIComponent(scope)}`);
+  if (!answer.ok) {
+    if (useStore.getState().scope) set({ scope: '', inside: null, selected: null });
+    return;
+  }
+  const doc = await answer.json() as Doc, path = (name: string) => `${scope}/${name}`;
+  const nodes = doc.nodes.map(n => ({
+    ...n, name: path(n.name), inputs: Object.fromEntries(Object.entries(n.inputs).map(([port, wires]) => [port, wires.map(path)])),
+    inner: n.inner && Object.fromEntries(Object.entries(n.inner).map(([port, at]) => [port, at && { ...at, path: path(at.path) }])),
+  }));
+  set(s => ({ scope, inside: { ...doc, nodes, messages: [], text: '', arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
+}
+
+// Keeps where nodes and notes are, soon; several changes at once are one request.
+let keeping: number | undefined;
+export function arrange(change: Partial<Arrangement>) {
+  set(s => ({ arrangement: { ...s.arrangement, ...change } }));
+  window.clearTimeout(keeping);
+  keeping = window.setTimeout(() => {
+    const { doc, arrangement } = useStore.getState();
+    if (doc && !doc.read_only) void post('/api/arrange', { arrangement });
+  }, 300);
+}
+
+export const priceText = (p: Price) => {
+  const sure = p.nodes.filter(n => !n.perhaps).length, n = p.nodes.length;
+  return !n ? 'nothing runs' : `${n} ${n === 1 ? 'node' : 'nodes'}${p.seconds > 0 ? `, about ${secondsText(p.seconds)}` : ''}${sure < n && sure > 0 ? ' at most' : ''}`;
+};
+
+// The nodes that edits would run, and for how long.
+let asked = 0;
+export async function askPrice(edits: Edit[] | null): Promise<void> {
+  const number = ++asked;
+  if (!edits || (useStore.getState().doc?.nodes.length ?? 0) > 500) return set({ price: null });
+  const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) }).catch(() => null);
+  if (number !== asked) return;
+  set({ price: answer?.ok ? await answer.json() as Price : null });
 }
 
 // The server computes first what is shown.
 let shown = '';
 useStore.subscribe(s => {
-  const name = s.pinned?.node ?? s.selected ?? '', node = s.doc?.nodes.find(n => n.name === name);
+  const name = s.pinned?.node ?? s.selected ?? '', node = shownDoc(s)?.nodes.find(n => n.name === name);
   const path = (node?.graph ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
   if (path === shown || !s.doc) return;
   shown = path;
@@ -168,7 +250,7 @@ export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
 
 // The state of a node of the document. Those of a subgraph's nodes, and of elements, are joined.
 export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
-  if (!node.graph && !node.each) return nodes[node.name];
+  if (!node.graph && nodes[node.name]) return nodes[node.name];
   const inside = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
   if (!inside.length) return undefined;
   const out: NodeState = {
@@ -211,8 +293,8 @@ export function splitWire(wire: string, doc: Doc, types: Map<string, NodeType>):
 }
 
 // The nearest value of a type, upstream or downstream of a node.
-export function nearest(from: string, type: string, direction: 'up' | 'down', s: Pick<Store, 'doc' | 'types' | 'nodes'>): { target: Target; value: OutputValue } | null {
-  const { doc, types, nodes } = s;
+export function nearest(from: string, type: string, direction: 'up' | 'down', s: Pick<Store, 'doc' | 'inside' | 'types' | 'nodes'>): { target: Target; value: OutputValue } | null {
+  const { types, nodes } = s, doc = shownDoc(s);
   if (!doc) return null;
   const seen = new Set([from]);
   let front = [from];

@@ -36,7 +36,7 @@ export function editLabelsOf(node: DocNode): DocNode | undefined {
 export const usable = (tool: Tool, node: DocNode) =>
   tool.name === 'binder' ? !!segmentOf(node) : tool.name !== 'ignore' || !segmentOf(node)?.inputs.mask;
 
-const freshName = (doc: Doc, name: string) => {
+export const freshName = (doc: Doc, name: string) => {
   for (let k = 1; ; ++k) {
     const full = k === 1 ? name : `${name}_${k}`;
     if (!doc.nodes.some(n => n.name === full)) return full;
@@ -66,7 +66,7 @@ function insert(doc: Doc, segment: DocNode, text: string): { name: string; edits
 }
 
 // The points of a drawn line that matter by more than half a pixel (Douglas and Peucker 1973).
-function simplified(points: Point[]): Point[] {
+export function simplified(points: Point[]): Point[] {
   if (points.length < 3) return points;
   const [a, b] = [points[0], points[points.length - 1]], dx = b[0] - a[0], dy = b[1] - a[1], length = Math.hypot(dx, dy);
   let far = 0, most = 0.5;

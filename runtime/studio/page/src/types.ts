@@ -29,7 +29,7 @@ export interface Doc {
   outputs: { name: string; wire: string; line: number }[];
   parameters: GraphParameter[]; messages: Message[];
   saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
-  disk_changed: boolean; valid: boolean;
+  disk_changed: boolean; valid: boolean; arrangement: Arrangement;
 }
 export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
@@ -41,3 +41,7 @@ export interface NodeState {
 }
 export interface Run { running: boolean; live: boolean; seconds: number; expected: number; trouble: string }
 export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }
+export interface Note { x: number; y: number; width: number; height: number; text: string; frame: boolean }
+export interface Arrangement { places?: Record<string, [number, number]>; notes?: Note[] }
+export interface Price { nodes: { path: string; seconds: number; reason: string; perhaps: boolean }[]; seconds: number }
+export interface Past { number: number; text: string; nodes: Record<string, { outputs: Record<string, OutputValue>; metrics: Record<string, number> }> }

@@ -1,0 +1,77 @@
+#include "runtime/studio/arrangement.h"
+
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "runtime/files.h"
+#include "runtime/json_text.h"
+
+namespace terrazzo::studio {
+namespace fs = std::filesystem;
+using nlohmann::json;
+namespace {
+
+constexpr std::size_t kMostArrangement = 1 << 20;
+
+bool is_number(const json& j) { return j.is_number() && std::isfinite(j.get<double>()); }
+
+bool is_place(const json& j) { return j.is_array() && j.size() == 2 && is_number(j[0]) && is_number(j[1]); }
+
+bool is_note(const json& j) {
+  if (!j.is_object()) return false;
+  for (const char* name : {"x", "y", "width", "height"})
+    if (!j.contains(name) || !is_number(j[name])) return false;
+  return j.contains("text") && j["text"].is_string() && j.contains("frame") && j["frame"].is_boolean();
+}
+
+// The file may come from a stranger, so the page gets nothing else.
+bool is_arrangement(const json& j) {
+  if (!j.is_object()) return false;
+  for (const auto& [name, part] : j.items()) {
+    const auto all = [&](auto&& check) {
+      for (const auto& x : part)
+        if (!check(x)) return false;
+      return true;
+    };
+    const bool good = name == "places" ? part.is_object() && all(is_place)
+                                       : name == "notes" && part.is_array() && all(is_note);
+    if (!good) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+fs::path arrangement_file(const fs::path& graph) {
+  return graph.parent_path() / (graph.stem().string() + ".studio.json");
+}
+
+json read_arrangement(const fs::path& graph) {
+  const fs::path file = arrangement_file(graph);
+  std::error_code error;
+  if (fs::file_size(file, error) > kMostArrangement || error) return json::object();
+  const auto text = read_file(file);
+  json j = text ? json::parse(*text, nullptr, false) : json();
+  return is_arrangement(j) ? j : json::object();
+}
+
+void write_arrangement(const fs::path& graph, const json& j) {
+  if (!is_arrangement(j)) throw Error("bad-request", "this is no arrangement of a graph");
+  const std::string text = json_text(j, 1) + "\n";
+  if (text.size() > kMostArrangement)
+    throw Error("too-large", "the notes and places of the graph have more than 1 MiB");
+  const fs::path file = arrangement_file(graph);
+  bool empty = true;
+  for (const auto& part : j) empty = empty && part.empty();
+  std::error_code error;
+  if (fs::exists(file, error) && !is_arrangement(json::parse(read_file(file).value_or(""), nullptr, false)))
+    throw Error("file-exists",
+                "'" + file.string() + "' is no arrangement of this graph, so it is left as it is",
+                "rename that file to keep notes and places");
+  if (empty)
+    fs::remove(file, error);
+  else
+    write_text_atomically(file, text);
+}
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,47 @@
+import { declarationOf, edit, select, shownDoc, splitWire, useStore } from './store';
+import type { DocNode, Port } from './types';
+
+// The wires that lead to a node, as lists: with the keyboard, and where wires are long, they are easier to change here than in the graph.
+export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
+  const doc = useStore(shownDoc), types = useStore(s => s.types), inside = useStore(s => !!s.scope);
+  if (!doc) return null;
+  const set = (name: string, wires: string[]) => void edit([{ op: 'connect', node: node.name, name, wires }]);
+  // Nodes downstream would make a cycle.
+  const after = new Set([node.name]);
+  for (let grown = true; grown;) {
+    grown = false;
+    for (const n of doc.nodes)
+      if (!after.has(n.name) && Object.values(n.inputs).flat().some(w => after.has(splitWire(w, doc, types).node))) after.add(n.name), grown = true;
+  }
+  const offered = (p: Port) => doc.nodes.filter(n => !after.has(n.name)).flatMap(n => (declarationOf(n, types)?.outputs ?? [])
+    .filter(o => !p.types.length || p.types.includes(o.types[0])).map(o => `${n.name}.${o.name}`));
+  const full = (w: string) => { const at = splitWire(w, doc, types); return `${at.node}.${at.port}`; };
+  return (
+    <>
+      <h2>Inputs</h2>
+      <fieldset className="fields" disabled={inside}>{inputs.map(p => {
+        const wires = node.inputs[p.name] ?? [], id = `input-${p.name}`, choices = offered(p);
+        const go = (w: string) => <button className="reset" title={`Select ${splitWire(w, doc, types).node}`} aria-label={`Select ${splitWire(w, doc, types).node}`} onClick={() => select(splitWire(w, doc, types).node)}>→</button>;
+        if (p.many) return (
+          <div key={p.name} className={`field${wires.length ? ' own' : ''}`}>
+            <label htmlFor={id} title={p.doc}>{p.name}</label>
+            <span className="wires">
+              {wires.map((w, k) => <span key={k}>{w}{go(w)}<button className="reset" title="Disconnect" aria-label={`Disconnect ${w}`} onClick={() => set(p.name, wires.filter((_, i) => i !== k))}>×</button></span>)}
+              <select id={id} value="" onChange={e => set(p.name, [...wires, e.target.value])}><option value="">add…</option>{choices.map(c => <option key={c}>{c}</option>)}</select>
+            </span><span />
+          </div>
+        );
+        const now = wires[0] ? full(wires[0]) : '';
+        return (
+          <div key={p.name} className={`field${now ? ' own' : ''}`}>
+            <label htmlFor={id} title={p.doc}>{p.name}{p.optional && !now && <small> optional</small>}</label>
+            <select id={id} value={now} onChange={e => set(p.name, e.target.value ? [e.target.value] : [])}>
+              <option value="">not connected</option>{[...choices, ...(now && !choices.includes(now) ? [now] : [])].map(c => <option key={c}>{c}</option>)}
+            </select>
+            {wires[0] ? go(wires[0]) : <span />}
+          </div>
+        );
+      })}</fieldset>
+    </>
+  );
+}

@@ -1,0 +1,262 @@
+// node views.mjs TERRAZZO FOLDER CHROMIUM: uses the views of a graph with solids like a user. Prints the observed states as one JSON object.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { chromium } from 'playwright-core';
+
+const [, , program, folder, executablePath] = process.argv;
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const graph = join(folder, 'solids.yaml');
+writeFileSync(join(folder, 'part.yaml'), 'terrazzo: 1\nnodes:\n  inner: {type: Pattern, params: {kind: marble, axis: z, width: 32, height: 24}}\noutputs: {image: inner.image}\n');
+writeFileSync(graph, `# kept
+terrazzo: 1
+name: Solids
+nodes:
+  marble: {type: Pattern, params: {kind: marble, axis: z, width: 64, height: 48}}
+  part: {graph: part.yaml}
+  shape: {type: Shape, params: {kind: dodecahedron}}
+  kmatrix: {type: KMatrix, inputs: {shapes: shape.shapes}, params: {classes: 6, orientations: 200}}
+  sizes: {type: Distribution, inputs: {shapes: shape.shapes}, params: {kind: lognormal, mean: 1, sd: 0.3, volume_fraction: 0.2}}
+  pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: shape.shapes}, params: {size: 6}}
+  section: {type: Section, inputs: {particles: pack.particles, shapes: shape.shapes}}
+  voxels: {type: Voxelize, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {resolution: 32}}
+  sheet: {type: ContactSheet, inputs: {images: [marble.image, section.image, part.image]}}
+`);
+const result = { errors: [], violations: [] };
+const launch = extra => chromium.launch({ executablePath, args: ['--no-sandbox', ...extra] });
+const server = spawn(program, ['studio', graph, '--no-browser', '--cache', join(folder, 'cache')], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+const address = String((await once(server.stdout, 'data'))[0]).trim();
+let browser = await launch(['--enable-unsafe-swiftshader']);
+try {
+  const context = await browser.newContext({ viewport: { width: 1360, height: 860 }, colorScheme: 'dark' });
+  const page = await context.newPage();
+  page.setDefaultTimeout(60000);
+  page.on('pageerror', e => result.errors.push(e.message));
+  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  await page.goto(address);
+  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
+  const state = (p = page) => p.evaluate(async () => (await fetch('/api/state')).json());
+  const until = async (what, ready) => {
+    for (const end = Date.now() + 90000; Date.now() < end; await page.waitForTimeout(150)) { const s = await state(); if (ready(s)) return s; }
+    throw new Error(`waited too long until ${what}`);
+  };
+  const idle = () => until('all is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
+  const check = async where => {
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
+    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
+  };
+  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  // Colors of a screenshot of the drawing: how many differ, coarsely.
+  const colors = async where => {
+    await page.waitForTimeout(300);
+    const png = (await page.locator(where).screenshot()).toString('base64');
+    return page.evaluate(async data => {
+      const image = new Image();
+      image.src = 'data:image/png;base64,' + data;
+      await image.decode();
+      const c = document.createElement('canvas');
+      c.width = image.width, c.height = image.height;
+      const d = c.getContext('2d');
+      d.drawImage(image, 0, 0);
+      const all = d.getImageData(0, 0, c.width, c.height).data, seen = new Set();
+      for (let k = 0; k < all.length; k += 4) seen.add((all[k] >> 4) * 256 + (all[k + 1] >> 4) * 16 + (all[k + 2] >> 4));
+      return seen.size;
+    }, png);
+  };
+  await page.waitForSelector('.card');
+  await idle();
+
+  // Particles: drawn, turned with keys, picked, cut.
+  await card('pack').click();
+  await page.waitForFunction(() => /\d particles/.test(document.querySelector('.options')?.textContent ?? ''));
+  result.particle_colors = await colors('.stage3d');
+  await shot('particles');
+  const before = await page.locator('.stage3d').screenshot();
+  await page.locator('.stage3d').focus();
+  await page.keyboard.press('ArrowRight');
+  await page.waitForTimeout(300);
+  result.turned = !before.equals(await page.locator('.stage3d').screenshot());
+  const place = await page.locator('.stage3d').boundingBox();
+  for (const [dx, dy] of [[0, 0], [12, 9], [-14, 6], [20, -16]]) {
+    await page.mouse.click(place.x + place.width / 2 + dx, place.y + place.height / 2 + dy);
+    if (await page.locator('.picked').count()) break;
+  }
+  result.picked = await page.textContent('.picked').catch(() => '');
+  await shot('picked');
+  await check('particles');
+
+  // Volume: block and slices.
+  await card('voxels').click();
+  await page.waitForFunction(() => /voxels/.test(document.querySelector('.options')?.textContent ?? ''));
+  result.block_colors = await colors('.stage3d');
+  await shot('block');
+  await page.click('label:has-text("Binder") input');
+  await shot('block_without_binder');
+  await page.click('button:has-text("Slices")');
+  await page.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
+  await shot('slices');
+  await check('slices');
+
+  // The K matrix, the table and its plot.
+  await card('kmatrix').click();
+  await page.waitForSelector('.matrix canvas');
+  await shot('matrix');
+  await check('matrix');
+  await card('section').click();
+  await page.click('.ports button:has-text("table")');
+  await page.click('.sheet tbody tr >> nth=2');
+  result.row = await page.textContent('.options');
+  await page.click('button:has-text("Plot")');
+  await page.waitForSelector('svg.plot circle, svg.plot polyline');
+  await shot('plot');
+
+  // Linked views: a bar chooses particles and profiles.
+  await page.click('.ports button:has-text("Linked")');
+  await page.waitForSelector('.linked .stage3d canvas');
+  await page.waitForSelector('.linked .plot .pick');
+  await page.locator('.linked .plot .pick').nth(3).click({ force: true });
+  result.linked = await page.textContent('.viewer .options >> nth=0');
+  result.brushed = await page.locator('.linked polygon.brushed').count();
+  await shot('linked');
+  await check('linked');
+
+  // The plane is dragged at its handle's slider; the section follows.
+  await page.click('.ports button:has-text("Plane in 3D")');
+  await page.waitForSelector('.cutting .stage3d canvas');
+  const cut = (await state()).nodes.section.outputs.image.hash;
+  await page.locator('.plane input[type=range]').first().focus();
+  for (let k = 0; k < 12; ++k) await page.keyboard.press('ArrowRight');
+  let s = await until('the section follows', s => /offsets/.test(s.document.text) && s.nodes.section.state === 'computed' && s.nodes.section.outputs.image.hash !== cut);
+  await page.waitForTimeout(1200);
+  result.plane_colors = await colors('.cutting .stage3d');
+  await shot('plane');
+  await page.selectOption('.plane select', 'free');
+  await page.locator('.plane input[type=range]').nth(1).focus();
+  await page.keyboard.press('ArrowRight');
+  s = await until('the plane is free', s => /normal: /.test(s.document.text) && s.nodes.section.state === 'computed');
+  await shot('plane_free');
+  await check('plane in 3D');
+  result.free = s.nodes.section.error?.message ?? 'computed';
+  await idle();
+
+  // The price of a value that is typed; it is not sent.
+  const text = (await state()).document.text;
+  await card('pack').click();
+  await page.fill('#field-seed', '7');
+  await page.waitForSelector('.card.priced');
+  result.price = await page.textContent('.price');
+  result.priced = await page.$$eval('.card.priced', all => all.length);
+  await shot('price');
+  await page.keyboard.press('Escape');
+  await page.waitForFunction(() => !document.querySelector('.card.priced'));
+  result.not_sent = (await state()).document.text === text;
+
+  // A held picture and a later one, with the line between them; the history.
+  await card('marble').click();
+  await page.waitForSelector('.panzoom canvas');
+  await page.click('button:has-text("Hold")');
+  await page.fill('#field-seed', '9');
+  await page.press('#field-seed', 'Enter');
+  await page.waitForSelector('.wipe');
+  await page.locator('.wipe').focus();
+  for (let k = 0; k < 5; ++k) await page.keyboard.press('ArrowLeft');
+  result.wipe = await page.getAttribute('.wipe', 'aria-valuenow');
+  await shot('wipe');
+  await page.click('button:has-text("Comparing")');
+  await idle();
+  await page.click('button:has-text("History")');
+  await page.waitForSelector('.states li button');
+  result.states = await page.locator('.states li').count();
+  await page.locator('.states li').last().locator('button:has-text("Compare")').click();
+  await page.waitForSelector('.differ table, .differ p');
+  await shot('history');
+  await check('history');
+  await page.locator('.states li').last().locator('button:has-text("Restore")').click();
+  await until('the first state is back', s => !/offsets|normal: |seed/.test(s.document.text));
+  await page.click('button:has-text("Comparing")');
+  await page.click('button:has-text("History")');
+  await idle();
+
+  // The inside of a subgraph.
+  await card('part').dblclick();
+  await card('part/inner').waitFor();
+  await card('part/inner').click();
+  result.inside = await page.textContent('.inspector .title');
+  await page.waitForSelector('.panzoom canvas');
+  await shot('subgraph');
+  await check('subgraph');
+  await page.click('.tools nav button >> nth=0');
+  await card('marble').waitFor();
+
+  // Notes are beside the graph. A node that is dropped on a wire is put into it.
+  await page.click('.tools button:has-text("Note")');
+  await page.fill('.note textarea', 'Why marble?');
+  await page.click('.react-flow__pane', { position: { x: 30, y: 500 } });
+  await page.waitForTimeout(800);
+  result.note = existsSync(join(folder, 'solids.studio.json')) && JSON.parse(readFileSync(join(folder, 'solids.studio.json'), 'utf8')).notes?.[0]?.text;
+  await page.mouse.move(300, 300);
+  await page.keyboard.press('Tab');
+  await page.keyboard.type('TextureNib');
+  result.tab = await page.locator('.search').count();
+  await page.keyboard.press('Escape');
+  await page.click('button:has-text("Pictures")');
+  await page.waitForSelector('.card .thumb canvas');
+  await shot('pictures');
+  await page.click('button:has-text("Pictures")');
+  await page.locator('.react-flow__node[data-id="marble"] .socket.out').hover();
+  await page.waitForSelector('.peek');
+  result.peek = await page.textContent('.peek');
+  await page.mouse.move(5, 300);
+
+  // A wire that is dropped backwards offers what makes its type, and an input can be chosen in the inspector.
+  await card('section').click();
+  await page.selectOption('#input-like', 'marble.image');
+  await until('it is connected', s => /like: marble.image/.test(s.document.text));
+  await page.selectOption('#input-like', '');
+  await until('it is not', s => !/like/.test(s.document.text));
+
+  // The nib paints into a picture.
+  await card('marble').click();
+  await page.waitForSelector('.panzoom canvas');
+  await page.click('.options button:has-text("Nib")');
+  const picture = await page.locator('.panzoom .content').boundingBox();
+  await page.mouse.move(picture.x + picture.width * 0.3, picture.y + picture.height * 0.5);
+  await page.mouse.down();
+  await page.mouse.move(picture.x + picture.width * 0.7, picture.y + picture.height * 0.5, { steps: 6 });
+  await page.mouse.up();
+  s = await until('the nib has painted', s => s.nodes.nib?.state === 'computed');
+  result.nib = /images: \[nib.image, section.image, part.image\]/.test(s.document.text) && /radius|strokes:/.test(s.document.text);
+  await shot('nib');
+  await page.click('.pens button:has-text("Done")');
+  await page.click('button:has-text("Undo")');
+  await until('the nib is gone', s => !/nib/.test(s.document.text));
+
+  // Pages beyond the six connections that a browser opens to a host.
+  const pages = [];
+  for (let k = 0; k < 8; ++k) pages.push(await context.newPage());
+  await Promise.all(pages.map(p => p.goto(address).then(() => p.waitForSelector('.card'))));
+  await page.evaluate(() => fetch('/api/edit', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits: [{ op: 'rename', node: 'marble', to: 'granite' }] }) }));
+  await Promise.all(pages.map(p => p.waitForSelector('.react-flow__node[data-id="granite"]')));
+  result.pages = pages.length;
+  await browser.close();
+
+  // Without WebGL, the page says so and shows a picture.
+  browser = await launch(['--disable-gpu', '--disable-3d-apis']);
+  const plain = await browser.newPage({ viewport: { width: 1360, height: 860 } });
+  plain.on('pageerror', e => result.errors.push(e.message));
+  await plain.goto(address);
+  await plain.locator('.react-flow__node[data-id="pack"]').click();
+  await plain.waitForSelector('.both canvas');
+  result.without = await plain.textContent('.both figcaption');
+  await plain.locator('.react-flow__node[data-id="voxels"]').click();
+  await plain.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
+} catch (e) {
+  result.errors.push(String(e));
+} finally {
+  await browser.close();
+  server.kill();
+}
+console.log(JSON.stringify(result));
