@@ -106,7 +106,7 @@ TEST(Completion, OffersTheParametersOfAGraphAndTheirValues) {
   EXPECT_EQ(options("run", "--param", "photo=no"), Candidates{"photo=notes.txt"});
   EXPECT_EQ(options("run", "--set", "stone.ki"), Candidates{"stone.kind="});
   EXPECT_EQ(options("run", "--set", "cut.axis="),
-            (Candidates{"cut.axis=x", "cut.axis=y", "cut.axis=z", "cut.axis=random"}));
+            (Candidates{"cut.axis=x", "cut.axis=y", "cut.axis=z", "cut.axis=free", "cut.axis=random"}));
   EXPECT_EQ(options("run", "--set", "asset.s"), Candidates{"asset.size="});
   EXPECT_EQ(options("run", "--set", "asset/pack.si"), Candidates{"asset/pack.size="});
   EXPECT_EQ(options("sweep", "--vary", "method=fast,e"), Candidates{"method=fast,exact"});

@@ -53,7 +53,8 @@ void run_node(const std::string& name, const fs::path& file, bool other_choice) 
   request.type = test::all_nodes().find(name);
   std::map<std::string, ParameterValue> written;
   for (const auto& p : request.type->parameters)
-    if (p.kind == ParameterKind::InputPath)
+    // Only a mask of instances may have a second one with their classes.
+    if (p.kind == ParameterKind::InputPath && !(other_choice && name == "LoadLabels" && p.name == "classes"))
       request.files[p.name] = {p.name == "key" ? file.parent_path() / "key.csv" : file};
   const auto set = [&](const char* parameter, const char* text) {
     const Parameter* p = request.type->find_parameter(parameter);

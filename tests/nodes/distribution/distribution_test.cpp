@@ -40,7 +40,7 @@ TEST(Distribution, LawsHaveTheirMoments) {
 
 TEST(Distribution, IntervalsAreScaledLikeDensities) {
   SizeLaw law;
-  law.kind = LawKind::Classes, law.class_edges = {1, 2, 3}, law.N_V = {0.01, 0.02};
+  law.kind = LawKind::Classes, law.class_edges = {0.5, 1, 1.5}, law.N_V = {0.01, 0.02};
   law.low = {0.005, 0.01}, law.high = {0.02, 0.02};
   SizeDistribution d = make_distribution(law, nullptr);
   EXPECT_EQ(d.shapes[0].low, law.low);
