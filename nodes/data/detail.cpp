@@ -76,25 +76,17 @@ nlohmann::json describe(const Detail& v) {
           {"phases", std::move(phases)}};
 }
 
-// The offset at a distance, between the centers of the bins.
-Vec3f offset_at(const std::vector<Vec3f>& bins, float distance) {
-  const auto last = static_cast<float>(bins.size() - 1);
-  const float at = std::clamp(distance - 0.5f, 0.0f, last), low = std::floor(at), t = at - low;
-  const auto k = static_cast<std::size_t>(low);
-  return t > 0 ? Vec3f((1 - t) * bins[k] + t * bins[k + 1]) : bins[k];
-}
-
 }  // namespace
 
 Vec3f Detail::rim_at(const std::vector<Rim>& rims, float distance, float size) {
   if (rims.empty()) return Vec3f::Zero();
-  if (!(size > 0)) return offset_at(rims[rims.size() / 2].offset, distance);
+  if (!(size > 0)) return at_distance(rims[rims.size() / 2].offset, distance);
   const auto above = std::find_if(rims.begin(), rims.end(), [&](const Rim& r) { return r.size >= size; });
-  if (above == rims.begin()) return offset_at(above->offset, distance);
-  if (above == rims.end()) return offset_at(rims.back().offset, distance);
+  if (above == rims.begin()) return at_distance(above->offset, distance);
+  if (above == rims.end()) return at_distance(rims.back().offset, distance);
   const auto below = above - 1;
   const float t = std::log(size / below->size) / std::log(above->size / below->size);
-  return (1 - t) * offset_at(below->offset, distance) + t * offset_at(above->offset, distance);
+  return (1 - t) * at_distance(below->offset, distance) + t * at_distance(above->offset, distance);
 }
 
 template <>

@@ -1,6 +1,8 @@
 // Detail: what a photograph shows beyond the flat colors of its binder and particles, as a solid.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "nodes/data/linear.h"
@@ -20,6 +22,16 @@ struct Detail {
     float size = 0;  // √(4A/π), mm
     std::vector<Vec3f> offset;
   };
+  // The value at a distance in pixels, between those at i + ½ pixels; the first and the last one hold beyond.
+  // `values` must not be empty.
+  template <class T>
+  static T at_distance(const std::vector<T>& values, float distance) {
+    const float at = std::clamp(distance - 0.5f, 0.0f, static_cast<float>(values.size() - 1));
+    const auto k = static_cast<std::size_t>(at);
+    const float t = at - static_cast<float>(k);
+    return t > 0 ? T((1 - t) * values[k] + t * values[k + 1]) : values[k];
+  }
+
   // The offset at a distance in pixels from the outline of a profile, between distances linearly, between
   // sizes by their logarithm. `size`: mm; 0 if it is unknown, which takes the middle one of the rims.
   static Vec3f rim_at(const std::vector<Rim>&, float distance, float size);

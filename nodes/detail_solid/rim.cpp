@@ -57,15 +57,6 @@ residual::Outlines outlines_of(const Phases& p, const Labels& labels) {
 
 std::vector<float> depths_of(const Phases& p, const Labels& labels) { return outlines_of(p, labels).depth; }
 
-// √(4A/π) of each label, mm; of label 0: 0.
-std::vector<float> sizes_of(const Labels& labels) {
-  std::vector<float> size(static_cast<std::size_t>(labels.count()) + 1, 0.0f);
-  for (const auto id : labels.ids) ++size[static_cast<std::size_t>(id)];
-  size[0] = 0;
-  for (float& s : size) s = static_cast<float>(std::sqrt(4 * s / M_PI) * labels.pixel_size);
-  return size;
-}
-
 // Sizes that separate the classes: halfway, by the logarithm, between the sizes at the middle of each third
 // of these pixels. Fewer classes if sizes hardly differ.
 std::vector<float> size_limits(std::vector<float> sizes) {
@@ -103,7 +94,7 @@ std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std
 
 void split_rims(Phases& p, const Labels& labels, Detail& detail) {
   const residual::Outlines outlines = outlines_of(p, labels);
-  const std::vector<float> sizes = sizes_of(labels);
+  const std::vector<float> sizes = residual::sizes_of_particles(labels.ids, detail.pixel_size);
   const auto size_at = [&](std::size_t i) { return sizes[static_cast<std::size_t>(outlines.particle[i])]; };
   for (std::size_t phase = 0; phase < detail.phases.size(); ++phase) {
     const auto each = [&](auto&& use) {
@@ -168,9 +159,8 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     std::size_t group = 0;
   };
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
-  std::vector<double> area(profile.size(), 0.0);  // pixels
+  const std::vector<float> size = residual::sizes_of_particles(labels.ids, image.pixel_size);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
-    if (labels.ids[i] > 0) ++area[static_cast<std::size_t>(labels.ids[i]) - 1];
     if (p.phase[i] <= 0) continue;
     Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
     Sum& g = group[static_cast<std::size_t>(p.phase[i]) - 1];
@@ -190,7 +180,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
             std::clamp(std::sqrt(s.square[a] / s.count / (g.square[a] / g.count)), kLeastContrast, 3.0));
     detail.profile_color.push_back((s.color / s.count).cast<float>());
     detail.profile_contrast.push_back(contrast[k]);
-    detail.profile_size.push_back(static_cast<float>(std::sqrt(4 * area[k] / M_PI) * image.pixel_size));
+    detail.profile_size.push_back(size[k + 1]);
   }
   for (std::size_t i = 0; i < p.phase.size(); ++i)
     if (p.phase[i] > 0) {

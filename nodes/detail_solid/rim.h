@@ -12,7 +12,7 @@
 namespace terrazzo::detail_solid {
 
 // Mean offsets of each phase by distance from the nearest outline and by the size of the profile that has it,
-// subtracted from `phases.offset` and stored in the detail, which must have the phases.
+// subtracted from `phases.offset` and stored in the detail, which must have the phases and the pixel size.
 void split_rims(Phases&, const Labels&, Detail&);
 
 // Deviations of the offsets by distance from the nearest outline, relative to that of the phase. Divides the

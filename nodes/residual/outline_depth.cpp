@@ -55,6 +55,17 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   return out;
 }
 
+std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double pixel) {
+  std::int32_t largest = 0;
+  for (const auto id : ids) largest = std::max(largest, id);
+  std::vector<std::int64_t> pixels(static_cast<std::size_t>(largest) + 1, 0);
+  for (const auto id : ids) ++pixels[static_cast<std::size_t>(id)];
+  std::vector<float> sizes(pixels.size(), 0.0f);
+  for (std::size_t k = 1; k < sizes.size(); ++k)
+    sizes[k] = static_cast<float>(std::sqrt(4 * static_cast<double>(pixels[k]) / M_PI) * pixel);
+  return sizes;
+}
+
 std::vector<float> outline_depth(const std::int32_t* ids, int width, int height, bool wrap) {
   return nearest_outlines(ids, width, height, wrap).depth;
 }

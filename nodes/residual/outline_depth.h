@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace terrazzo::residual {
@@ -17,6 +18,10 @@ struct Outlines {
 // `ids`: 0 outside of particles. `wrap`: opposite edges of the picture join. Pictures without outlines have
 // distances of at least their diagonal.
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap);
+
+// √(4A/π) of the particle of each id, from its pixels; 0 for id 0. `pixel`: root of a pixel's area, in the
+// unit of the sizes.
+std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double pixel);
 
 // Only the distances.
 std::vector<float> outline_depth(const std::int32_t* ids, int width, int height, bool wrap);

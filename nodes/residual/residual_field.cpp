@@ -83,16 +83,6 @@ std::vector<Vec3f> values_of(const openvdb::Vec3SGrid& grid, const Vec3i& size, 
   return values;
 }
 
-// The factor at a depth, between the centers of the bins.
-float gain_at(const std::vector<float>& gain, float bins) {
-  if (gain.empty()) return 1;
-  const float at = std::clamp(bins - 0.5f, 0.0f, static_cast<float>(gain.size() - 1));
-  const auto low = std::min(static_cast<std::size_t>(at), gain.size() - 1),
-             high = std::min(low + 1, gain.size() - 1);
-  const float t = at - static_cast<float>(low);
-  return (1 - t) * gain[low] + t * gain[high];
-}
-
 }  // namespace
 
 void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep keep,
@@ -302,7 +292,7 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
   const float bins = depth * rims_per_mm_;
   const auto p = static_cast<std::size_t>(std::max(particle, 0));
   const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
-  const float gain = gain_at(tile.gain, bins);
+  const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0) return gain * binder(mm) + rim;
   const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));

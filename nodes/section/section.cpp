@@ -85,10 +85,7 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = canvas.share[i] >= 0.5f ? canvas.owner[i] + 1 : 0;
   const residual::Outlines outlines =
       residual::nearest_outlines(ids.data(), grid.width, grid.height, grid.wrap);
-  std::vector<float> sizes(1 + *std::max_element(ids.begin(), ids.end()), 0.0f);  // 0: no particle
-  for (const std::int32_t id : ids) ++sizes[id];
-  sizes[0] = 0;
-  for (float& s : sizes) s = std::sqrt(s * static_cast<float>(4 / M_PI * grid.mm_x * grid.mm_y));
+  const std::vector<float> sizes = residual::sizes_of_particles(ids, std::sqrt(grid.mm_x * grid.mm_y));
   const auto pixel = static_cast<float>(grid.mm_x);
   work.quiet().parallel(static_cast<std::size_t>(grid.height), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)

@@ -78,9 +78,10 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
     ++size[bodies.labels[i]], covered[bodies.labels[i]] += found.particles.labels[i] > 0;
   bool lost = false;
   for (std::int32_t k = 0; k < count; ++k)
-    if (static_cast<double>(covered[k + 1]) < explained * static_cast<double>(size[k + 1]))
+    if (static_cast<double>(size[k + 1]) >= how.min_area &&
+        static_cast<double>(covered[k + 1]) < explained * static_cast<double>(size[k + 1]))
       all[first + k].score = first_of_all, lost = true;
-  if (lost) found = view.choose(std::move(all), how, work);
+  if (lost) found = view.choose(all, how, work);
   const auto of_color = [&](std::int32_t label) { return label > 0 && found.from[label - 1] >= first; };
   for (std::size_t k = 0; k < found.from.size(); ++k)
     if (found.from[k] >= first) found.scores[k] = std::max(least / lead, scores[found.from[k] - first]);
@@ -140,9 +141,8 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
       auto all = view->instances(how, work.quiet());
-      if (keep && s.method == Method::Auto) instances[i] = all;
-      auto chosen = view->choose(std::move(all), how, work.quiet());
-      by_network.add_chosen(std::move(chosen));
+      by_network.add_chosen(view->choose(all, how, work.quiet()));
+      if (keep && s.method == Method::Auto) instances[i] = std::move(all);
       // Without a binder the network takes plain grains for charts.
       if (!fills) ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
     }

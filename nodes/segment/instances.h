@@ -10,7 +10,7 @@ namespace terrazzo::segment {
 
 struct Instance {
   std::vector<std::int32_t> pixels;  // indices, ascending
-  double score = 0;                  // 0 to 1
+  double score = 0;                  // 0 to 1; above 1 to come before all others
   double explained = 0;              // share of it that others must cover to replace it
 };
 

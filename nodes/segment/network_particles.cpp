@@ -93,7 +93,7 @@ std::vector<Instance> NetworkView::instances(const NetworkOptions& options, cons
   return all;
 }
 
-NetworkView::Found NetworkView::choose(std::vector<Instance> instances, const NetworkOptions& options,
+NetworkView::Found NetworkView::choose(const std::vector<Instance>& instances, const NetworkOptions& options,
                                        const Work& work) const {
   const NetworkMaps& own = scales_.front().maps();
   Accepted accepted = accept_instances(instances, own.width, own.height, options.min_area, options.min_score,

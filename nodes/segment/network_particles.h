@@ -38,7 +38,7 @@ class NetworkView {
     std::vector<double> scores;     // of label k at k − 1
     std::vector<std::size_t> from;  // which instance label k was, at k − 1
   };
-  Found choose(std::vector<Instance>, const NetworkOptions&, const Work&) const;
+  Found choose(const std::vector<Instance>&, const NetworkOptions&, const Work&) const;
 
   // The score of each of the labels from 1 to `count` at the scale that judges it best.
   std::vector<double> scores(const std::vector<std::int32_t>& labels, int count, const Work&) const;

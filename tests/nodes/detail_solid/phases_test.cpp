@@ -113,6 +113,7 @@ TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
   choice.edge = 0, choice.specks = 0;
   Phases p = find_phases(image, labels, choice);
   Detail d;
+  d.pixel_size = 0.1;
   d.phases.resize(p.pixels.size());
   split_rims(p, labels, d);
   const auto& rims = d.phases[0].rims;

@@ -229,7 +229,12 @@ TEST(OutlineDepth, IsTheDistanceToTheNearestOutline) {
   EXPECT_NEAR(closed[row + 39], 0.5, 1e-6);
   ids[row + 30] = 4;
   const auto nearest = residual::nearest_outlines(ids.data(), 40, 40, false);
-  EXPECT_EQ(nearest.depth, residual::outline_depth(ids.data(), 40, 40, false));
+  const auto sizes = residual::sizes_of_particles(ids, 0.5);
+  ASSERT_EQ(sizes.size(), 8u);
+  EXPECT_EQ(sizes[0], 0);
+  EXPECT_EQ(sizes[1], 0);  // there is no such particle
+  EXPECT_NEAR(sizes[4], 0.5 * std::sqrt(4 / M_PI), 1e-6);
+  EXPECT_NEAR(sizes[7], 0.5 * std::sqrt(1600 / M_PI), 1e-5);
   EXPECT_EQ(nearest.particle[row + 2], 7);
   EXPECT_EQ(nearest.particle[row + 12], 7);  // the binder belongs to the nearer one
   EXPECT_EQ(nearest.particle[row + 27], 4);

@@ -174,7 +174,7 @@ TEST_F(Studio, TwelveClientsSeeAnEdit) {
   }
 }
 
-// Clients that open a stream and never read it: the server goes on, and so do all others.
+// Some clients open a stream and never read it. The server still answers all others.
 TEST_F(Studio, ClientsThatDoNotReadStopNobody) {
   std::vector<int> slow;
   const std::string ask = "GET /api/events HTTP/1.1\r\nHost: 127.0.0.1\r\nCookie: terrazzo_studio_" +

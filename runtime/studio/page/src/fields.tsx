@@ -30,7 +30,7 @@ function useSender(send: Send) {
   };
 }
 
-// `price` is told the value that would be sent, and null when it was, or is not.
+// `price` receives the value that would be sent, and null once it was sent or dropped.
 export function Field({ spec, value, send, price, files = [] }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[] }) {
   const [draft, setDraft] = useState<string | null>(null);
   const sender = useSender(send);
