@@ -1,5 +1,5 @@
 # Writes a CTest file with one entry per test suite of PROGRAM, since every start of it takes 0.2 s. The tests of suites in ALONE, which
-# mostly wait, get entries of their own. Entries of suites in SLOW start first.
+# mostly wait, get entries of their own. Entries of suites in SLOW start first. One that hangs is stopped after 900 s.
 # cmake -DPROGRAM=FILE -DFOLDER=WORKING_FOLDER -DOUT=FILE -DALONE=NAMES -DSLOW=NAMES -P suites.cmake
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests WORKING_DIRECTORY ${FOLDER} OUTPUT_VARIABLE list RESULT_VARIABLE failed)
@@ -16,7 +16,7 @@ function(add name filter)
     set(cost 100)
   endif()
   string(APPEND text "add_test([=[${name}]=] [=[${PROGRAM}]=] [=[--gtest_filter=${filter}]=])\n"
-    "set_tests_properties([=[${name}]=] PROPERTIES WORKING_DIRECTORY [=[${FOLDER}]=] LABELS suite COST ${cost})\n")
+    "set_tests_properties([=[${name}]=] PROPERTIES WORKING_DIRECTORY [=[${FOLDER}]=] LABELS suite COST ${cost} TIMEOUT 900)\n")
   set(text "${text}" PARENT_SCOPE)
 endfunction()
 foreach(line ${lines})

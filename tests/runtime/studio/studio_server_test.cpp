@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -54,8 +55,11 @@ class Studio : public ::testing::Test {
     if (answer) *answer = json::parse(r->body);
     return r->status;
   }
-  // The first `count` events of the stream.
-  std::vector<std::string> events(std::size_t count, const httplib::Headers& headers = {}) const {
+  // The first `count` events of the stream, or those that came within 30 s. Calls `each` after each part of the stream with the number
+  // of events so far.
+  std::vector<std::string> events(std::size_t count, const httplib::Headers& headers = {},
+                                  const std::function<void(std::size_t)>& each = {}) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     std::string text;
     const auto seen = [&] {
       std::vector<std::string> out;
@@ -65,7 +69,9 @@ class Studio : public ::testing::Test {
     };
     client().Get("/api/events", headers, [&](const char* data, std::size_t n) {
       text.append(data, n);
-      return seen().size() < count;
+      const std::size_t now = seen().size();
+      if (each) each(now);
+      return now < count && std::chrono::steady_clock::now() < end;
     });
     auto out = seen();
     out.resize(std::min(count, out.size()));
@@ -153,14 +159,17 @@ TEST_F(Studio, TheStreamStartsWithTheStateAndResumes) {
 }
 
 TEST_F(Studio, TwelveClientsSeeAnEdit) {
-  std::atomic<int> seen{0};
+  std::atomic<int> started{0}, seen{0};
   std::vector<std::thread> all;
   for (int k = 0; k < 12; ++k)
     all.emplace_back([&] {
-      const auto got = events(2);
+      bool first = true;
+      const auto got = events(2, {}, [&](std::size_t n) { started += n > 0 && std::exchange(first, false); });
       seen += got.size() == 2;
     });
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  // A client that starts after the edit gets it with the state and no event of its own.
+  for (int k = 0; k < 2000 && started < 12; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(started, 12);
   EXPECT_EQ(post("/api/edit", kSet), 200);
   for (auto& t : all) t.join();
   EXPECT_EQ(seen, 12);
