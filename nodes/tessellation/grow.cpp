@@ -64,14 +64,18 @@ struct Contact {
 
 // How far a point is towards the planes, as a norm that is 1 on the body's planes except near their edges,
 // where it is larger, and so rounds them.
-double gauge(const Body& body, const Vec3& v) {
+// `shares` is working memory.
+double gauge(const Body& body, const Vec3& v, std::vector<double>& shares) {
+  shares.resize(body.planes.size());
   double largest = 1e-9;
-  for (const Plane& p : body.planes) largest = std::max(largest, p.normal.dot(v) / p.offset);
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    shares[k] = body.planes[k].normal.dot(v) / body.planes[k].offset;
+    largest = std::max(largest, shares[k]);
+  }
   const double least = body.no_edge * largest;
   double sum = 0;
-  for (const Plane& p : body.planes)
-    if (const double share = p.normal.dot(v) / p.offset; share > least)
-      sum += share == largest ? 1 : std::pow(share / largest, body.power);
+  for (const double share : shares)
+    if (share > least) sum += share == largest ? 1 : std::pow(share / largest, body.power);
   return largest * std::pow(sum, 1 / body.power);
 }
 
@@ -80,8 +84,9 @@ std::vector<double> limits_of(const Body& body) {
   std::vector<double> limit;
   for (const Vec3& v : body.mesh.vertices) limit.push_back(std::min(kLargest, body.reach / v.norm()));
   if (body.power > 0) {
+    std::vector<double> shares;
     for (std::size_t v = 0; v < limit.size(); ++v)
-      limit[v] = std::min(limit[v], 1 / gauge(body, body.mesh.vertices[v]));
+      limit[v] = std::min(limit[v], 1 / gauge(body, body.mesh.vertices[v], shares));
     return limit;
   }
   for (const Plane& p : body.planes) {
@@ -157,9 +162,10 @@ Mesh cut(const Body& body, Surface& surface) {
       if (const double h = p.normal.dot(v); h > p.offset) v *= p.offset / h;
   }
   surface = {contact_area(mesh, body, near), mesh_surface_area(mesh)};
+  std::vector<double> shares;
   if (body.power > 0)
     for (Vec3& v : mesh.vertices)
-      if (const double far = gauge(body, v); far > 1) v /= far;
+      if (const double far = gauge(body, v, shares); far > 1) v /= far;
   return mesh;
 }
 

@@ -25,12 +25,18 @@ class Splits {
   std::unordered_map<std::uint64_t, int> added_;  // looked up only, so its order does not matter
 };
 
-// Replaces every triangle with split edges by two to four triangles.
-void apply(Mesh& mesh, const Splits& splits) {
+// Replaces every triangle with split edges by two to four triangles. `may_split` marks those that can have
+// some; looking up the edges of all others would take most of the time.
+void apply(Mesh& mesh, const Splits& splits, const std::vector<char>& may_split) {
   std::vector<Triangle> out;
   out.reserve(2 * mesh.triangles.size());
   const auto length = [&](int a, int b) { return (mesh.vertices[a] - mesh.vertices[b]).squaredNorm(); };
-  for (const Triangle& t : mesh.triangles) {
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& t = mesh.triangles[i];
+    if (!may_split[i]) {
+      out.push_back(t);
+      continue;
+    }
     int m[3], split = 0;
     for (int k = 0; k < 3; ++k) m[k] = splits.of(t[k], t[(k + 1) % 3]), split += m[k] >= 0;
     if (split == 0) {
@@ -66,15 +72,18 @@ void apply(Mesh& mesh, const Splits& splits) {
 void split_long_edges(Mesh& mesh, double longest) {
   for (;;) {
     Splits splits;
-    for (const Triangle& t : mesh.triangles)
+    std::vector<char> may_split(mesh.triangles.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
       for (int k = 0; k < 3; ++k) {
-        const int a = t[k], b = t[(k + 1) % 3];
-        if ((mesh.vertices[a] - mesh.vertices[b]).norm() <= longest || splits.of(a, b) >= 0) continue;
+        const int a = mesh.triangles[i][k], b = mesh.triangles[i][(k + 1) % 3];
+        if ((mesh.vertices[a] - mesh.vertices[b]).norm() <= longest) continue;
+        may_split[i] = 1;
+        if (splits.of(a, b) >= 0) continue;
         splits.add(a, b, static_cast<int>(mesh.vertices.size()));
         mesh.vertices.push_back(0.5 * (mesh.vertices[a] + mesh.vertices[b]));
       }
     if (splits.empty()) return;
-    apply(mesh, splits);
+    apply(mesh, splits, may_split);
   }
 }
 
@@ -82,15 +91,19 @@ void split_at_plane(Mesh& mesh, const Vec3& normal, double offset, double near) 
   std::vector<double> height;
   for (const Vec3& v : mesh.vertices) height.push_back(normal.dot(v) - offset);
   Splits splits;
-  for (const Triangle& t : mesh.triangles)
+  std::vector<char> may_split(mesh.triangles.size(), 0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
     for (int k = 0; k < 3; ++k) {
+      const Triangle& t = mesh.triangles[i];
       const int a = std::min(t[k], t[(k + 1) % 3]), b = std::max(t[k], t[(k + 1) % 3]);
       const double ha = height[a], hb = height[b];
-      if (!((ha > near && hb < -near) || (ha < -near && hb > near)) || splits.of(a, b) >= 0) continue;
+      if (!((ha > near && hb < -near) || (ha < -near && hb > near))) continue;
+      may_split[i] = 1;
+      if (splits.of(a, b) >= 0) continue;
       splits.add(a, b, static_cast<int>(mesh.vertices.size()));
       mesh.vertices.push_back(mesh.vertices[a] + ha / (ha - hb) * (mesh.vertices[b] - mesh.vertices[a]));
     }
-  apply(mesh, splits);
+  if (!splits.empty()) apply(mesh, splits, may_split);
 }
 
 }  // namespace terrazzo::tessellation

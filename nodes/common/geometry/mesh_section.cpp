@@ -34,12 +34,16 @@ struct Box {
 std::vector<Loop> section_loops(const Mesh& mesh, const Mat3& a_b_u, double h) {
   const Vec3 a = a_b_u.col(0), b = a_b_u.col(1), u = a_b_u.col(2);
   std::vector<double> height(mesh.vertices.size());
-  for (std::size_t v = 0; v < height.size(); ++v) height[v] = u.dot(mesh.vertices[v]) - h;
+  std::vector<std::uint8_t> above(height.size());  // small enough to stay in the nearest cache
+  for (std::size_t v = 0; v < height.size(); ++v) {
+    height[v] = u.dot(mesh.vertices[v]) - h;
+    above[v] = height[v] >= 0;
+  }
 
   std::vector<Segment> segments;
   for (const auto& t : mesh.triangles) {
-    const bool up[3] = {height[t[0]] >= 0, height[t[1]] >= 0, height[t[2]] >= 0};
-    if (up[0] == up[1] && up[1] == up[2]) continue;
+    const std::uint8_t up[3] = {above[t[0]], above[t[1]], above[t[2]]};
+    if (up[0] + up[1] + up[2] == 0 || up[0] + up[1] + up[2] == 3) continue;
     Segment s{};
     for (int k = 0; k < 3; ++k) {
       const int n = (k + 1) % 3;
