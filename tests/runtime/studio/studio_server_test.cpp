@@ -55,8 +55,8 @@ class Studio : public ::testing::Test {
     if (answer) *answer = json::parse(r->body);
     return r->status;
   }
-  // The first `count` events of the stream, or those that came within 30 s. Calls `each` after each part of the stream with the number
-  // of events so far.
+  // The first `count` events of the stream, or those that came within 30 s. Calls `each` after each part of
+  // the stream with the number of events so far.
   std::vector<std::string> events(std::size_t count, const httplib::Headers& headers = {},
                                   const std::function<void(std::size_t)>& each = {}) const {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
