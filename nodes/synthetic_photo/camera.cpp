@@ -114,8 +114,8 @@ void develop(Picture& p, bool gray, Random& r) {
     cv::medianBlur(m, other, r.uniform() < 0.6 ? 3 : 5);
     other.copyTo(m);
   }
-  if (!gray && r.uniform() < 0.35) {  // dull colors
-    const auto keep = static_cast<float>(r.uniform(0.3, 0.9));
+  if (!gray && r.uniform() < 0.25) {  // dull colors
+    const auto keep = static_cast<float>(r.uniform(0.4, 0.95));
     for (auto& v : p.pixels) v = Vec3f::Constant(v.sum() / 3) * (1 - keep) + v * keep;
   }
   if (r.uniform() < 0.35) {

@@ -26,7 +26,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType synthetic_photo_node() {
-  return NodeType("SyntheticPhoto", 5)
+  return NodeType("SyntheticPhoto", 6)
       .doc_(
           "Photographs of imaginary aggregates, with the exact labels of their particles: pictures to train "
           "and "

@@ -69,6 +69,10 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
     make_outcrop(r);
     return;
   }
+  if (where == Surroundings::Microscope) {
+    make_phases(r);
+    return;
+  }
   const bool outdoors = where == Surroundings::Outdoors;
   // Most stone is grayish or between yellow and red; the chips of a terrazzo may have any hue.
   vivid_ = r.uniform() < (outdoors ? 0.03 : 0.2) ? r.uniform(0.2, 0.8) : r.uniform() < 0.3 ? 0.08 : 0;
@@ -84,12 +88,35 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
   spread_ = r.uniform(0.01, 0.12);
   liveliness_ = r.uniform() * r.uniform(0.2, 1.0);
   near_ground_ = r.uniform() < 0.65 ? r.uniform(0, outdoors ? 0.8 : 0.9) : 0;
+  if (!gray && r.uniform() < 0.3) {
+    // Hue alone tells some stones from the ground.
+    const float level = static_cast<float>(r.uniform(0.5, 1)), ground = linear_to_oklab(ground_)[0];
+    for (Vec3f& kind : kinds_) {
+      const Vec3f lab = linear_to_oklab(kind);
+      kind = from_lab(lab[0] + level * (ground - lab[0]), 1.4 * lab[1], 1.4 * lab[2]);
+    }
+    near_ground_ *= 0.3;
+  }
   // One kind alone must be told from the ground.
   if (kinds == 1 && (linear_to_oklab(kinds_[0]) - linear_to_oklab(ground_)).norm() < 0.12f) {
     Vec3f lab = linear_to_oklab(ground_);
     lab[0] += lab[0] > 0.5f ? -0.25f : 0.25f;
     kinds_[0] = from_lab(lab[0], lab[1], lab[2]);
   }
+}
+
+void PhotoPalette::make_phases(Random& r) {
+  ground_ = natural(r, 0.1);
+  const Vec3f lab = linear_to_oklab(ground_);
+  const int kinds = r.uniform() < 0.7 ? 1 : 2;
+  for (int i = 0; i < kinds; ++i) {
+    double apart = r.uniform() < 0.5 ? r.uniform(0.05, 0.15) : r.uniform(0.1, 0.5);
+    if (r.uniform() < 0.5) apart = -apart;
+    if (lab[0] + apart < 0.15 || lab[0] + apart > 0.95) apart = -apart;
+    const Vec3f own = linear_to_oklab(natural(r, 0.1));
+    kinds_.push_back(from_lab(lab[0] + apart, own[1], own[2]));
+  }
+  spread_ = r.uniform(0, 0.015), hue_ = 0.1, liveliness_ = r.uniform() * r.uniform(0, 0.3), near_ground_ = 0;
 }
 
 void PhotoPalette::make_outcrop(Random& r) {
@@ -161,9 +188,11 @@ Texture PhotoPalette::stone(Random& r, double radius) const {
 }
 
 Texture PhotoPalette::ground(Random& r) const {
-  Texture t = texture(r, ground_, r.uniform(10, 200), std::max(0.15, liveliness_));
-  t.speckle = std::max(t.speckle, r.uniform(0, 0.35));
-  if (where_ != Surroundings::Workshop && r.uniform() < 0.7) t.strength *= 0.4;
+  Texture t = texture(r, ground_, r.uniform(10, 200),
+                      where_ == Surroundings::Microscope ? liveliness_ : std::max(0.15, liveliness_));
+  if (where_ != Surroundings::Microscope) t.speckle = std::max(t.speckle, r.uniform(0, 0.35));
+  if ((where_ == Surroundings::Outdoors || where_ == Surroundings::Outcrop) && r.uniform() < 0.7)
+    t.strength *= 0.4;
   return t;
 }
 

@@ -31,9 +31,10 @@ struct Texture {
 };
 
 enum class Surroundings {
-  Workshop,  // sections: any colors
-  Outdoors,  // sand, clay and stones: mostly dull colors
-  Outcrop,   // stones that are as light as the soil they lie in, and hardly differ from it in hue
+  Workshop,    // sections: any colors
+  Microscope,  // sections of two or three smooth phases
+  Outdoors,    // sand, clay and stones: mostly dull colors
+  Outcrop,     // stones that are as light as the soil they lie in, and hardly differ from it in hue
 };
 
 class PhotoPalette {
@@ -52,6 +53,7 @@ class PhotoPalette {
 
  private:
   void make_outcrop(Random&);
+  void make_phases(Random&);
   // `vivid`: how likely it has a strong hue.
   Vec3f natural(Random&, double vivid) const;
   Texture texture(Random&, const Vec3f& color, double radius, double liveliness) const;

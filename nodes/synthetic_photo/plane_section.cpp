@@ -8,12 +8,16 @@
 namespace terrazzo::synthetic_photo {
 namespace {
 
-// A star-shaped or convex profile of radius about 1.
+// A profile of radius about 1.
 struct Outline {
-  enum class Kind { Disc, Bumpy, Polygon, Cuboid } kind = Kind::Disc;
+  enum class Kind { Disc, Bumpy, Polygon, Cuboid, Lobed } kind = Kind::Disc;
   double axis = 1, cosine = 1, sine = 0, power = 2;
   std::vector<double> angle, distance;  // half planes of a polygon
   double wave[7] = {}, phase[7] = {};
+  struct Lobe {
+    double x, y, radius;
+  };
+  std::vector<Lobe> lobes;  // grains that grew together without a border
   double reach = 1;
 
   bool inside(double x, double y) const {
@@ -33,21 +37,30 @@ struct Outline {
         for (int k = 0; k < 7; ++k) edge += wave[k] * std::cos((k + 2) * a + phase[k]);
         return std::hypot(u, v) < std::max(0.25, edge);
       }
+      case Kind::Lobed:
+        // A smooth union: the lobes' bays are rounded.
+        double sum = 0;
+        for (const Lobe& l : lobes) {
+          const double d = ((u - l.x) * (u - l.x) + (v - l.y) * (v - l.y)) / (l.radius * l.radius);
+          sum += std::exp(6 * (1 - d));
+        }
+        return sum > 1;
     }
     return false;
   }
 };
 
 struct Family {
-  double disc, polygon, cuboid;  // shares; the rest is bumpy
+  double disc, polygon, cuboid, lobed;  // shares; the rest is bumpy
   double elongation, bumps, common_turn;
   bool aligned;
   int corners;
-  explicit Family(Random& r) {
+  Family(Random& r, bool grown) {
     const double which = r.uniform();
     disc = which < 0.15 ? r.uniform(0.7, 1) : r.uniform() < 0.2 ? r.uniform(0, 0.5) : 0;
     polygon = which > 0.6 ? r.uniform(0.5, 1) : r.uniform() < 0.5 ? r.uniform() : 0;
     cuboid = which > 0.15 && which < 0.25 ? 1 : 0;
+    lobed = r.uniform() < (grown ? 0.7 : 0.15) ? r.uniform(0.1, 0.8) : 0;
     elongation = r.uniform() < 0.2 ? r.uniform(2, 5) : r.uniform(1.05, 2.2);
     bumps = r.uniform(0, 0.18);
     aligned = r.uniform() < 0.2, common_turn = r.uniform(0, 6.2832);
@@ -60,6 +73,7 @@ struct Family {
              : kind < cuboid + disc           ? Outline::Kind::Disc
              : kind < cuboid + disc + polygon ? Outline::Kind::Polygon
                                               : Outline::Kind::Bumpy;
+    if (r.uniform() < lobed) o.kind = Outline::Kind::Lobed;
     if (o.kind != Outline::Kind::Disc || r.uniform() < 0.3) o.axis = std::sqrt(r.uniform(1, elongation));
     const double turn = aligned ? common_turn + 0.15 * r.normal() : r.uniform(0, 6.2832);
     o.cosine = std::cos(turn), o.sine = std::sin(turn);
@@ -73,6 +87,20 @@ struct Family {
         o.distance.push_back(r.uniform(0.55, 1.05));
       }
       o.reach = 2 * o.axis;
+    }
+    if (o.kind == Outline::Kind::Lobed) {
+      // Each lobe overlaps an earlier one by so much that no narrow neck remains.
+      o.lobes.push_back({0, 0, r.uniform(0.5, 0.9)});
+      o.reach = o.lobes[0].radius;
+      for (int n = 1 + static_cast<int>(r.below(4)); n > 0; --n) {
+        const Outline::Lobe& from = o.lobes[r.below(o.lobes.size())];
+        const double size = from.radius * r.uniform(0.55, 1.2), angle = r.uniform(0, 6.2832),
+                     apart = std::max(from.radius, size) * r.uniform(0.7, 1.1);
+        const Outline::Lobe l{from.x + apart * std::cos(angle), from.y + apart * std::sin(angle), size};
+        o.reach = std::max(o.reach, std::hypot(l.x, l.y) + size);
+        o.lobes.push_back(l);
+      }
+      o.reach *= 1.2 * o.axis;
     }
     if (o.kind == Outline::Kind::Bumpy) {
       for (int k = 0; k < 7; ++k)
@@ -108,6 +136,12 @@ class Sizes {
     const double height = r.uniform();
     return cut_ ? std::max(3.0, radius * std::sqrt(1 - height * height)) : radius;
   }
+  // Particles much smaller than others, such as those that precipitated later.
+  static Sizes fine(Random& r) {
+    Sizes s(r, 100);
+    s.smallest_ = r.uniform(3, 6), s.largest_ = s.smallest_ * r.uniform(1.2, 2.5), s.law_ = 1;
+    return s;
+  }
   double middle() const { return std::sqrt(smallest_ * largest_); }
 
  private:
@@ -116,12 +150,15 @@ class Sizes {
   bool cut_;
 };
 
-void drop_shapes(Canvas& c, double fill, const Sizes& sizes, Random& r, const Work& work) {
-  const Family family(r);
+// Adds particles to those that are there, never closer to them than `least_apart` canvas pixels.
+void drop_shapes(Canvas& c, double fill, const Sizes& sizes, const Family& family, double least_apart,
+                 Random& r, const Work& work) {
   const double area = static_cast<double>(c.width) * c.height;
-  const double apart = r.uniform() < 0.5 ? 0 : r.uniform(0, 4),
+  const double apart = least_apart + (r.uniform() < 0.5 ? 0 : r.uniform(0, 4)),
                warp = r.uniform() < 0.5 ? r.uniform(0, 3) : 0, warp_size = r.uniform(8, 40);
   const std::uint64_t seed = r.bits();
+  // In half of the pictures with fine particles, these lie in clusters.
+  const double cluster_size = r.uniform(30, 120), rarity = least_apart > 0 && r.uniform() < 0.5 ? 0.1 : -2;
   std::vector<double> radii;
   for (double sum = 0; sum < 1.15 * fill * area && radii.size() < 2500;) {
     radii.push_back(sizes.draw(r));
@@ -135,6 +172,7 @@ void drop_shapes(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wo
     for (int attempt = 0; attempt < 30; ++attempt) {
       const double px = r.uniform(-0.5 * radius, c.width + 0.5 * radius),
                    py = r.uniform(-0.5 * radius, c.height + 0.5 * radius);
+      if (noise(seed + 2, Vec3(px, py, 0) / cluster_size) < rarity) continue;
       // A few probes reject most positions quickly.
       bool free = true;
       for (int k = 0; k < 9 && free; ++k) {
@@ -236,14 +274,53 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
   c.particles = static_cast<int>(seeds.size());
 }
 
+// Light or dark lines that polishing left.
+void scratch(Canvas& c, Random& r) {
+  for (int lines = 1 + static_cast<int>(r.below(8)); lines > 0; --lines) {
+    const double angle = r.uniform(0, 3.1416), cosine = std::cos(angle), sine = std::sin(angle),
+                 offset = r.uniform(-0.5, 0.5) * std::hypot(c.width, c.height), width = r.uniform(0.7, 2.5),
+                 gain = (r.uniform() < 0.5 ? -1 : 1) * r.uniform(0.03, 0.35);
+    const std::uint64_t seed = r.bits();
+    for (int y = 0; y < c.height; ++y)
+      for (int x = 0; x < c.width; ++x) {
+        const double u = x - 0.5 * c.width, v = y - 0.5 * c.height;
+        const double away = std::abs(cosine * u + sine * v - offset) / width;
+        if (away > 2) continue;
+        const double fading =
+            std::clamp(0.3 + 1.5 * noise(seed, Vec3(sine * u - cosine * v, 0, 0) / 80), 0.0, 1.0);
+        c.color[c.at(x, y)] *= static_cast<float>(1 + gain * fading * std::exp(-away * away));
+      }
+  }
+}
+
+// Around particles the binder is lighter or darker, as edges are in an electron microscope; most in narrow
+// bays.
+void add_halo(Canvas& c, Random& r) {
+  const double amount = (r.uniform() < 0.75 ? 1 : -1) * r.uniform(0.08, 0.6), sigma = r.uniform(2.5, 14);
+  const bool in_particles = r.uniform() < 0.3;
+  std::vector<float> near(c.id.size());
+  for (std::size_t i = 0; i < near.size(); ++i) near[i] = c.id[i] > 0;
+  blur(near, c.width, c.height, sigma);
+  for (std::size_t i = 0; i < near.size(); ++i) {
+    const double other = c.id[i] > 0 ? (in_particles ? 1 - near[i] : 0) : near[i];
+    c.color[i] *= static_cast<float>(1 + amount * other);
+  }
+}
+
 }  // namespace
 
-void make_plane_section(Canvas& c, double fill, const PhotoPalette& palette, Random& r, const Work& work) {
+void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPalette& palette, Random& r,
+                        const Work& work) {
+  const double fill = options.fill;
+  const bool grown = options.grown;
   const Sizes sizes(r, std::sqrt(static_cast<double>(c.width) * c.height));
-  if (fill > 0.62 || (fill > 0.35 && r.uniform() < 0.3))
+  const bool cells = !grown && (fill > 0.62 || (fill > 0.35 && r.uniform() < 0.3));
+  if (cells)
     grow_cells(c, fill, sizes, r, work);
   else
-    drop_shapes(c, fill, sizes, r, work);
+    drop_shapes(c, fill, sizes, Family(r, grown), 0, r, work);
+  if (!cells && r.uniform() < (grown ? 0.5 : 0.15))
+    drop_shapes(c, r.uniform(0.01, 0.08), Sizes::fine(r), Family(r, false), r.uniform(2, 5), r, work);
 
   const Texture binder = palette.ground(r);
   std::vector<Texture> textures;
@@ -266,8 +343,10 @@ void make_plane_section(Canvas& c, double fill, const PhotoPalette& palette, Ran
       c.color[i] = color;
       c.z[i] = static_cast<float>(rise) * inner[i];
     }
-  // Pores: dark pits that belong to no particle.
-  if (r.uniform() < 0.35)
+  if (r.uniform() < (grown ? 0.6 : 0.15)) add_halo(c, r);
+  if (r.uniform() < (grown ? 0.4 : 0.1)) scratch(c, r);
+  // Pores: dark pits that belong to no particle. Between fine dark particles nobody could tell them.
+  if (r.uniform() < (grown ? 0.1 : 0.35))
     for (int pores = static_cast<int>(r.below(60)); pores > 0; --pores) {
       const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), radius = r.uniform(1, 7);
       const auto shade = static_cast<float>(r.uniform(0.05, 0.5));

@@ -26,15 +26,19 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
     scene = which < 0.5 ? Scene::Bank : which < 0.66 ? Scene::Heap : Scene::Section;
   }
   const bool flat = scene == Scene::Section;
-  const bool gray = r.uniform() < (flat ? 0.35 : 0.08);
+  const bool phases =
+      flat && r.uniform() < 0.35 && options.fill.value_or(0) <= 0.62;  // lobes don't fill more
+  const bool gray = r.uniform() < (phases ? 0.75 : flat ? 0.3 : 0.04);
   const PhotoPalette palette(r,
-                             flat                      ? Surroundings::Workshop
+                             phases                    ? Surroundings::Microscope
+                             : flat                    ? Surroundings::Workshop
                              : scene == Scene::Outcrop ? Surroundings::Outcrop
                                                        : Surroundings::Outdoors,
                              gray);
   Canvas canvas(2 * options.width, 2 * options.height);
   if (flat)
-    make_plane_section(canvas, options.fill.value_or(r.uniform(0.05, 0.97)), palette, r, work);
+    make_plane_section(canvas, {options.fill.value_or(r.uniform(0.05, phases ? 0.7 : 0.97)), phases}, palette,
+                       r, work);
   else
     make_relief(canvas,
                 {scene == Scene::Heap,
@@ -45,7 +49,7 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
       shade(canvas, random_light(r, flat, scene == Scene::Bank || scene == Scene::Outcrop), work);
   One one;
   one.picture = expose(canvas, light, gray, r);
-  Visible visible = visible_particles(canvas, one.picture, flat ? 24 : 40, flat ? 0.025 : 0.045);
+  Visible visible = visible_particles(canvas, one.picture, flat ? 14 : 40, flat ? 0.025 : 0.045);
   one.labels = std::move(visible.labels), one.unclear = std::move(visible.unclear);
   one.other.resize(one.labels.size());
   for (int y = 0; y < options.height; ++y)

@@ -55,7 +55,7 @@ class Pictures:
         color, planes = np.rot90(color, turns), np.rot90(planes, turns)
         if mirror:
             color, planes = color[:, ::-1], planes[:, ::-1]
-        if random.random() < 0.12:
+        if random.random() < 0.06:
             color = np.repeat(color.mean(2, keepdims=True), 3, 2)
         elif random.random() < 0.3:
             color = color * np.exp(0.12 * random.standard_normal(3)).astype(np.float32)

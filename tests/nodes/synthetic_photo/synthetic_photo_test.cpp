@@ -41,7 +41,7 @@ TEST(SyntheticPhoto, LabelsAreSingleVisiblePieces) {
       const Components parts =
           connected_components(photo.labels.ids, photo.labels.width, photo.labels.height, false);
       EXPECT_EQ(parts.count(), photo.labels.count()) << "seed " << seed;
-      for (const auto size : parts.sizes) EXPECT_GE(size, scene == Scene::Section ? 24 : 40);
+      for (const auto size : parts.sizes) EXPECT_GE(size, scene == Scene::Section ? 14 : 40);
       EXPECT_EQ(
           photo.labels.ids.empty() ? 0 : *std::max_element(photo.labels.ids.begin(), photo.labels.ids.end()),
           photo.labels.count());
