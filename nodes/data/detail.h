@@ -50,7 +50,7 @@ struct Detail {
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles
-  // Mean color of profiles, scene-linear; their size √(4A/π), mm; and the deviation of their offsets relative
+  // Median color of profiles, scene-linear; their size √(4A/π), mm; and the deviation of their offsets relative
   // to their group's: that of the mean of the three channels (x), and that of the rest (y). A particle has
   // the contrast of the profile that is most like it in color and size.
   std::vector<Vec3f> profile_color;

@@ -19,7 +19,7 @@ struct Profile {
   // profile of this extent lies completely inside.
   double weight = 1;
   double confidence = 1;        // how likely it is one particle, outlined correctly; 1 if nobody judged
-  Vec3f color = Vec3f::Zero();  // mean, scene-linear
+  Vec3f color = Vec3f::Zero();  // median of each channel, scene-linear
   std::vector<Vec2> contour;    // outer outline, mm like the centroid, counterclockwise, first point not
                                 // repeated; may be empty
 };

@@ -9,6 +9,7 @@
 
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/geometry/principal_axes.h"
+#include "nodes/common/geometry/rank.h"
 #include "runtime/random.h"
 
 namespace terrazzo::detail_solid {
@@ -22,30 +23,64 @@ struct Extent {
   int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;  // inclusive
 };
 
-// Filters the used pixels of one label within its extent, and moves the result from `offset` to `broad`.
-void split_label(Phases& p, const Labels& labels, int section, std::int32_t id, const Extent& e,
-                 std::vector<Vec3f>& broad) {
+// The mean around each used pixel of one label, within the label's extent, over pixels for which
+// `counts(pixel)`. Keeps what is there already where hardly any counts.
+template <class Counts>
+void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t id, const Extent& e,
+                const Counts& counts, std::vector<Vec3f>& broad) {
+  constexpr float kLeast = 0.02f;  // weight of the pixels that count
   const int w = e.x1 - e.x0 + 1, h = e.y1 - e.y0 + 1;
   cv::Mat sum(h, w, CV_32FC4, cv::Scalar::all(0));
-  const auto index = [&](int x, int y) {
-    return section * p.plane() + static_cast<std::size_t>(e.y0 + y) * p.width + e.x0 + x;
+  const auto each = [&](auto&& use) {
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const std::size_t i = section * p.plane() + static_cast<std::size_t>(e.y0 + y) * p.width + e.x0 + x;
+        if (labels.ids[i] == id && p.phase[i] >= 0) use(i, sum.at<cv::Vec4f>(y, x));
+      }
   };
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const std::size_t i = index(x, y);
-      if (labels.ids[i] != id || p.phase[i] < 0) continue;
-      const Vec3f& v = p.offset[i];
-      sum.at<cv::Vec4f>(y, x) = cv::Vec4f(v.x(), v.y(), v.z(), 1);
-    }
+  each([&](std::size_t i, cv::Vec4f& v) {
+    const Vec3f& o = p.offset[i];
+    if (counts(i)) v = cv::Vec4f(o.x(), o.y(), o.z(), 1);
+  });
   cv::GaussianBlur(sum, sum, {0, 0}, kBroad, kBroad, cv::BORDER_CONSTANT);
-  for (int y = 0; y < h; ++y)
-    for (int x = 0; x < w; ++x) {
-      const std::size_t i = index(x, y);
-      if (labels.ids[i] != id || p.phase[i] < 0) continue;
-      const cv::Vec4f& v = sum.at<cv::Vec4f>(y, x);
-      broad[i] = Vec3f(v[0], v[1], v[2]) / v[3];
-      p.offset[i] -= broad[i];
+  each([&](std::size_t i, const cv::Vec4f& v) {
+    if (v[3] > kLeast) broad[i] = Vec3f(v[0], v[1], v[2]) / v[3];
+  });
+}
+
+void blur_labels(const Phases& phases, const Labels& labels, const auto& counts, std::vector<Vec3f>& broad,
+                 const Work& work) {
+  std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
+  for (int s = 0; s < phases.sections; ++s) {
+    work.check();
+    std::fill(extents.begin(), extents.end(), Extent());
+    for (int y = 0; y < phases.height; ++y)
+      for (int x = 0; x < phases.width; ++x) {
+        const std::int32_t id = labels.ids[labels.index(x, y, s)];
+        if (id <= 0) continue;
+        Extent& e = extents[static_cast<std::size_t>(id) - 1];
+        e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
+        e.y1 = std::max(e.y1, y);
+      }
+    blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, counts, broad);
+    for (std::size_t k = 0; k < extents.size(); ++k)
+      if (extents[k].x1 >= 0)
+        blur_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], counts, broad);
+  }
+}
+
+// Robust standard deviations of each phase's offsets from `broad`, at least a step of 8 bits.
+std::vector<Vec3f> deviations(const Phases& p, const std::vector<Vec3f>& broad) {
+  std::vector<Vec3f> out(p.pixels.size(), Vec3f::Zero());
+  std::vector<float> v;
+  for (std::size_t phase = 0; phase < out.size(); ++phase)
+    for (int c = 0; c < 3; ++c) {
+      v.clear();
+      for (std::size_t i = 0; i < p.phase.size(); ++i)
+        if (p.phase[i] == static_cast<int>(phase)) v.push_back(std::abs(p.offset[i][c] - broad[i][c]));
+      out[phase][c] = v.empty() ? 0 : std::max(1.4826f * median(v), 0.004f);
     }
+  return out;
 }
 
 void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
@@ -93,24 +128,30 @@ Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd&
 }  // namespace
 
 std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work& work) {
+  constexpr float kSpeck = 4;  // robust standard deviations
   std::vector<Vec3f> broad(phases.offset.size(), Vec3f::Zero());
-  std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
-  for (int s = 0; s < phases.sections; ++s) {
-    work.check();
-    std::fill(extents.begin(), extents.end(), Extent());
-    for (int y = 0; y < phases.height; ++y)
-      for (int x = 0; x < phases.width; ++x) {
-        const std::int32_t id = labels.ids[labels.index(x, y, s)];
-        if (id <= 0) continue;
-        Extent& e = extents[static_cast<std::size_t>(id) - 1];
-        e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
-        e.y1 = std::max(e.y1, y);
-      }
-    split_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, broad);
-    for (std::size_t k = 0; k < extents.size(); ++k)
-      if (extents[k].x1 >= 0)
-        split_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], broad);
-  }
+  blur_labels(phases, labels, [](std::size_t) { return true; }, broad, work);
+  // Specks, pits and cracks belong to the fine part as a whole. If they counted here, the fine part would have
+  // a halo around each, and what lies between them would take their mean color.
+  const std::vector<Vec3f> deviation = deviations(phases, broad), all = broad;
+  blur_labels(
+      phases, labels,
+      [&](std::size_t i) {
+        const Vec3f far = (phases.offset[i] - all[i]).cwiseAbs();
+        return (far.array() <= kSpeck * deviation[static_cast<std::size_t>(phases.phase[i])].array()).all();
+      },
+      broad, work);
+  std::vector<Vec3> mean(phases.pixels.size(), Vec3::Zero());
+  std::vector<double> count(mean.size(), 0.0);
+  for (std::size_t i = 0; i < broad.size(); ++i)
+    if (const auto k = phases.phase[i]; k >= 0)
+      mean[static_cast<std::size_t>(k)] += broad[i].cast<double>(), ++count[static_cast<std::size_t>(k)];
+  for (std::size_t i = 0; i < broad.size(); ++i)
+    if (const auto k = phases.phase[i]; k >= 0) {
+      const auto n = static_cast<std::size_t>(k);
+      broad[i] -= (mean[n] / count[n]).cast<float>();
+      phases.offset[i] -= broad[i];
+    }
   return broad;
 }
 

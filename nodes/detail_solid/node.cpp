@@ -106,7 +106,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType detail_solid_node() {
-  return NodeType("DetailSolid", 5)
+  return NodeType("DetailSolid", 6)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/common/texture/color_medians.h"
 #include "nodes/common/texture/kmeans.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/equal_size.h"
@@ -111,16 +112,19 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
                                      out.width, out.height, phase) /
                       image.sections;
   }
-  // Means in linear light, as the flat colors of particles and binder are.
-  std::vector<Mean> profile(static_cast<std::size_t>(labels.count()));
+  // Medians and means in linear light, as the flat colors of particles and binder are.
+  std::vector<std::int64_t> used(static_cast<std::size_t>(labels.count()), 0);
   std::vector<Mean> binder(static_cast<std::size_t>(image.sections));
   for (std::size_t i = 0; i < pixels; ++i) {
     if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
-    if (out.phase[i] > 0) profile[static_cast<std::size_t>(labels.ids[i]) - 1].add(image.pixels[i]);
+    if (out.phase[i] > 0) ++used[static_cast<std::size_t>(labels.ids[i]) - 1];
   }
-  std::vector<Vec3f> color;
-  std::vector<double> area;
-  for (const Mean& m : profile) color.push_back(m.value()), area.push_back(m.count);
+  std::vector<Vec3f>& color = out.profile_color;
+  std::vector<double> area(used.begin(), used.end());
+  ColorMedians medians(std::move(used));
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (out.phase[i] > 0) medians.add(static_cast<std::size_t>(labels.ids[i]) - 1, image.pixels[i]);
+  for (std::size_t k = 0; k < area.size(); ++k) color.push_back(medians.value(k));
   const std::vector<int> group = group_profiles(color, area, choice, work);
   int groups = 0;
   for (std::size_t k = 0; k < group.size(); ++k)
@@ -153,7 +157,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
       const auto k = static_cast<std::size_t>(labels.ids[i]) - 1;
       out.offset[i] /= scale[k];
       out.phase[i] = static_cast<std::int8_t>(group[k]);
-      of_group[static_cast<std::size_t>(group[k]) - 1].add(image.pixels[i]);
+      of_group[static_cast<std::size_t>(group[k]) - 1].add(color[k]);
     }
     ++out.pixels[static_cast<std::size_t>(out.phase[i])];
   }

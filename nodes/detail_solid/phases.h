@@ -15,7 +15,8 @@ struct Phases {
   int width = 0, height = 0, sections = 1;
   std::vector<Vec3f> offset;        // from the flat color, as in Detail
   std::vector<std::int8_t> phase;   // −1: not used, 0: binder, g: group of particles
-  std::vector<Vec3f> group_color;   // of groups 1, 2 …; mean of their particles, scene-linear
+  std::vector<Vec3f> group_color;   // of groups 1, 2 …; mean of their profiles' colors by area, scene-linear
+  std::vector<Vec3f> profile_color;  // of label k at k − 1; median, zero without used pixels; scene-linear
   std::vector<std::size_t> pixels;  // used pixels of each phase
   double outliers = 0;              // fraction of the binder's pixels that are particles missed by the labels
 
@@ -34,7 +35,7 @@ struct PhaseChoice {
 // Throws Error "empty-image", "size-mismatch", "bad-pixels", "bad-labels".
 void check_photograph(const Image&, const Labels&);
 
-// The flat color of a pixel is the mean of its profile's used pixels, or of the section's binder, blurred as
+// The flat color of a pixel is the median of its profile's used pixels, or the mean of the section's binder, blurred as
 // the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by area); there
 // are fewer groups if one would have too few pixels for a texture. The photograph must have passed
 // check_photograph.

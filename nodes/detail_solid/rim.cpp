@@ -155,7 +155,6 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   struct Sum {
     double count = 0;
     Vec2 square = Vec2::Zero();  // of the mean of the channels, and of the rest
-    Vec3 color = Vec3::Zero();
     std::size_t group = 0;
   };
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
@@ -167,7 +166,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     const double mean = p.offset[i].mean();
     const Vec2 v(3 * mean * mean, std::max(0.0, p.offset[i].squaredNorm() - 3 * mean * mean));
     s.group = static_cast<std::size_t>(p.phase[i]) - 1;
-    ++s.count, s.square += v, s.color += image.pixels[i].cast<double>();
+    ++s.count, s.square += v;
     ++g.count, g.square += v;
   }
   std::vector<Eigen::Vector2f> contrast(profile.size(), Eigen::Vector2f(1, 1));
@@ -178,7 +177,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
       if (g.square[a] > 1e-9 * g.square.sum())
         contrast[k][a] = static_cast<float>(
             std::clamp(std::sqrt(s.square[a] / s.count / (g.square[a] / g.count)), kLeastContrast, 3.0));
-    detail.profile_color.push_back((s.color / s.count).cast<float>());
+    detail.profile_color.push_back(p.profile_color[k]);
     detail.profile_contrast.push_back(contrast[k]);
     detail.profile_size.push_back(size[k + 1]);
   }

@@ -9,7 +9,7 @@
 
 namespace terrazzo::segment {
 
-// The class of each profile, from 0, the most frequent first, by k-means of the mean colors in Oklab. With
+// The class of each profile, from 0, the most frequent first, by k-means of their colors in Oklab. With
 // k = 0, the number of clusters follows from their silhouette; clusters are then joined until any two of
 // them differ in the sizes or the circularities of their profiles (Kolmogorov–Smirnov tests, p < 0.001) and
 // each has at least 30 complete profiles. Colors that tell nothing about the particles thus make no classes

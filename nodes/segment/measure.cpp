@@ -6,13 +6,13 @@
 #include <span>
 #include <utility>
 
+#include "nodes/common/texture/color_medians.h"
 #include "nodes/segment/outline.h"
 
 namespace terrazzo::segment {
 namespace {
 
 struct Sums {
-  Eigen::Vector3d core = Eigen::Vector3d::Zero(), all = Eigen::Vector3d::Zero();
   std::int64_t core_pixels = 0, pixels = 0;
   int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
 };
@@ -59,10 +59,22 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
           continue;
         }
         Sums& p = sums[ids[i] - low];
-        p.all += c, ++p.pixels;
-        if (deep(x, y)) p.core += c, ++p.core_pixels;
+        ++p.pixels;
+        if (deep(x, y)) ++p.core_pixels;
         p.left = std::min(p.left, x), p.right = std::max(p.right, x);
         p.top = std::min(p.top, y), p.bottom = std::max(p.bottom, y);
+      }
+    work.check();
+    // Colors of the cores, or of whole profiles without a core.
+    std::vector<std::int64_t> used;
+    for (const Sums& p : sums) used.push_back(p.core_pixels > 0 ? p.core_pixels : p.pixels);
+    ColorMedians colors(std::move(used));
+    for (int y = 0; y < H; ++y)
+      for (int x = 0; x < W; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * W + x;
+        if (ids[i] == 0) continue;
+        const auto k = static_cast<std::size_t>(ids[i] - low);
+        if (sums[k].core_pixels == 0 || deep(x, y)) colors.add(k, image.pixels[first + i]);
       }
     work.check();
     std::optional<Positions> positions;
@@ -91,9 +103,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         p.weight = seen / labels.sections / count_places(w, h);
       else
         p.weight = static_cast<double>(W) * H / (static_cast<double>(W - w - 1) * (H - h - 1));
-      p.color = (sum.core_pixels > 0 ? Eigen::Vector3d(sum.core / static_cast<double>(sum.core_pixels))
-                                     : Eigen::Vector3d(sum.all / static_cast<double>(sum.pixels)))
-                    .cast<float>();
+      p.color = colors.value(static_cast<std::size_t>(k));
       p.contour = std::move(lines[k].points);
       for (auto& q : p.contour) q *= s;
       out.classes = std::max(out.classes, p.cls + 1);

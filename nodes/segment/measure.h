@@ -12,7 +12,7 @@
 namespace terrazzo::segment {
 
 // Profiles of all sections: areas and outlines (mm, y up) from `coverage` (per pixel of the stack, see
-// coverage.h), border flags, weights, and mean colors over the pixels more than one pixel inside, if there
+// coverage.h), border flags, weights, and median colors of the pixels more than one pixel inside, if there
 // are any. A profile touches the border if its label includes a pixel of the outermost rows or columns; its
 // weight is then 0. Any other profile of w × h pixels fits completely at (W − w − 1)(H − h − 1) of the W × H
 // positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
