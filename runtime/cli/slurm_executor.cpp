@@ -24,13 +24,15 @@ constexpr double polls_until_gone = 6;  // network file systems show new files l
 
 class Coordinator : public SlurmExecutor {
  public:
-  Coordinator(const SweepPlan& plan, const GraphOptions& o, const SlurmOptions& slurm)
+  Coordinator(const SweepPlan& plan, Store& store, const fs::path& out, const GraphOptions& o,
+              const SlurmOptions& slurm)
       : plan_(plan),
         sweep_(plan.file),
+        store_(store),
         slurm_(slurm),
         hash_(sweep_.hash()),
-        out_(fs::absolute(o.out).lexically_normal()),
-        jobs_(hash_, sweep_.folder, o, slurm) {}
+        out_(fs::absolute(out).lexically_normal()),
+        jobs_(hash_, sweep_.folder, out_, o, slurm) {}
 
   bool detached() const override { return detached_; }
   bool gave_up() const override { return gave_up_; }
@@ -79,7 +81,7 @@ class Coordinator : public SlurmExecutor {
   }
   SlurmJob& chunk_of(std::size_t point) {
     return *std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), point,
-                                       [](std::size_t p, const SlurmJob& c) { return p < c.first; }));
+                                       [](std::size_t p, const SlurmJob& c) { return p < c.points.first; }));
   }
 
   // Reads a point's report. `resuming`: takes only a successful one, so that a failed point runs again.
@@ -90,7 +92,9 @@ class Coordinator : public SlurmExecutor {
     if (!text) return;
     const json report = json::parse(*text, nullptr, false);
     if (!report.is_object() || report.value("sweep", "") != hash_.text()) return;
-    if (resuming && !is_finished_point(report, hash_, out_ / point.folder)) return;
+    if (resuming &&
+        !(is_finished_point(report, hash_, out_ / point.folder) && is_in_cache(point, report, store_)))
+      return;
     known_[i] = true;
     if (!chunks_.empty()) --chunk_of(i).missing;
     (*finished_)(point, report);
@@ -115,8 +119,8 @@ class Coordinator : public SlurmExecutor {
     for (std::size_t k = 0; k < count; ++k) {
       const std::string name = chunk_name(k, count);
       SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
-      chunk.first = k * n / count, chunk.last = (k + 1) * n / count;
-      for (std::size_t i = chunk.first; i < chunk.last; ++i) chunk.missing += !known_[i];
+      chunk.points = points_of(k, count, n);
+      for (std::size_t i = chunk.points.first; i < chunk.points.last; ++i) chunk.missing += !known_[i];
       chunk.missing_before = chunk.missing;
       chunks_.push_back(std::move(chunk));
     }
@@ -271,7 +275,7 @@ class Coordinator : public SlurmExecutor {
 
   void look_after(SlurmJob& chunk) {
     if (chunk.missing == 0 || chunk.gave_up || !chunk.gone_since) return;
-    for (std::size_t i = chunk.first; i < chunk.last; ++i) look_at(i, false);
+    for (std::size_t i = chunk.points.first; i < chunk.points.last; ++i) look_at(i, false);
     if (chunk.missing > 0 && gone(chunk)) chunk.gave_up = !again(chunk, chunk.missing < chunk.missing_before);
   }
 
@@ -295,6 +299,7 @@ class Coordinator : public SlurmExecutor {
 
   const SweepPlan& plan_;
   const SweepFile& sweep_;
+  Store& store_;
   const SlurmOptions& slurm_;
   const Hash hash_;
   const fs::path out_;
@@ -315,9 +320,9 @@ class Coordinator : public SlurmExecutor {
 
 }  // namespace
 
-std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan& plan, const GraphOptions& o,
-                                              const SlurmOptions& s) {
-  return std::make_unique<Coordinator>(plan, o, s);
+std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan& plan, Store& store, const fs::path& out,
+                                              const GraphOptions& o, const SlurmOptions& s) {
+  return std::make_unique<Coordinator>(plan, store, out, o, s);
 }
 
 }  // namespace terrazzo::cli

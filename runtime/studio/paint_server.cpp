@@ -35,19 +35,6 @@ std::string bytes_of(const Image& image, const Rectangle& r) {
   return out;
 }
 
-std::string base64(const std::string& bytes) {
-  static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
-    };
-    const unsigned v = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (int k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : digits[v >> (18 - 6 * k) & 63];
-  }
-  return out;
-}
-
 Rectangle joined(const Rectangle& a, const Rectangle& b) {
   if (a.x1 <= a.x0) return b;
   if (b.x1 <= b.x0) return a;
@@ -118,7 +105,7 @@ struct PaintServer::Impl {
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     const bool any = changed.x1 > changed.x0;
     LocalServer::answer(out, {{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
-                              {"pixels", any ? base64(bytes_of(painting.picture(), changed)) : ""},
+                              {"pixels", any ? encode_base64(bytes_of(painting.picture(), changed)) : ""},
                               {"milliseconds", took.count()},
                               {"strokes", painting.strokes()}});
   }

@@ -54,8 +54,8 @@ class Slurm : public ::testing::Test {
     more.insert(more.begin(), {"--executor", "slurm", "--poll", "0.3", "--chunk-size", chunk_size});
     return sweep("out", "cache", more);
   }
-  std::future<ProgramRun> start(std::vector<std::string> more = {}) {
-    return std::async(std::launch::async, [this, more] { return on_slurm(more); });
+  std::future<ProgramRun> start(std::vector<std::string> more = {}, const char* chunk_size = "3") {
+    return std::async(std::launch::async, [this, more, chunk_size] { return on_slurm(more, chunk_size); });
   }
 
   // Content hash of every output of every point.
@@ -230,6 +230,19 @@ TEST_F(Slurm, ADeadNodeIsReplaced) {
   const auto done = run.get();
   over = true, hurry.join();
   EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, ATaskBeyondItsTimeLimitRunsAgain) {
+  auto run = start({"--slurm", "--time=1"}, "12");
+  ASSERT_TRUE(wait_until(60, [&] { return !cluster->tasks().empty(); }));
+  // A stopped task does nothing until its minute is over. Then Slurm continues and terminates it.
+  const pid_t task = cluster->tasks().front();
+  ::kill(task, SIGSTOP);
+  const auto done = run.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("ended (TIMEOUT)"), std::string::npos) << done.err;
+  EXPECT_NE(done.err.find("raise the limit with --slurm '--time=…'"), std::string::npos) << done.err;
   expect_local_contents();
 }
 
