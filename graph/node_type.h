@@ -18,8 +18,8 @@ struct Port {
   std::string doc;
   bool optional = false;
   bool many = false;                           // the input accepts a list of wires
-  std::vector<std::string> former_names = {};  // still accepted in graph files, with a note
   bool one_at_a_time = false;                  // of a list: the node takes its values with Context::nth()
+  std::vector<std::string> former_names = {};  // still accepted in graph files, with a note
   bool accepts(const std::string& type) const;
   std::string type_text() const;  // "Image", "Particles or Volume", "any"
 };

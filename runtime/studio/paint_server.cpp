@@ -11,6 +11,7 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/texture_nib/views.h"
+#include "runtime/base64.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
 
