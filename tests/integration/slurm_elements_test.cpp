@@ -63,15 +63,15 @@ class SlurmElements : public ::testing::Test {
   // The nodes of the last run's report by name.
   std::map<std::string, json> nodes() {
     std::map<std::string, json> out;
-    for (auto& node : json::parse(*read_file(folder / "report.json")).at("nodes"))
-      out[node.at("name")] = node;
+    const json report = json::parse(*read_file(folder / "report.json"));
+    for (const auto& node : report.at("nodes")) out[node.at("name")] = node;
     return out;
   }
   // The run took every block from the cache, and joined them to the solid that is made at once.
   void expect_the_whole_solid() {
     const auto all = nodes();
     for (int k = 0; k < 8; ++k) {
-      EXPECT_EQ(all.at("block[" + std::to_string(k) + "]").at("status"), "disk") << k;
+      EXPECT_NE(all.at("block[" + std::to_string(k) + "]").at("status"), "computed") << k;
       EXPECT_TRUE(fs::exists(folder / "out" / ("solid_" + std::to_string(k) + ".vdb"))) << k;
     }
     EXPECT_EQ(all.at("joined").at("outputs").at("volume").at("content"),
@@ -91,7 +91,7 @@ TEST_F(SlurmElements, AreTasksOfOneRun) {
   EXPECT_EQ(reports(), 8u);
   expect_the_whole_solid();
   // Computed once, before the blocks.
-  EXPECT_EQ(nodes().at("base").at("status"), "disk");
+  EXPECT_NE(nodes().at("base").at("status"), "computed");
   const auto status = run_program({"status", (folder / "out").string()});
   EXPECT_EQ(status.out.find("8 points: 8 done"), 0u) << status.out;
   const auto log = run_program({"status", (folder / "out").string(), "--log", "block[3]"});
@@ -146,6 +146,7 @@ nodes:
   EXPECT_NE(done.out.find("round 1 of 2: 3 elements"), std::string::npos) << done.out;
   EXPECT_NE(done.out.find("round 2 of 2: 2 elements"), std::string::npos) << done.out;
   const auto spread = nodes();
+  EXPECT_EQ(spread.size(), 9u);
   for (const auto& [name, node] : spread) EXPECT_NE(node.at("status"), "computed") << name;
   const auto local = run_program({"run", (folder / "packings.yaml").string(), "--report",
                                   (folder / "report.json").string(), "--no-cache", "--quiet"});

@@ -150,13 +150,15 @@ TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
   const auto log = run_program({"status", (folder / "out").string(), "--log", "point-005"});
   EXPECT_EQ(log.out.find("=== point-005 started\n=== point-005 done"), 0u) << log.out << log.err;
   // Computed once, before the points.
-  for (int i = 1; i <= 24; ++i)
-    for (const auto& node :
-         json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json")).at("nodes")) {
+  for (int i = 1; i <= 24; ++i) {
+    const json report = json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json"));
+    EXPECT_EQ(report.at("nodes").size(), 7u);
+    for (const auto& node : report.at("nodes")) {
       const std::string name = node.at("name");
       const bool shared = name == "shape" || name == "sizes" || name == "photo";
       EXPECT_FALSE(shared && node.at("status") == "computed") << i << " " << name;
     }
+  }
   // The same command reads the results and submits nothing. It works without Slurm.
   cluster.reset();
   const auto again = run_program({"sweep", (folder / "graph.yaml").string(), "--vary", "pack.seed=1:12:1",
