@@ -51,6 +51,7 @@ NodeType join_volumes_node() {
           "volumes", {"Volume"},
           "The blocks, in any order: all blocks of one cut, each once, with equal grids. Every voxel of "
           "a block has a value.")
+      .one_at_a_time()
       .output("volume", "Volume", "The grids of the blocks, with the voxels of all of them")
       .parameter(Parameter::boolean("periodic", true)
                      .doc_("The joined volume tiles. Its voxels must then begin at (0, 0, 0)."))
