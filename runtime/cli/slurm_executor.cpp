@@ -113,26 +113,33 @@ class Coordinator : public SlurmExecutor {
       ids_.insert(task.job);
       if (task.name != jobs_.shared_name()) count = std::stoull(task.name.substr(jobs_.prefix().size()));
     }
-    const auto log = [&](const std::string& name, bool skip) {
-      return LogReader(jobs_folder(out_) / (name + ".jsonl"), skip);
+    const auto log = [&](const std::string& name) {
+      return LogReader(jobs_folder(out_) / (name + ".jsonl"), true);
     };
     for (std::size_t k = 0; k < count; ++k) {
       const std::string name = chunk_name(k, count);
-      SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
+      SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name)};
       chunk.points = points_of(k, count, n);
       for (std::size_t i = chunk.points.first; i < chunk.points.last; ++i) chunk.missing += !known_[i];
       chunk.missing_before = chunk.missing;
       chunks_.push_back(std::move(chunk));
     }
     shared_ = std::make_unique<SlurmJob>(
-        SlurmJob{"the job for what all points share", shared_name, log(shared_name, false)});
-    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5);
-    for (const auto& event : shared_->log.news())  // it may have run before
-      if (event.at("event") == "finished" && event.value("sweep", "") == hash_.text())
-        shared_done_ = shared_done_ || event.value("status", "") == "done";
+        SlurmJob{"the job for what all points share", shared_name, log(shared_name)});
+    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5) ||
+                   is_shared_in_cache();
     if (ids_.empty()) return;
     std::cerr << "note: jobs of this sweep are already queued\n";
     take(*queue);
+  }
+
+  // Whether the shared job ran before, and the cache still has its results.
+  bool is_shared_in_cache() const {
+    const auto text = read_file(shared_report(out_));
+    const json report = text ? json::parse(*text, nullptr, false) : json();
+    SweepPoint point;
+    point.targets = sweep_.shared;
+    return is_finished_point(report, hash_, out_) && is_in_cache(point, report, store_);
   }
 
   // Submits every chunk that has no results and is not queued.
@@ -219,8 +226,13 @@ class Coordinator : public SlurmExecutor {
 
   // Takes over the states in Slurm's queue.
   void take(const std::vector<slurm::Task>& queue) {
-    const auto forget = [](SlurmJob& job) {
-      if (job.task.active()) job.task.state = "unknown to Slurm";  // unless it is found below
+    std::set<std::uint64_t> known;
+    for (const auto& task : queue) known.insert(task.job);
+    const auto forget = [&](SlurmJob& job) {
+      // Unless it is found below. A single task of an array that is canceled while it waits leaves no trace.
+      // A controller that lost its state has forgotten whole jobs.
+      if (job.task.active())
+        job.task.state = job.task.waits() && known.count(job.task.job) ? "CANCELLED" : "unknown to Slurm";
       job.active = false;
     };
     for (auto& chunk : chunks_) forget(chunk);

@@ -9,6 +9,7 @@
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/sweep_point.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 #include "runtime/sweep_file.h"
 #include "runtime/sweep_log.h"
 
@@ -90,6 +91,7 @@ class Worker {
     require_same_reads(sweep_, report);
     const PointSummary s = summary_of(report);
     for (const auto& e : s.errors) std::cerr << "error: " << e << '\n';
+    write_text_atomically(shared_report(run_.out), json_text(report, 2) + "\n");  // before the event
     tell_finished(0, s);
     return s.status == "done" ? done : node_failed;
   }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "runtime/files.h"
 #include "tests/support/program.h"
@@ -60,6 +61,13 @@ class SlurmElements : public ::testing::Test {
       n += fs::exists(folder / "out" / round / ("point-00" + std::to_string(i)) / "report.json");
     return n;
   }
+  // How often the job for what all elements share has finished.
+  int shared_jobs() {
+    std::istringstream log(read_file(folder / "out/elements-1/jobs/shared.jsonl").value_or(""));
+    int n = 0;
+    for (std::string line; std::getline(log, line);) n += json::parse(line).at("event") == "finished";
+    return n;
+  }
   // The nodes of the last run's report by name.
   std::map<std::string, json> nodes() {
     std::map<std::string, json> out;
@@ -96,14 +104,17 @@ TEST_F(SlurmElements, AreTasksOfOneRun) {
   EXPECT_EQ(status.out.find("8 points: 8 done"), 0u) << status.out;
   const auto log = run_program({"status", (folder / "out").string(), "--log", "block[3]"});
   EXPECT_EQ(log.out.find("=== point-004 started"), 0u) << log.out << log.err;
-  // The same command submits nothing. Without the cache, the blocks are computed again, on Slurm.
+  // The same command submits nothing. Without the cache, the base and the blocks are computed again, on
+  // Slurm.
   const auto again = run("solid.yaml");
   EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(shared_jobs(), 1);
   const auto before = fs::last_write_time(folder / "out/elements-1/point-001/report.json");
   fs::remove_all(folder / "cache");
   const auto lost = run("solid.yaml");
   EXPECT_EQ(lost.exit_code, 0) << lost.err;
   EXPECT_GT(fs::last_write_time(folder / "out/elements-1/point-001/report.json"), before);
+  EXPECT_EQ(shared_jobs(), 2);
   expect_the_whole_solid();
 }
 

@@ -249,14 +249,33 @@ TEST_F(Slurm, ATaskBeyondItsTimeLimitRunsAgain) {
 }
 
 TEST_F(Slurm, CanceledFromOutsideItStopsAndTheSameCommandCompletesIt) {
-  auto run = start();
+  auto run = start({}, "1");  // most tasks wait
   ASSERT_TRUE(under_way());
+  const auto newest = newest_job();
   cluster->command({"scancel", "--me"});
   const auto stopped = run.get();
   EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_EQ(stopped.err.find("submitting it again"), std::string::npos) << stopped.err;
+  EXPECT_EQ(newest_job(), newest) << "a canceled task was submitted again";
   EXPECT_NE(stopped.err.find("was canceled from outside"), std::string::npos) << stopped.err;
   const auto before = reports();
   EXPECT_LT(before, 24u);
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+// Slurm deletes a single task that is canceled while it waits.
+TEST_F(Slurm, AWaitingTaskThatIsCanceledStaysCanceled) {
+  auto run = start({"--parallel", "2"}, "2");
+  ASSERT_TRUE(under_way());
+  const auto newest = newest_job();
+  cluster->command({"scancel", std::to_string(newest) + "_11"});
+  const auto stopped = run.get();
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.err.find("chunk 11 of 12 was canceled from outside"), std::string::npos) << stopped.err;
+  EXPECT_EQ(newest_job(), newest) << "the canceled task was submitted again";
+  EXPECT_EQ(reports(), 22u);
   const auto done = on_slurm();
   EXPECT_EQ(done.exit_code, 0) << done.err;
   expect_local_contents();
