@@ -298,7 +298,7 @@ class Run {
       const bool later = q.type->find_input(port)->one_at_a_time;
       for (const auto& w : wires)
         if (later)
-          q.later[port].push_back([this, &w] { return value_of(w); });
+          q.later[port].push_back([this, &w] { return value_of(w, false); });
         else
           q.inputs[port].push_back(value_of(w));
     }
@@ -358,7 +358,8 @@ class Run {
     return json_text(all);
   }
 
-  Value value_of(const Wire& w) {
+  // `keep`: whether a value that is read from the disk stays in memory.
+  Value value_of(const Wire& w, bool keep = true) {
     State& s = state(w.node);
     const NodeResult& r = result(w.node);
     const OutputRecord& wanted = r.outputs.at(w.port);
@@ -366,7 +367,7 @@ class Run {
       const std::lock_guard lock(s.mutex);
       if (const auto it = s.values.find(w.port); it != s.values.end()) return it->second;
     }
-    if (Value v = e_.store_.get_value(wanted, r.cached_seconds)) return v;
+    if (Value v = e_.store_.get_value(wanted, r.cached_seconds, keep)) return v;
     // The record is known but the value is lost or damaged, so recompute the source. Isolated, so that this
     // thread cannot pick up a task that waits for the same source, which would deadlock.
     Value v;

@@ -282,7 +282,7 @@ void Store::keep(const Hash& key, std::shared_ptr<const void> data, std::uint64_
   keep_in_memory(key, Value(&none, std::move(data)), bytes, seconds);
 }
 
-Value Store::get_value(const OutputRecord& r, double seconds) {
+Value Store::get_value(const OutputRecord& r, double seconds, bool keep) {
   if (Value v = find_in_memory(r.content)) return v;
   const ValueType* type = types_.find(r.type);
   if (!type) return {};
@@ -307,7 +307,7 @@ Value Store::get_value(const OutputRecord& r, double seconds) {
         fs::remove(path, ignored);
     }
   }
-  if (v) keep_in_memory(r.content, v, r.bytes, seconds);
+  if (v && keep) keep_in_memory(r.content, v, r.bytes, seconds);
   return v;
 }
 

@@ -48,8 +48,9 @@ class Store {
   // evicted from memory first. A small value is on disk only once put_action() stored the record that
   // contains the result.
   OutputRecord put_value(const Value&, double seconds = 0);
-  // Returns an empty Value if it is gone or damaged. Removes damaged files.
-  Value get_value(const OutputRecord&, double seconds = 0);
+  // Returns an empty Value if it is gone or damaged. Removes damaged files. `keep`: whether a value that is
+  // read from the disk stays in memory.
+  Value get_value(const OutputRecord&, double seconds = 0, bool keep = true);
   bool has_value(const OutputRecord&);
 
   // Intermediate results (runtime/intermediates.h): in memory only, evicted like values.

@@ -12,12 +12,12 @@ using test::count;
 
 class OneAtATime : public ::testing::Test {
  protected:
-  // As a process of its own, which keeps no values in memory.
+  // As a process of its own, which has memory for all values.
   RunResult run(const std::string& type, int values = 8) {
     const Graph g = test::graph_of("nodes:\n  big: {type: Big, each: {k: \"1:" + std::to_string(values) +
                                    ":1\"}, params: {value: '${k}'}}\n  sum: {type: " + type +
                                    ", inputs: {in: big.out}}\n");
-    Store store(test::value_types(), cache, 1);
+    Store store(test::value_types(), cache);
     FileHashes hashes;
     RunResult result = Evaluator(test::value_types(), store, hashes).run(g, {});
     const NodeResult& last = result.nodes.back();
