@@ -36,6 +36,7 @@ NodeType& NodeType::input_list(std::string name, std::vector<std::string> types,
   inputs.push_back({std::move(name), std::move(types), std::move(doc), false, true, {}});
   return *this;
 }
+NodeType& NodeType::one_at_a_time() { return inputs.back().one_at_a_time = true, *this; }
 NodeType& NodeType::output(std::string name, std::string type, std::string doc) {
   outputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false, {}});
   return *this;

@@ -18,6 +18,7 @@ struct Port {
   std::string doc;
   bool optional = false;
   bool many = false;                           // the input accepts a list of wires
+  bool one_at_a_time = false;                  // of a list: the node takes its values with Context::nth()
   std::vector<std::string> former_names = {};  // still accepted in graph files, with a note
   bool accepts(const std::string& type) const;
   std::string type_text() const;  // "Image", "Particles or Volume", "any"
@@ -54,6 +55,7 @@ struct NodeType {
   NodeType& input(std::string name, std::string type, std::string doc);
   NodeType& optional_input(std::string name, std::vector<std::string> types, std::string doc);
   NodeType& input_list(std::string name, std::vector<std::string> types, std::string doc);
+  NodeType& one_at_a_time();  // of the input declared last, a list: its values need not be in memory together
   NodeType& output(std::string name, std::string type, std::string doc);
   NodeType& parameter(Parameter);
   NodeType& was(std::string former_name);

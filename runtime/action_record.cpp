@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/base64.h"
+
 namespace terrazzo {
 using nlohmann::json;
 
@@ -15,7 +17,16 @@ json to_json(const OutputRecord& o) {
 json to_json(const FileRecord& f) { return {{"path", f.path}, {"content", f.content.text()}}; }
 
 OutputRecord output_from(const json& j) {
-  return {j.at("type"), Hash::parse(j.at("content").get<std::string>()), j.at("bytes")};
+  OutputRecord out{j.at("type"), Hash::parse(j.at("content").get<std::string>()), j.at("bytes")};
+  // Absent in records of large values and of version 0.2, which gave every value a file.
+  if (const auto value = j.find("value"); value != j.end()) {
+    std::string bytes;
+    if (!decode_base64(value->get_ref<const std::string&>(), bytes) || bytes.size() != out.bytes ||
+        hash_of(bytes) != out.content)
+      throw Error("damaged", "a cache entry contains a value that is not its output");
+    out.small = std::make_shared<const std::string>(std::move(bytes));
+  }
+  return out;
 }
 FileRecord file_from(const json& j) {
   return {j.at("path"), Hash::parse(j.at("content").get<std::string>())};
@@ -42,7 +53,10 @@ ParameterValue parameter_from(const json& value, std::size_t kind) {
 json to_json(const ActionRecord& r) {
   json outputs = json::object(), files = json::array(), metrics = json::object(), parameters = json::object(),
        inputs = json::object(), input_files = json::object();
-  for (const auto& [port, o] : r.outputs) outputs[port] = to_json(o);
+  for (const auto& [port, o] : r.outputs) {
+    outputs[port] = to_json(o);
+    if (o.small) outputs[port]["value"] = encode_base64(*o.small);
+  }
   for (const auto& f : r.files) files.push_back(to_json(f));
   for (const auto& [name, v] : r.metrics)
     metrics[name] = fmt::format("{}", v);  // keeps infinities and every digit

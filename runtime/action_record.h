@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -12,11 +13,19 @@
 
 namespace terrazzo {
 
+// Values of at most this many encoded bytes are stored in the records of the computations that made them.
+// Such a record still fits into one block of most file systems.
+inline constexpr std::size_t small_value = 2048;
+
 struct OutputRecord {
   std::string type;
   Hash content;  // hash of type name and encoded value
   std::uint64_t bytes = 0;
-  bool operator==(const OutputRecord&) const = default;
+  // Type name and encoded value of a small value. Null for larger ones, which have files of their own.
+  std::shared_ptr<const std::string> small = {};
+  bool operator==(const OutputRecord& o) const {
+    return type == o.type && content == o.content && bytes == o.bytes;
+  }
 };
 
 struct FileRecord {

@@ -20,6 +20,8 @@ struct InterruptedWork {
 struct ComputeRequest {
   const NodeType* type = nullptr;
   std::map<std::string, std::vector<Value>> inputs;
+  // Inputs with one_at_a_time(), unless they are in `inputs`.
+  std::map<std::string, std::vector<std::function<Value()>>> later;
   std::map<std::string, ParameterValue> parameters;  // all parameters, defaults included
   std::map<std::string, std::vector<std::filesystem::path>> files;
   std::filesystem::path output_folder;

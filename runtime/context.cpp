@@ -24,6 +24,16 @@ const std::vector<Value>& Context::list(const std::string& name) const {
   return it == inputs_.end() ? none : it->second;
 }
 
+std::size_t Context::count(const std::string& name) const {
+  const auto it = later_.find(name);
+  return it == later_.end() ? list(name).size() : it->second.size();
+}
+
+Value Context::nth(const std::string& name, std::size_t i) const {
+  const auto it = later_.find(name);
+  return it == later_.end() ? list(name).at(i) : it->second.at(i)();
+}
+
 const std::vector<std::filesystem::path>& Context::files(const std::string& name) const {
   const auto it = files_.find(name);
   if (it == files_.end()) undeclared("the files of '" + name + "', which is not an input path");

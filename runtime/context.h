@@ -36,6 +36,10 @@ class Context : public NodeParameters {
   const Value& value(const std::string& name) const;
   // The values of an input that accepts a list of wires, in the order written.
   const std::vector<Value>& list(const std::string& name) const;
+  // The same for an input that is declared with one_at_a_time(): the number of values, and one of them. Each
+  // call of nth() may read the value from the disk. Call it from the thread of compute.
+  std::size_t count(const std::string& name) const;
+  Value nth(const std::string& name, std::size_t i) const;
 
   // --- Parameters: see NodeParameters. They were checked against their declarations before compute runs.
 
@@ -98,6 +102,7 @@ class Context : public NodeParameters {
   std::uint64_t memory_ = 0;
   std::map<std::string, std::vector<Value>> inputs_;
   std::map<std::string, std::vector<std::filesystem::path>> files_;
+  std::map<std::string, std::vector<std::function<Value()>>> later_;  // inputs read one at a time
 };
 
 }  // namespace terrazzo

@@ -31,7 +31,7 @@ std::shared_ptr<const ActionRecord> record_in(const CacheFile& f) {
 bool any_value_of(const fs::path& folder, const ActionRecord& record) {
   std::error_code error;
   for (const auto& [port, o] : record.outputs)
-    if (fs::exists(cache_entry(folder, "values", o.content), error)) return true;
+    if (o.small || fs::exists(cache_entry(folder, "values", o.content), error)) return true;
   return false;
 }
 
@@ -59,7 +59,11 @@ CacheStats cache_stats(const fs::path& folder) {
       const std::string name = table;
       if (f.name && name == "actions") {
         add(out.records, f);
-        if (const auto record = record_in(f)) out.seconds += record->seconds;
+        const auto record = record_in(f);
+        if (!record) return;
+        out.seconds += record->seconds;
+        for (const auto& [port, o] : record->outputs)
+          if (o.small) ++out.in_records, ++out.by_type[o.type].count;
       } else if (f.name && name == "values") {
         add(out.values, f);
         const auto summary = value_summary(f.path);
@@ -187,9 +191,13 @@ void clear_cache(const fs::path& folder) {
 
 namespace {
 
-// The request that recomputes a record. Nothing if its node type, inputs or files are not available.
+using SmallValues = std::unordered_map<Hash, OutputRecord>;  // by content
+
+// The request that recomputes a record. Nothing if its node type, inputs or files are not available. `small`:
+// the values in records.
 std::optional<ComputeRequest> request_again(const ActionRecord& record, const Registry& registry,
-                                            Store& store, FileHashes& hashes, const Work& work) {
+                                            Store& store, const SmallValues& small, FileHashes& hashes,
+                                            const Work& work) {
   ComputeRequest q;
   q.type = registry.find(record.type);
   if (!q.type || q.type->version != record.version || record.outputs.empty() || q.type->writes_files)
@@ -197,7 +205,8 @@ std::optional<ComputeRequest> request_again(const ActionRecord& record, const Re
   q.parameters = record.parameters;
   for (const auto& [port, list] : record.inputs)
     for (const auto& o : list) {
-      Value v = store.get_value(o);
+      const auto in_record = small.find(o.content);
+      Value v = store.get_value(in_record == small.end() ? o : in_record->second);
       if (!v) return {};
       q.inputs[port].push_back(std::move(v));
     }
@@ -224,16 +233,21 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     if (text && value_payload(*text, f.name).empty() && removed(f.path))
       out.damaged.push_back(f.path.string());
   });
+  SmallValues small;
   each_cache_file(folder, "actions", -1, [&](const CacheFile& f) {
     work.check();
     if (!f.name) return;
     ++out.records;
     const auto text = read_file(f.path);
     if (!text) return;
-    if (auto record = parse_action(*text))
-      records.push_back({hash_of(f.name.text() + std::to_string(seed)), {f.name, std::move(record)}});
-    else if (removed(f.path))
-      out.damaged.push_back(f.path.string());
+    auto record = parse_action(*text);
+    if (!record) {
+      if (removed(f.path)) out.damaged.push_back(f.path.string());
+      return;
+    }
+    for (const auto& [port, o] : record->outputs)
+      if (o.small) ++out.values, small.emplace(o.content, o);
+    records.push_back({hash_of(f.name.text() + std::to_string(seed)), {f.name, std::move(record)}});
   });
   std::sort(records.begin(), records.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   Store store(types, folder);
@@ -242,7 +256,7 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     if (out.recomputed >= sample) break;
     const auto& [key, record] = entry;
     work.progress(static_cast<double>(out.recomputed) / static_cast<double>(sample), record->type);
-    auto request = request_again(*record, registry, store, hashes, work);
+    auto request = request_again(*record, registry, store, small, hashes, work);
     if (!request) {
       ++out.passed_over;
       continue;

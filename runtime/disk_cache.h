@@ -21,7 +21,8 @@ struct CacheStats {
     std::uint64_t count = 0, bytes = 0;  // bytes: disk space in whole blocks
   };
   Kind records, values, other;          // other: file hashes, history, leftover temporary files
-  std::map<std::string, Kind> by_type;  // values by value type
+  std::uint64_t in_records = 0;         // number of small values, which are part of their records
+  std::map<std::string, Kind> by_type;  // all values by value type; bytes: of those with files of their own
   double seconds = 0;                   // total computing time of the records
   std::uint64_t bytes() const { return records.bytes + values.bytes + other.bytes; }
 };

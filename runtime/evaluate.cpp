@@ -294,8 +294,14 @@ class Run {
   ComputeRequest request(int i, Work work) {
     ComputeRequest q;
     q.type = node(i).type;
-    for (const auto& [port, wires] : node(i).inputs)
-      for (const auto& w : wires) q.inputs[port].push_back(value_of(w));
+    for (const auto& [port, wires] : node(i).inputs) {
+      const bool later = q.type->find_input(port)->one_at_a_time;
+      for (const auto& w : wires)
+        if (later)
+          q.later[port].push_back([this, &w] { return value_of(w, false); });
+        else
+          q.inputs[port].push_back(value_of(w));
+    }
     std::map<std::string, ParameterValue> written;
     for (const auto& [name, p] : node(i).parameters) written[name] = p.value;
     q.parameters = effective_parameters(*q.type, written);
@@ -352,7 +358,8 @@ class Run {
     return json_text(all);
   }
 
-  Value value_of(const Wire& w) {
+  // `keep`: whether a value that is read from the disk stays in memory.
+  Value value_of(const Wire& w, bool keep = true) {
     State& s = state(w.node);
     const NodeResult& r = result(w.node);
     const OutputRecord& wanted = r.outputs.at(w.port);
@@ -360,7 +367,7 @@ class Run {
       const std::lock_guard lock(s.mutex);
       if (const auto it = s.values.find(w.port); it != s.values.end()) return it->second;
     }
-    if (Value v = e_.store_.get_value(wanted, r.cached_seconds)) return v;
+    if (Value v = e_.store_.get_value(wanted, r.cached_seconds, keep)) return v;
     // The record is known but the value is lost or damaged, so recompute the source. Isolated, so that this
     // thread cannot pick up a task that waits for the same source, which would deadlock.
     Value v;
@@ -397,8 +404,13 @@ class Run {
     ComputeResult again = compute_node(request(i, work(i, nullptr)));
     if (files_changed(i)) throw changed();
     s.seconds_again = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    std::map<std::string, OutputRecord> outputs;
+    bool in_record = true;
     for (auto& [port, value] : again.outputs) {
-      if (e_.store_.put_value(value, s.seconds_again) != r.outputs.at(port)) {
+      const OutputRecord& before = r.outputs.at(port);
+      const OutputRecord& now = outputs[port] = e_.store_.put_value(value, s.seconds_again);
+      in_record = in_record && (before.small || !now.small);
+      if (now != before) {
         e_.store_.drop_action(r.record);
         throw placed_error(
             Error("not-deterministic", "the recomputed output '" + port + "' differs from its cached record",
@@ -406,6 +418,14 @@ class Run {
             node(i));
       }
       s.values[port] = std::move(value);
+    }
+    if (in_record) return;
+    // The record is of a version that gave small values files of their own.
+    Tier tier;
+    if (const auto record = e_.store_.find_action(r.record, tier)) {
+      auto renewed = std::make_shared<ActionRecord>(*record);
+      renewed->outputs = std::move(outputs);
+      e_.store_.put_action(r.record, std::move(renewed));
     }
   }
 

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
@@ -20,35 +22,53 @@ using nlohmann::json;
 
 namespace {
 
-// Streams values into a file and hashes them on the way, without a second copy in memory.
-class FileWriter : public Writer {
+// Hashes a value. Keeps the bytes of a small one, and streams a larger one into a temporary file in `folder`,
+// without a second copy in memory.
+class ValueWriter : public Writer {
  public:
-  explicit FileWriter(const fs::path& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
-    if (!file_) fail();
-    std::setvbuf(file_, nullptr, _IOFBF, 1 << 20);
-  }
-  ~FileWriter() override {
-    if (file_) std::fclose(file_);
+  ValueWriter(fs::path folder, double seconds) : folder_(std::move(folder)), seconds_(seconds) {}
+  ~ValueWriter() override {
+    if (stream_) std::fclose(stream_);
   }
   void bytes(const void* data, std::size_t size) override {
     if (size == 0) return;  // an empty vector has no address
     hash_.bytes(data, size);
-    if (std::fwrite(data, 1, size, file_) != size) fail();
+    if (!file_ && small_.size() + size <= small_value) {
+      small_.append(static_cast<const char*>(data), size);
+      return;
+    }
+    if (!file_) open();
+    write(data, size);
   }
-  void head(const std::string& text) {  // not hashed
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+  const HashWriter& hash() const { return hash_; }
+  bool is_small() const { return !file_; }
+  std::string& small() { return small_; }
+  // The complete file. Only for values that are not small.
+  TemporaryFile& close() {
+    if (std::fclose(std::exchange(stream_, nullptr))) fail();
+    return *file_;
   }
-  void close() {
-    const int bad = std::fclose(file_);
-    file_ = nullptr;
-    if (bad) fail();
-  }
-  HashWriter& hash() { return hash_; }
 
  private:
-  [[noreturn]] void fail() { throw Error("cache-write", "cannot write to the cache: " + path_.string()); }
-  fs::path path_;
-  std::FILE* file_;
+  void open() {
+    file_.emplace(folder_, "incoming");
+    if (!(stream_ = std::fopen(file_->path().c_str(), "wb"))) fail();
+    std::setvbuf(stream_, nullptr, _IOFBF, 1 << 20);
+    const std::string head = value_head(seconds_);
+    write(head.data(), head.size());
+    write(small_.data(), small_.size());
+  }
+  void write(const void* data, std::size_t size) {
+    if (size > 0 && std::fwrite(data, 1, size, stream_) != size) fail();
+  }
+  [[noreturn]] void fail() {
+    throw Error("cache-write", "cannot write to the cache: " + file_->path().string());
+  }
+  fs::path folder_;
+  double seconds_;
+  std::string small_;
+  std::optional<TemporaryFile> file_;
+  std::FILE* stream_ = nullptr;
   HashWriter hash_;
 };
 
@@ -156,6 +176,7 @@ void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
   const std::string body = json_text(to_json(*r));
   try {
     note_usage(write_cache_entry(folder_, "actions", key, hash_of(body).text() + "\n" + body));
+    written_ += body.size();
   } catch (const Error& e) {
     note_trouble(e.diagnostic().message);
   }
@@ -170,6 +191,17 @@ void Store::drop_action(const Hash& key) {
   if (!folder_.empty()) fs::remove(cache_entry(folder_, "actions", key), ignored);
 }
 
+void Store::move_to_its_place(TemporaryFile& file, const OutputRecord& record) {
+  const fs::path place = cache_entry(folder_, "values", record.content);
+  std::error_code error;
+  if (!fs::exists(place, error)) {
+    fs::create_directories(place.parent_path(), error);
+    note_usage(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
+  }
+  file.rename_to(place);
+  written_ += record.bytes;
+}
+
 OutputRecord Store::put_value(const Value& v, double seconds) {
   OutputRecord record{v.type().name, {}, 0};
   bool on_disk = false;
@@ -179,20 +211,13 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
   };
   if (!folder_.empty() && trouble().empty()) try {
       // The final name is the content hash, which is known only after the value is written.
-      TemporaryFile file(folder_ / "values", "incoming");
-      FileWriter w(file.path());
-      w.head(value_head(seconds));
+      ValueWriter w(folder_ / "values", seconds);
       encode(w);
-      w.close();
       record.content = w.hash().hash(), record.bytes = w.hash().size();
-      const fs::path place = cache_entry(folder_, "values", record.content);
-      std::error_code error;
-      if (!fs::exists(place, error)) {
-        fs::create_directories(place.parent_path(), error);
-        note_usage(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
-      }
-      file.rename_to(place);
-      written_ += record.bytes;
+      if (w.is_small())
+        record.small = std::make_shared<const std::string>(std::move(w.small()));
+      else
+        move_to_its_place(w.close(), record);
       on_disk = true;
     } catch (const Error& e) {
       note_trouble(e.diagnostic().message);
@@ -230,6 +255,7 @@ void Store::keep_in_memory(const Hash& content, const Value& v, std::uint64_t by
 }
 
 bool Store::has_value(const OutputRecord& r) {
+  if (r.small) return true;
   {
     const std::lock_guard lock(mutex_);
     if (values_.count(r.content)) return true;
@@ -256,26 +282,33 @@ void Store::keep(const Hash& key, std::shared_ptr<const void> data, std::uint64_
   keep_in_memory(key, Value(&none, std::move(data)), bytes, seconds);
 }
 
-Value Store::get_value(const OutputRecord& r, double seconds) {
+Value Store::get_value(const OutputRecord& r, double seconds, bool keep) {
   if (Value v = find_in_memory(r.content)) return v;
   const ValueType* type = types_.find(r.type);
-  if (folder_.empty() || !type) return {};
-  const fs::path path = cache_entry(folder_, "values", r.content);
-  const auto data = read_file(path);
-  if (!data) return {};
-  if (const auto payload = value_payload(*data, r.content); !payload.empty()) try {
+  if (!type) return {};
+  const auto decoded = [&](std::string_view payload) -> Value {
+    try {
       Reader reader(payload.data(), payload.size());
-      if (reader.text() == r.type) {
-        Value v(type, type->decode(reader));
-        touch(path);
-        keep_in_memory(r.content, v, r.bytes, seconds);
-        return v;
-      }
+      if (reader.text() == r.type) return Value(type, type->decode(reader));
     } catch (const Error&) {  // written by another version of the codec: a cache miss
     }
-  std::error_code ignored;
-  fs::remove(path, ignored);
-  return {};
+    return {};
+  };
+  Value v;
+  if (r.small) v = decoded(*r.small);
+  if (!v && !folder_.empty()) {
+    const fs::path path = cache_entry(folder_, "values", r.content);
+    if (const auto data = read_file(path)) {
+      if (const auto payload = value_payload(*data, r.content); !payload.empty()) v = decoded(payload);
+      std::error_code ignored;
+      if (v)
+        touch(path);
+      else
+        fs::remove(path, ignored);
+    }
+  }
+  if (v && keep) keep_in_memory(r.content, v, r.bytes, seconds);
+  return v;
 }
 
 }  // namespace terrazzo

@@ -15,6 +15,8 @@
 
 namespace terrazzo {
 
+class TemporaryFile;  // runtime/files.h
+
 enum class Tier { None, Memory, Disk };
 
 // Computations that another process with the same cache folder finished in the meantime.
@@ -43,10 +45,12 @@ class Store {
   void drop_action(const Hash& key);
 
   // Hashes and stores the value. `seconds`: its computing time. Values with the fewest seconds per byte are
-  // evicted from memory first.
+  // evicted from memory first. A small value is on disk only once put_action() stored the record that
+  // contains the result.
   OutputRecord put_value(const Value&, double seconds = 0);
-  // Returns an empty Value if it is gone or damaged. Removes damaged files.
-  Value get_value(const OutputRecord&, double seconds = 0);
+  // Returns an empty Value if it is gone or damaged. Removes damaged files. `keep`: whether a value that is
+  // read from the disk stays in memory.
+  Value get_value(const OutputRecord&, double seconds = 0, bool keep = true);
   bool has_value(const OutputRecord&);
 
   // Intermediate results (runtime/intermediates.h): in memory only, evicted like values.
@@ -58,7 +62,7 @@ class Store {
   bool keeps_on_disk() const { return !folder_.empty() && trouble().empty(); }
   // The first problem with the disk, or "". Results were not stored on disk then, but the run continues.
   std::string trouble() const;
-  // Bytes of values that this store wrote to the disk.
+  // Bytes of values and records that this store wrote to the disk.
   std::uint64_t written() const { return written_; }
   ComputedTwice computed_twice() const;
   // Adds what was written to the bytes in use of the folder (CacheUsage). The store itself does so only now
@@ -68,6 +72,7 @@ class Store {
  private:
   void keep_in_memory(const Hash&, const Value&, std::uint64_t bytes, double seconds);
   Value find_in_memory(const Hash&);
+  void move_to_its_place(TemporaryFile&, const OutputRecord&);
   void note_trouble(const std::string&);
   void note_usage(std::int64_t bytes);
 

@@ -79,11 +79,32 @@ SweepPoints::SweepPoints(std::vector<Vary> vary, Overrides common)
   width_ = std::max<std::size_t>(3, std::to_string(size_).size());
 }
 
+SweepPoints SweepPoints::of_parts(std::vector<GraphPart> parts, Overrides common) {
+  SweepPoints out;
+  out.size_ = parts.size(), out.width_ = std::max<std::size_t>(3, std::to_string(parts.size()).size());
+  out.parts_ = std::move(parts), out.common_ = std::move(common);
+  return out;
+}
+
+std::string SweepPoint::caption() const {
+  std::string out = folder;
+  const char* between = ": ";
+  for (const auto& [target, value] : values) out += between + target + " " + value, between = ", ";
+  return out;
+}
+
+std::string SweepPoint::name() const { return targets.empty() ? folder : values.front().second; }
+
 SweepPoint SweepPoints::operator[](std::size_t i) const {
   SweepPoint p;
   p.index = i + 1;
   p.folder = fmt::format("point-{:0{}}", i + 1, width_);
   p.overrides = common_;
+  if (!parts_.empty()) {
+    p.values = {{"element", parts_[i].name}};
+    p.targets = parts_[i].targets;
+    return p;
+  }
   std::size_t rest = i;
   p.values.resize(vary_.size());
   for (std::size_t k = vary_.size(); k-- > 0;) {
@@ -96,11 +117,20 @@ SweepPoint SweepPoints::operator[](std::size_t i) const {
 }
 
 std::optional<std::size_t> SweepPoints::find(const std::string& name) const {
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (parts_[i].name == name) return i;
   const std::string digits = name.starts_with("point-") ? name.substr(6) : name;
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
   if (error != std::errc() || end != digits.data() + digits.size() || index == 0 || index > size_) return {};
   return index - 1;
+}
+
+PointRange points_of(std::size_t chunk, std::size_t chunks, std::size_t points) {
+  // The first chunks have one point more. Unlike chunk · points / chunks, this cannot overflow.
+  const std::size_t size = points / chunks, larger = points % chunks;
+  const auto start = [&](std::size_t k) { return k * size + std::min(k, larger); };
+  return {start(chunk), start(chunk + 1)};
 }
 
 PointSummary summary_of(const nlohmann::json& report) {

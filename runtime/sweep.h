@@ -1,5 +1,5 @@
 // Sweeps: one graph at many settings. A sweep point is an immutable set of overrides. An executor runs the
-// points.
+// points. The parts of one graph can be the points of a sweep too.
 #pragma once
 
 #include <atomic>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "graph/graph.h"
+#include "runtime/graph_parts.h"
 
 namespace terrazzo {
 
@@ -24,31 +25,43 @@ struct Vary {
 Vary parse_vary(const std::string& text);
 
 struct SweepPoint {
-  std::size_t index = 0;  // from 1
-  std::string folder;     // "point-001", below the sweep's output folder
-  std::vector<std::pair<std::string, std::string>> values;
-  Overrides overrides;  // those common to all points, and this point's values
+  std::size_t index = 0;                                    // from 1
+  std::string folder;                                       // "point-001", below the sweep's output folder
+  std::vector<std::pair<std::string, std::string>> values;  // for a part: "element" and its name
+  Overrides overrides;               // those common to all points, and this point's values
+  std::vector<std::string> targets;  // of a part of the graph; otherwise empty
+  std::string name() const;          // the folder, or the name of the part
+  std::string caption() const;       // "point-001: pack.seed 1, pack.phi 0.3"
 };
 
-// All combinations of values; the last parameter varies fastest. Points are made when they are asked for, so
-// a sweep of many points takes no memory.
+// All combinations of values, where the last parameter varies fastest; or the parts of a graph. Points are
+// made when they are asked for, so a sweep of many points takes no memory.
 class SweepPoints {
  public:
   SweepPoints() = default;
   // Throws Error "usage" if a target is varied twice or there are more than 100,000 points.
   SweepPoints(std::vector<Vary>, Overrides common);
+  static SweepPoints of_parts(std::vector<GraphPart>, Overrides common);
   std::size_t size() const { return size_; }
   SweepPoint operator[](std::size_t i) const;  // from 0
-  // The index, from 0, of the point with this folder or number: "point-012" or "12".
+  // The index, from 0, of the point with this folder, number or name: "point-012", "12" or "block[11]".
   std::optional<std::size_t> find(const std::string& name) const;
   const std::vector<Vary>& vary() const { return vary_; }
+  const std::vector<GraphPart>& parts() const { return parts_; }  // empty if values are varied
   const Overrides& common() const { return common_; }
 
  private:
   std::vector<Vary> vary_;
+  std::vector<GraphPart> parts_;
   Overrides common_;
   std::size_t size_ = 0, width_ = 3;
 };
+
+// The points of one chunk, from 0: `first` to `last` − 1. Every point is in one of the `chunks` chunks.
+struct PointRange {
+  std::size_t first, last;
+};
+PointRange points_of(std::size_t chunk, std::size_t chunks, std::size_t points);
 
 // Runs sweep points. Each point's result is the report.json in its folder, whichever executor ran it. So the
 // results of points that ran on other machines with a shared cache can be gathered too.

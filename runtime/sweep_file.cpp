@@ -14,16 +14,18 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-constexpr int sweep_format = 1;
+constexpr int sweep_format = 2;
 
 json sweep_json(const SweepFile& s) {
-  json vary = json::array();
+  json vary = json::array(), parts = json::array();
   for (const auto& v : s.points.vary()) vary.push_back({{"target", v.target}, {"values", v.values}});
+  for (const auto& p : s.points.parts()) parts.push_back({{"name", p.name}, {"targets", p.targets}});
   return {{"terrazzo_sweep", sweep_format},
           {"folder", s.folder},
           {"graph", s.graph},
           {"targets", s.targets},
           {"vary", vary},
+          {"parts", parts},
           {"set", s.points.common().set},
           {"parameters", s.points.common().parameters},
           {"program", s.program},
@@ -59,8 +61,15 @@ SweepFile read_sweep_file(const fs::path& path) {
     std::vector<Vary> vary;
     for (const auto& v : j.at("vary"))
       vary.push_back({v.at("target"), v.at("values").get<std::vector<std::string>>()});
-    out.points =
-        SweepPoints(std::move(vary), {j.at("set").get<Settings>(), j.at("parameters").get<Settings>(), {}});
+    std::vector<GraphPart> parts;
+    for (const auto& p : j.at("parts")) {
+      parts.push_back({p.at("name"), p.at("targets").get<std::vector<std::string>>()});
+      if (parts.back().targets.empty()) throw bad(fmt::format("part '{}' has no targets", parts.back().name));
+    }
+    if (parts.empty() == vary.empty()) throw bad("it has neither values nor parts, or both");
+    Overrides common{j.at("set").get<Settings>(), j.at("parameters").get<Settings>(), {}};
+    out.points = parts.empty() ? SweepPoints(std::move(vary), std::move(common))
+                               : SweepPoints::of_parts(std::move(parts), std::move(common));
     out.program = j.at("program");
     out.versions = j.at("versions").get<std::map<std::string, int>>();
     out.files = j.at("files").get<std::map<std::string, std::string>>();
@@ -124,6 +133,26 @@ bool is_finished_point(const json& report, const Hash& sweep, const fs::path& fo
     return true;
   } catch (const json::exception&) {
     return false;  // of an earlier version, or not a report
+  }
+}
+
+bool is_in_cache(const SweepPoint& point, const json& report, Store& store) {
+  if (point.targets.empty()) return true;
+  try {
+    std::map<std::string, const json*> nodes;
+    for (const auto& node : report.at("nodes")) nodes[node.at("name")] = &node;
+    for (const auto& target : point.targets) {
+      const auto node = nodes.find(target);
+      if (node == nodes.end()) return false;
+      Tier tier;
+      const auto record = store.find_action(Hash::parse(node->second->at("key").get<std::string>()), tier);
+      if (!record) return false;
+      for (const auto& [port, output] : record->outputs)
+        if (!store.has_value(output)) return false;
+    }
+    return true;
+  } catch (const json::exception&) {
+    return false;
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/file_hashes.h"
+#include "runtime/store.h"
 #include "runtime/sweep.h"
 
 namespace terrazzo {
@@ -35,11 +36,15 @@ void require_same_version(const SweepFile&, const Registry&);
 // Throws Error "input-changed" if a file no longer has the content that it had when the sweep was planned.
 void require_same_files(const SweepFile&, FileHashes&);
 
-// Throws the same if the point of this report read a file with another content.
+// Throws Error "input-changed" if the point of this report read a file with another content.
 void require_same_reads(const SweepFile&, const nlohmann::json& report);
 
 // Whether this report is the complete and successful result of a point of the sweep, and all files that it
 // names still exist in `folder`, the point's folder.
 bool is_finished_point(const nlohmann::json& report, const Hash& sweep, const std::filesystem::path& folder);
+
+// Whether the cache still has what others need of the point with this report. Always true if values are
+// varied, since the results of such points are their files and metrics.
+bool is_in_cache(const SweepPoint&, const nlohmann::json& report, Store&);
 
 }  // namespace terrazzo

@@ -38,6 +38,7 @@ std::string machine() {
 }  // namespace
 
 fs::path jobs_folder(const fs::path& out) { return out / "jobs"; }
+fs::path shared_report(const fs::path& out) { return jobs_folder(out) / "shared.json"; }
 
 std::string chunk_name(std::size_t chunk, std::size_t chunks) {
   return fmt::format("chunk-{}-of-{}", chunk, chunks);

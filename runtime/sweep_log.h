@@ -22,6 +22,8 @@ namespace terrazzo {
 std::filesystem::path jobs_folder(const std::filesystem::path& out);
 std::string chunk_name(std::size_t chunk, std::size_t chunks);
 inline constexpr const char* shared_name = "shared";
+// The report of the nodes that all points share: "jobs/shared.json".
+std::filesystem::path shared_report(const std::filesystem::path& out);
 
 class WorkerLog {
  public:

@@ -2,25 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "graph/escape_xml.h"
-#include "nodes/common/io/base64.h"
 #include "nodes/common/io/checked_file.h"
+#include "runtime/base64.h"
 
 namespace terrazzo::exporting {
 namespace {
 
 std::string three(const Vec3& v) { return fmt::format("{}, {}, {}", v.x(), v.y(), v.z()); }
 std::string rgb(const Vec3f& c) { return fmt::format("{}, {}, {}", c.x(), c.y(), c.z()); }
-
-std::string base64_of(const std::string& text) {
-  std::ostringstream out;
-  Base64Writer writer(out);
-  writer.write(text.data(), text.size());
-  writer.finish();
-  return out.str();
-}
 
 void write_binder(std::ostream& out, const Scene& s) {
   const VoxelBox& box = s.binder->box;
@@ -48,7 +38,7 @@ void write_mitsuba(const std::filesystem::path& path, const Scene& s, const Work
   file.guard([&](std::ostream& out) {
     out << "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n";
     out << "<!-- Terrazzo, for Mitsuba 3. Lengths in mm, z up, colors linear. -->\n";
-    if (!s.provenance.empty()) out << "<!-- provenance " << base64_of(s.provenance) << " -->\n";
+    if (!s.provenance.empty()) out << "<!-- provenance " << encode_base64(s.provenance) << " -->\n";
     out << fmt::format(
         "<scene version=\"3.0.0\">\n"
         "  <integrator type=\"{}\"/>\n"

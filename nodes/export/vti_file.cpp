@@ -8,8 +8,8 @@
 #include <set>
 
 #include "graph/escape_xml.h"
-#include "nodes/common/io/base64.h"
 #include "nodes/common/io/checked_file.h"
+#include "runtime/base64.h"
 
 namespace terrazzo::exporting {
 namespace {

@@ -1,29 +1,39 @@
-#include <fmt/format.h>
+#include <algorithm>
+#include <optional>
 
-#include "graph/diagnostic.h"
 #include "graph/node_type.h"
+#include "nodes/blocks/block_grids.h"
 #include "nodes/join_volumes/join_volumes.h"
 #include "runtime/context.h"
 #include "runtime/memory.h"
 
 namespace terrazzo {
 namespace {
-using namespace join_volumes;
+
+using join_volumes::Joiner;
 
 void compute(Context& c) {
-  std::vector<const Volume*> blocks;
-  for (const Value& v : c.list("volumes")) blocks.push_back(&v.as<Volume>());
-  const Box whole = box_of(boxes_of(blocks, c.work().part(0, 0.1)));
-  if (c.boolean("periodic") && whole.low != Vec3i::Zero())
-    throw Error("missing-blocks",
-                fmt::format("the first block begins at voxel ({}, {}, {}) instead of (0, 0, 0)",
-                            whole.low.x(), whole.low.y(), whole.low.z()),
-                "connect all blocks of the solid, or set periodic: false")
-        .parameter("periodic");
-  require_memory(joined_bytes(blocks), c.memory(), "the joined volume");
-  Volume out = joined(blocks, c.work().part(0.1, 1));
+  const std::size_t count = c.count("volumes");
+  blocks::BlockGrids grids(count);
+  std::optional<Joiner> joiner;
+  double bytes = 0, first = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    c.work().check();
+    const Value value = c.nth("volumes", k);
+    const Volume& block = value.as<Volume>();
+    grids.add(block);
+    bytes += join_volumes::bytes_of(block);
+    if (k == 0) first = bytes;
+    // Refused before the first block is copied, if the others are as large.
+    require_memory(std::max(bytes, first * static_cast<double>(count)), c.memory(), "the joined volume");
+    if (!joiner) joiner.emplace(block);
+    joiner->add(block);
+    c.work().progress(static_cast<double>(k + 1) / static_cast<double>(count));
+  }
+  const blocks::Box whole = grids.whole(c.boolean("periodic"));
+  Volume out = joiner->take();
   if (c.boolean("periodic")) out.resolution = whole.size;
-  c.metric("blocks", static_cast<double>(blocks.size()));
+  c.metric("blocks", static_cast<double>(count));
   c.metric("voxels", whole.size.cast<double>().prod());
   c.output("volume", std::move(out));
 }
@@ -41,6 +51,7 @@ NodeType join_volumes_node() {
           "volumes", {"Volume"},
           "The blocks, in any order: all blocks of one cut, each once, with equal grids. Every voxel of "
           "a block has a value.")
+      .one_at_a_time()
       .output("volume", "Volume", "The grids of the blocks, with the voxels of all of them")
       .parameter(Parameter::boolean("periodic", true)
                      .doc_("The joined volume tiles. Its voxels must then begin at (0, 0, 0)."))

@@ -10,7 +10,7 @@
 #include <pugixml.hpp>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/base64.h"
+#include "runtime/base64.h"
 
 namespace terrazzo::load_volume {
 namespace {

@@ -20,8 +20,9 @@ struct CacheCommand : GraphOptions {
 
 void print_stats(const std::filesystem::path& folder, std::uint64_t limit) {
   const CacheStats s = cache_stats(folder);
-  std::cout << fmt::format("{}\n{} used, limit {}\n{} values, {}\n", folder.string(), bytes_text(s.bytes()),
-                           bytes_text(limit), s.values.count, bytes_text(s.values.bytes));
+  std::cout << fmt::format("{}\n{} used, limit {}\n{} values, {}; {} small values in records\n",
+                           folder.string(), bytes_text(s.bytes()), bytes_text(limit), s.values.count,
+                           bytes_text(s.values.bytes), s.in_records);
   for (const auto& [type, kind] : s.by_type)
     std::cout << fmt::format("  {:<18} {:>6} {:>10}\n", type, kind.count, bytes_text(kind.bytes));
   std::cout << fmt::format("{} records ({:.1f} s of computing time), {}\n{} other files, {}\n",

@@ -10,6 +10,7 @@
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
+#include "runtime/cli/run_elements.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
 
@@ -19,6 +20,7 @@ namespace {
 struct RunCommand : GraphOptions {
   std::string report;
   bool dry_run = false;
+  SlurmOptions slurm;
 };
 
 // Prints the graph outputs that are tables. In the material graphs these compare the solid with the
@@ -41,7 +43,8 @@ void choose_default_graph(RunCommand& o) {
   if (!o.quiet) std::cout << "no graph given: using " << o.graph << "; output folder: " << o.out << std::endl;
 }
 
-int run(const Program& program, const RunCommand& o) {
+int run(const Program& program, RunCommand& o) {
+  complete_slurm_options(o.slurm, o);
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   if (!open_graph(session, o)) return wrong_usage;
@@ -50,6 +53,8 @@ int run(const Program& program, const RunCommand& o) {
     print_plan(session, o, false);
     return done;
   }
+  if (o.slurm.on_slurm())
+    if (const auto code = run_elements(session, o, o.slurm)) return *code;
   ProgressLine line(session, target_nodes(graph, o.targets), o.quiet);
   const auto evaluation = session.evaluate(o.targets, &line);
   const RunResult& result = evaluation->wait();
@@ -103,6 +108,7 @@ void add_run(CLI::App& app, const Program& program, int& exit_code) {
                    "Write a JSON report to this file (default: report.json in the output folder, if the "
                    "run wrote files there)")
       ->type_name(placeholder::file);
+  add_slurm_options(*command, o->slurm, "elements of repeated nodes");
   command->add_flag("--dry-run", o->dry_run,
                     "Show which nodes would run and how long they took before, without running them");
   command->add_flag("--quiet", o->quiet, "Print errors only");

@@ -19,6 +19,8 @@ struct Task {
   std::string id() const;  // "12_3"
   // Whether it waits or runs. It is neither while Slurm cleans up after it.
   bool active() const;
+  // Whether it was never seen to run.
+  bool waits() const { return state.empty() || state == "PENDING"; }
   bool completing() const { return state == "COMPLETING"; }
   // Whether Slurm could not start it and holds it until an administrator acts.
   bool launch_failed() const;

@@ -24,13 +24,15 @@ constexpr double polls_until_gone = 6;  // network file systems show new files l
 
 class Coordinator : public SlurmExecutor {
  public:
-  Coordinator(const SweepPlan& plan, const GraphOptions& o, const SlurmOptions& slurm)
+  Coordinator(const SweepPlan& plan, Store& store, const fs::path& out, const GraphOptions& o,
+              const SlurmOptions& slurm)
       : plan_(plan),
         sweep_(plan.file),
+        store_(store),
         slurm_(slurm),
         hash_(sweep_.hash()),
-        out_(fs::absolute(o.out).lexically_normal()),
-        jobs_(hash_, sweep_.folder, o, slurm) {}
+        out_(fs::absolute(out).lexically_normal()),
+        jobs_(hash_, sweep_.folder, out_, o, slurm) {}
 
   bool detached() const override { return detached_; }
   bool gave_up() const override { return gave_up_; }
@@ -79,7 +81,7 @@ class Coordinator : public SlurmExecutor {
   }
   SlurmJob& chunk_of(std::size_t point) {
     return *std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), point,
-                                       [](std::size_t p, const SlurmJob& c) { return p < c.first; }));
+                                       [](std::size_t p, const SlurmJob& c) { return p < c.points.first; }));
   }
 
   // Reads a point's report. `resuming`: takes only a successful one, so that a failed point runs again.
@@ -90,7 +92,9 @@ class Coordinator : public SlurmExecutor {
     if (!text) return;
     const json report = json::parse(*text, nullptr, false);
     if (!report.is_object() || report.value("sweep", "") != hash_.text()) return;
-    if (resuming && !is_finished_point(report, hash_, out_ / point.folder)) return;
+    if (resuming &&
+        !(is_finished_point(report, hash_, out_ / point.folder) && is_in_cache(point, report, store_)))
+      return;
     known_[i] = true;
     if (!chunks_.empty()) --chunk_of(i).missing;
     (*finished_)(point, report);
@@ -109,26 +113,33 @@ class Coordinator : public SlurmExecutor {
       ids_.insert(task.job);
       if (task.name != jobs_.shared_name()) count = std::stoull(task.name.substr(jobs_.prefix().size()));
     }
-    const auto log = [&](const std::string& name, bool skip) {
-      return LogReader(jobs_folder(out_) / (name + ".jsonl"), skip);
+    const auto log = [&](const std::string& name) {
+      return LogReader(jobs_folder(out_) / (name + ".jsonl"), true);
     };
     for (std::size_t k = 0; k < count; ++k) {
       const std::string name = chunk_name(k, count);
-      SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name, true)};
-      chunk.first = k * n / count, chunk.last = (k + 1) * n / count;
-      for (std::size_t i = chunk.first; i < chunk.last; ++i) chunk.missing += !known_[i];
+      SlurmJob chunk{fmt::format("chunk {} of {}", k, count), name, log(name)};
+      chunk.points = points_of(k, count, n);
+      for (std::size_t i = chunk.points.first; i < chunk.points.last; ++i) chunk.missing += !known_[i];
       chunk.missing_before = chunk.missing;
       chunks_.push_back(std::move(chunk));
     }
     shared_ = std::make_unique<SlurmJob>(
-        SlurmJob{"the job for what all points share", shared_name, log(shared_name, false)});
-    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5);
-    for (const auto& event : shared_->log.news())  // it may have run before
-      if (event.at("event") == "finished" && event.value("sweep", "") == hash_.text())
-        shared_done_ = shared_done_ || event.value("status", "") == "done";
+        SlurmJob{"the job for what all points share", shared_name, log(shared_name)});
+    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5) ||
+                   is_shared_in_cache();
     if (ids_.empty()) return;
     std::cerr << "note: jobs of this sweep are already queued\n";
     take(*queue);
+  }
+
+  // Whether the shared job ran before, and the cache still has its results.
+  bool is_shared_in_cache() const {
+    const auto text = read_file(shared_report(out_));
+    const json report = text ? json::parse(*text, nullptr, false) : json();
+    SweepPoint point;
+    point.targets = sweep_.shared;
+    return is_finished_point(report, hash_, out_) && is_in_cache(point, report, store_);
   }
 
   // Submits every chunk that has no results and is not queued.
@@ -215,8 +226,13 @@ class Coordinator : public SlurmExecutor {
 
   // Takes over the states in Slurm's queue.
   void take(const std::vector<slurm::Task>& queue) {
-    const auto forget = [](SlurmJob& job) {
-      if (job.task.active()) job.task.state = "unknown to Slurm";  // unless it is found below
+    std::set<std::uint64_t> known;
+    for (const auto& task : queue) known.insert(task.job);
+    const auto forget = [&](SlurmJob& job) {
+      // Unless it is found below. A single task of an array that is canceled while it waits leaves no trace.
+      // A controller that lost its state has forgotten whole jobs.
+      if (job.task.active())
+        job.task.state = job.task.waits() && known.count(job.task.job) ? "CANCELLED" : "unknown to Slurm";
       job.active = false;
     };
     for (auto& chunk : chunks_) forget(chunk);
@@ -271,7 +287,7 @@ class Coordinator : public SlurmExecutor {
 
   void look_after(SlurmJob& chunk) {
     if (chunk.missing == 0 || chunk.gave_up || !chunk.gone_since) return;
-    for (std::size_t i = chunk.first; i < chunk.last; ++i) look_at(i, false);
+    for (std::size_t i = chunk.points.first; i < chunk.points.last; ++i) look_at(i, false);
     if (chunk.missing > 0 && gone(chunk)) chunk.gave_up = !again(chunk, chunk.missing < chunk.missing_before);
   }
 
@@ -295,6 +311,7 @@ class Coordinator : public SlurmExecutor {
 
   const SweepPlan& plan_;
   const SweepFile& sweep_;
+  Store& store_;
   const SlurmOptions& slurm_;
   const Hash hash_;
   const fs::path out_;
@@ -315,9 +332,9 @@ class Coordinator : public SlurmExecutor {
 
 }  // namespace
 
-std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan& plan, const GraphOptions& o,
-                                              const SlurmOptions& s) {
-  return std::make_unique<Coordinator>(plan, o, s);
+std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan& plan, Store& store, const fs::path& out,
+                                              const GraphOptions& o, const SlurmOptions& s) {
+  return std::make_unique<Coordinator>(plan, store, out, o, s);
 }
 
 }  // namespace terrazzo::cli

@@ -1,4 +1,5 @@
-// Runs a sweep on Slurm: what all points share as one job, then an array of chunks of points.
+// Runs a sweep, or the parts of a graph, on Slurm: what all points share as one job, then an array of chunks
+// of points.
 #pragma once
 
 #include <memory>
@@ -12,7 +13,10 @@ class SlurmExecutor : public Executor {
   virtual bool detached() const = 0;  // after run(): points may still be running
   virtual bool gave_up() const = 0;   // after run(): messages on standard error say why
 };
-// Prints messages to standard error. Throws Error "usage".
-std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan&, const GraphOptions&, const SlurmOptions&);
+// Prints messages to standard error. `store`: the cache that all machines share. `out`: the sweep's folder.
+// All arguments must outlive the executor. Throws Error "usage".
+std::unique_ptr<SlurmExecutor> slurm_executor(const SweepPlan&, Store& store,
+                                              const std::filesystem::path& out, const GraphOptions&,
+                                              const SlurmOptions&);
 
 }  // namespace terrazzo::cli

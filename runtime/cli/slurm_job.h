@@ -7,6 +7,7 @@
 #include <string>
 
 #include "runtime/cli/slurm.h"
+#include "runtime/sweep.h"
 #include "runtime/sweep_log.h"
 
 namespace terrazzo::cli {
@@ -16,7 +17,7 @@ struct SlurmJob {
   std::string label;  // "chunk 3 of 40"
   std::string name;   // of its files
   LogReader log;
-  std::size_t first = 0, last = 0;              // its points, from 0, without `last`
+  PointRange points = {};
   std::size_t missing = 0, missing_before = 0;  // points without a result; when it was submitted
   bool submitted = false, active = false, gave_up = false;
   int attempts = 0;

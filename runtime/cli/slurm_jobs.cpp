@@ -37,13 +37,13 @@ std::string slurm_job_prefix(const Hash& sweep, const fs::path& out) {
   return "terrazzo-" + hash_of(sweep.text() + absolute_folder(out)).text().substr(0, 12) + "-";
 }
 
-SlurmJobs::SlurmJobs(const Hash& sweep, const std::string& folder, const GraphOptions& o,
+SlurmJobs::SlurmJobs(const Hash& sweep, const std::string& folder, const fs::path& out, const GraphOptions& o,
                      const SlurmOptions& slurm)
     : sweep_(sweep),
       options_(o),
       slurm_(slurm),
-      out_(absolute_folder(o.out)),
-      prefix_(slurm_job_prefix(sweep, o.out)) {
+      out_(absolute_folder(out)),
+      prefix_(slurm_job_prefix(sweep, out)) {
   for (const std::string& path : {out_.string(), absolute_folder(o.graph), folder})
     if (find_invalid_utf8(path) != std::string::npos)
       throw Error("usage", fmt::format("'{}' is not UTF-8, which --executor slurm needs", valid_utf8(path)));

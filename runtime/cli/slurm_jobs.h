@@ -5,19 +5,10 @@
 #include <vector>
 
 #include "runtime/cli/slurm.h"
+#include "runtime/cli/slurm_options.h"
 #include "runtime/cli/sweep_plan.h"
 
 namespace terrazzo::cli {
-
-struct SlurmOptions {
-  std::size_t chunk_size = 0;        // points per task; 0: chosen
-  std::size_t parallel = 0;          // tasks at a time; 0: as many as Slurm starts
-  std::string partition;             // empty: Slurm's default
-  std::vector<std::string> options;  // for sbatch
-  std::string profile;               // file with the first lines of the batch script; may be empty
-  bool detach = false;               // return after submission
-  double poll = 10;                  // seconds between two looks at the queue
-};
 
 // The jobs of a sweep are named "PREFIXshared", and "PREFIXN" for an array that runs it in N chunks. So a
 // sweep finds its jobs again without a file of job numbers. `out`: the sweep's output folder.
@@ -26,7 +17,9 @@ std::string slurm_job_prefix(const Hash& sweep, const std::filesystem::path& out
 class SlurmJobs {
  public:
   // Throws Error "usage" if a path is not UTF-8 or the profile cannot be read.
-  SlurmJobs(const Hash& sweep, const std::string& folder, const GraphOptions&, const SlurmOptions&);
+  // `folder`: the working folder. `out`: the sweep's folder.
+  SlurmJobs(const Hash& sweep, const std::string& folder, const std::filesystem::path& out,
+            const GraphOptions&, const SlurmOptions&);
   const std::string& prefix() const { return prefix_; }
   std::string shared_name() const;
   std::string chunks_name(std::size_t chunks) const;

@@ -9,6 +9,7 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
+#include "runtime/cli/run_elements.h"
 #include "runtime/cli/slurm.h"
 #include "runtime/cli/slurm_jobs.h"
 #include "runtime/json_text.h"
@@ -66,14 +67,14 @@ json status_json(const SweepStatus& s, const std::vector<slurm::Task>& tasks, do
         {{"task", t.id()}, {"name", t.name}, {"state", t.state}, {"node", t.node}, {"reason", t.reason}});
   for (const auto& log : s.logs)
     if (log.point > 0)
-      running.push_back({{"point", s.sweep.points[log.point - 1].folder},
+      running.push_back({{"point", s.sweep.points[log.point - 1].name()},
                          {"worker", log.name},
                          {"host", log.host},
                          {"task", log.task},
                          {"since", log.since}});
   for (const auto& f : s.failures) {
     json failure = {{"message", f.message}};
-    if (f.point > 0) failure["point"] = s.sweep.points[f.point - 1].folder;
+    if (f.point > 0) failure["point"] = s.sweep.points[f.point - 1].name();
     if (f.log >= 0) {
       const LogStatus& log = s.logs[static_cast<std::size_t>(f.log)];
       failure["worker"] = log.name, failure["host"] = log.host, failure["task"] = log.task;
@@ -104,7 +105,7 @@ void print_status(const SweepStatus& s, const std::vector<slurm::Task>& tasks, d
   if (seconds_left > 0) std::cout << "about " << duration(seconds_left) << " left\n";
   const auto now = static_cast<std::int64_t>(std::time(nullptr));
   const auto at = [&](const LogStatus& log) {
-    return fmt::format("{}, for {}", s.sweep.points[log.point - 1].folder,
+    return fmt::format("{}, for {}", s.sweep.points[log.point - 1].name(),
                        duration(static_cast<double>(std::max<std::int64_t>(0, now - log.since))));
   };
   std::size_t pending = 0;
@@ -128,20 +129,34 @@ void print_status(const SweepStatus& s, const std::vector<slurm::Task>& tasks, d
   for (const auto& f : s.failures) {
     const LogStatus* log = f.log < 0 ? nullptr : &s.logs[static_cast<std::size_t>(f.log)];
     std::cout << fmt::format(
-        "{}{}: {}\n", f.point > 0 ? s.sweep.points[f.point - 1].folder : log->name,
+        "{}{}: {}\n", f.point > 0 ? s.sweep.points[f.point - 1].name() : log->name,
         log && !log->host.empty() ? fmt::format(" on {} ({})", log->host, log->task) : "", f.message);
   }
 }
 
+// The folder of the sweep itself. For the output folder of a run, that of the round which was started last.
+fs::path sweep_folder(const fs::path& folder) {
+  fs::path out = folder;
+  std::error_code error;
+  fs::file_time_type latest;
+  if (fs::exists(folder / "sweep.json", error)) return out;
+  for (std::size_t k = 1; fs::exists(round_folder(folder, k) / "sweep.json", error); ++k)
+    if (const auto time = fs::last_write_time(round_folder(folder, k) / "sweep.json", error);
+        !error && (k == 1 || time > latest))
+      latest = time, out = round_folder(folder, k);
+  return out;
+}
+
 void show_status(const StatusCommand& o) {
-  SweepStatus s = sweep_status(o.folder);
+  const fs::path folder = sweep_folder(o.folder);
+  SweepStatus s = sweep_status(folder);
   if (!o.point.empty()) {
     const auto point = s.sweep.points.find(o.point);
     if (!point) throw Error("usage", fmt::format("the sweep has no point '{}'", o.point));
     std::cout << point_log(s, *point);
     return;
   }
-  const auto queue = tasks_of(s, o.folder);
+  const auto queue = tasks_of(s, folder);
   const auto tasks = queue.value_or(std::vector<slurm::Task>());
   if (queue) forget_dead_workers(s, tasks);
   const auto left = static_cast<double>(s.count(State::Waiting) + s.count(State::Running));
@@ -161,7 +176,7 @@ void show_status(const StatusCommand& o) {
 void add_status(CLI::App& app, int& exit_code) {
   auto* command = app.add_subcommand("status", "Show how far a sweep is, what runs where, and what failed");
   auto o = std::make_shared<StatusCommand>();
-  command->add_option("folder", o->folder, "The sweep's output folder")
+  command->add_option("folder", o->folder, "The output folder of a sweep, or of a run on Slurm")
       ->type_name(placeholder::folder)
       ->required();
   auto* as_json = command->add_flag("--json", o->json, "Print JSON");

@@ -13,8 +13,8 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
-#include "runtime/cli/slurm.h"
 #include "runtime/cli/slurm_executor.h"
+#include "runtime/cli/slurm_options.h"
 #include "runtime/cli/sweep_point.h"
 #include "runtime/cli/sweep_sheet.h"
 #include "runtime/disk_cache.h"
@@ -26,8 +26,8 @@ using nlohmann::json;
 namespace {
 
 struct SweepCommand : GraphOptions {
-  std::vector<std::string> vary, slurm_words;
-  std::string executor = "local", preview = "preview.png";
+  std::vector<std::string> vary;
+  std::string preview = "preview.png";
   int jobs = 1;
   bool plan = false;
   SlurmOptions slurm;
@@ -101,14 +101,8 @@ struct Outcome {
         if (file.at("path") == o.preview) with_preview.push_back(p.index - 1);
     if (!o.quiet)
       std::cout << fmt::format("[{}/{}] {}: {} computed, {} cached, {:.2f} s\n", finished, points,
-                               caption_of(p), s.computed, s.cached, s.seconds)
+                               p.caption(), s.computed, s.cached, s.seconds)
                 << std::flush;
-  }
-  static std::string caption_of(const SweepPoint& p) {
-    std::string out = p.folder;
-    const char* between = ": ";
-    for (const auto& [target, value] : p.values) out += between + target + " " + value, between = ", ";
-    return out;
   }
   void write_table(const fs::path& path) const {
     write_atomically(path, [&](const fs::path& temporary) {
@@ -120,16 +114,11 @@ struct Outcome {
 };
 
 int sweep(const Program& program, SweepCommand& o) {
-  const bool on_slurm = o.executor == "slurm";
-  if (on_slurm && o.no_cache)
-    throw Error("usage", "--executor slurm needs a cache that all machines share: remove --no-cache");
+  const bool on_slurm = o.slurm.on_slurm();
+  complete_slurm_options(o.slurm, o);
   if (on_slurm && o.jobs > 1)
     throw Error("usage",
                 "--jobs is for the local executor; --chunk-size and --parallel divide the points on Slurm");
-  const SlurmOptions& s = o.slurm;
-  if (!on_slurm &&
-      (s.chunk_size > 0 || s.parallel > 0 || !s.partition.empty() || s.detach || !o.slurm_words.empty()))
-    throw Error("usage", "--chunk-size, --parallel, --partition, --slurm and --detach need --executor slurm");
   std::vector<Vary> vary;
   for (const auto& v : o.vary) vary.push_back(parse_vary(v));
   SweepPoints all(std::move(vary), overrides(o));
@@ -150,9 +139,7 @@ int sweep(const Program& program, SweepCommand& o) {
   std::unique_ptr<SlurmExecutor> slurm;
   std::unique_ptr<Executor> local;
   if (on_slurm) {
-    for (const auto& text : o.slurm_words)
-      for (auto& word : slurm::words(text)) o.slurm.options.push_back(std::move(word));
-    slurm = slurm_executor(*plan, o, o.slurm);
+    slurm = slurm_executor(*plan, session.evaluator().store(), o.out, o, o.slurm);
   } else {
     local = std::make_unique<LocalExecutor>(run, o.jobs);
   }
@@ -179,36 +166,6 @@ int sweep(const Program& program, SweepCommand& o) {
   std::sort(outcome.with_preview.begin(), outcome.with_preview.end());
   write_sweep_sheet(program, session, o, o.preview, points, outcome.with_preview);
   return outcome.failed ? node_failed : done;
-}
-
-void add_slurm_options(CLI::App& command, SweepCommand& o) {
-  command
-      .add_option("--chunk-size", o.slurm.chunk_size,
-                  "Points per task of Slurm (default: five minutes of work, if the cache knows the times)")
-      ->type_name(placeholder::number)
-      ->check(CLI::Range(1, 100000));
-  command.add_option("--partition", o.slurm.partition, "Partition of Slurm")->type_name("NAME");
-  command.add_option("--parallel", o.slurm.parallel, "Tasks of Slurm that may run at a time")
-      ->type_name(placeholder::number)
-      ->check(CLI::Range(1, 100000));
-  command
-      .add_option("--slurm", o.slurm_words,
-                  "More options for sbatch, such as '--mem=8G --time=2:00:00' (repeatable)")
-      ->type_name("OPTIONS")
-      ->take_all()
-      ->expected(1);
-  command
-      .add_option("--slurm-profile", o.slurm.profile,
-                  "File with the first lines of the batch script: #SBATCH options of the site, `module load`")
-      ->type_name(placeholder::file)
-      ->envname("TERRAZZO_SLURM_PROFILE");
-  command.add_flag("--detach", o.slurm.detach,
-                   "Return after submitting to Slurm; `terrazzo status` shows progress, and the same command "
-                   "without --detach gathers the results");
-  command.add_option("--poll", o.slurm.poll, "Seconds between two looks at Slurm's queue")
-      ->type_name(placeholder::number)
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
 }
 
 }  // namespace
@@ -238,11 +195,7 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
       ->type_name(placeholder::number)
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command->add_option("--executor", o->executor, "Executor that runs the points: local or slurm")
-      ->type_name("EXECUTOR")
-      ->check(CLI::IsMember({"local", "slurm"}))
-      ->capture_default_str();
-  add_slurm_options(*command, *o);
+  add_slurm_options(*command, o->slurm, "points");
   command->add_flag(
       "--plan", o->plan,
       "Write sweep.json into the output folder, and run nothing; `terrazzo sweep-worker` runs it");

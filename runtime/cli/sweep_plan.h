@@ -17,4 +17,8 @@ struct SweepPlan {
 // Loads the graph of each point in turn. If one has errors, prints them and returns nothing.
 std::optional<SweepPlan> plan_sweep(const Program&, Session&, const GraphOptions&, SweepPoints);
 
+// One plan for each round of the session's graph, whose repeated nodes are computed on several machines.
+// Empty if no node is repeated. Throws Error "unknown-node" or "unknown-port" for a wrong target.
+std::vector<SweepPlan> plan_rounds(Session&, const GraphOptions&);
+
 }  // namespace terrazzo::cli

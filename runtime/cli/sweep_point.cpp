@@ -12,12 +12,19 @@ namespace terrazzo::cli {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json evaluate_point(const PointRun& run, const SweepPoint& point, const std::atomic<bool>* cancel) {
+std::shared_ptr<const Graph> load_point(const PointRun& run, const SweepPoint& point) {
   Diagnostics found;
-  const Graph graph = load_graph(run.graph, run.program.registry(), point.overrides, found);
+  auto graph =
+      std::make_shared<const Graph>(load_graph(run.graph, run.program.registry(), point.overrides, found));
   if (has_errors(found)) throw Error(found.front());
+  return graph;
+}
+
+json evaluate_point(const PointRun& run, const SweepPoint& point, const std::atomic<bool>* cancel) {
+  const auto loaded = run.same_graph ? run.same_graph : load_point(run, point);
+  const Graph& graph = *loaded;
   RunOptions options;
-  options.targets = target_nodes(graph, run.targets);
+  options.targets = target_nodes(graph, point.targets.empty() ? run.targets : point.targets);
   options.output_folder = run.out / point.folder;
   options.threads = run.threads;
   options.memory = run.memory;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <charconv>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/sweep_point.h"
 #include "runtime/files.h"
+#include "runtime/json_text.h"
 #include "runtime/sweep_file.h"
 #include "runtime/sweep_log.h"
 
@@ -27,9 +29,11 @@ struct Chunk {
 
 Chunk parse_chunk(const std::string& text) {
   Chunk out;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%zu/%zu%n", &out.number, &out.count, &used) != 2 ||
-      static_cast<std::size_t>(used) != text.size() || out.count == 0 || out.number >= out.count)
+  const char* end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, out.number);
+  const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+  const auto count = slash ? std::from_chars(number.ptr + 1, end, out.count) : number;
+  if (!slash || count.ec != std::errc() || count.ptr != end || out.number >= out.count)
     throw Error("usage", fmt::format("--chunk '{}' is not K/N with 0 ≤ K < N", text),
                 "N tasks with K from 0 to N − 1 run all points");
   return out;
@@ -51,12 +55,14 @@ class Worker {
                   fmt::format("'{}' describes another sweep than when this worker was submitted",
                               (out / "sweep.json").string()));
     require_same_files(sweep_, session_.evaluator().hashes());
+    if (!sweep_.points.parts().empty()) run_.same_graph = load_point(run_, sweep_.points[0]);
   }
 
   int run_chunk(Chunk chunk) {
     const std::size_t n = sweep_.points.size();
     bool failed = false;
-    for (std::size_t i = chunk.number * n / chunk.count; i < (chunk.number + 1) * n / chunk.count; ++i) {
+    const auto [first, last] = points_of(chunk.number, chunk.count, n);
+    for (std::size_t i = first; i < last; ++i) {
       const SweepPoint point = sweep_.points[i];
       if (is_finished(point)) continue;
       log_.write({{"event", "started"}, {"point", point.index}});
@@ -78,14 +84,14 @@ class Worker {
   }
 
   int run_shared() {
-    const SweepPoint point = sweep_.points[0];
-    PointRun shared = run_;
-    shared.targets = sweep_.shared;
-    const json report = evaluate_point(shared, point, cancel_);
+    SweepPoint point = sweep_.points[0];
+    point.targets = sweep_.shared;
+    const json report = evaluate_point(run_, point, cancel_);
     if (!report.is_object()) return interrupted_worker();
     require_same_reads(sweep_, report);
     const PointSummary s = summary_of(report);
     for (const auto& e : s.errors) std::cerr << "error: " << e << '\n';
+    write_text_atomically(shared_report(run_.out), json_text(report, 2) + "\n");  // before the event
     tell_finished(0, s);
     return s.status == "done" ? done : node_failed;
   }
@@ -106,7 +112,8 @@ class Worker {
     const auto text = read_file(run_.out / point.folder / "report.json");
     if (!text) return false;
     const json report = json::parse(*text, nullptr, false);
-    return is_finished_point(report, run_.sweep, run_.out / point.folder);
+    return is_finished_point(report, run_.sweep, run_.out / point.folder) &&
+           is_in_cache(point, report, session_.evaluator().store());
   }
 
   void tell_finished(std::size_t index, const PointSummary& s) {

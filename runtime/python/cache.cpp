@@ -29,6 +29,7 @@ py::dict stats(const std::string& folder) {
   for (const auto& [type, kind] : s.by_type) types[type.c_str()] = py::make_tuple(kind.count, kind.bytes);
   out["folder"] = folder, out["bytes"] = s.bytes(), out["limit"] = default_cache_limit;
   out["values"] = s.values.count, out["value_bytes"] = s.values.bytes, out["records"] = s.records.count;
+  out["values_in_records"] = s.in_records;
   out["record_bytes"] = s.records.bytes, out["seconds"] = s.seconds, out["types"] = types;
   return out;
 }

@@ -11,6 +11,7 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/texture_nib/views.h"
+#include "runtime/base64.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
 
@@ -32,19 +33,6 @@ std::string bytes_of(const Image& image, const Rectangle& r) {
         out += static_cast<char>(static_cast<unsigned char>(std::lround(255 * std::clamp(c[k], 0.0f, 1.0f))));
       out += static_cast<char>(255);
     }
-  return out;
-}
-
-std::string base64(const std::string& bytes) {
-  static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
-    };
-    const unsigned v = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (int k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : digits[v >> (18 - 6 * k) & 63];
-  }
   return out;
 }
 
@@ -118,7 +106,7 @@ struct PaintServer::Impl {
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
     const bool any = changed.x1 > changed.x0;
     LocalServer::answer(out, {{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
-                              {"pixels", any ? base64(bytes_of(painting.picture(), changed)) : ""},
+                              {"pixels", any ? encode_base64(bytes_of(painting.picture(), changed)) : ""},
                               {"milliseconds", took.count()},
                               {"strokes", painting.strokes()}});
   }

@@ -54,8 +54,8 @@ class Slurm : public ::testing::Test {
     more.insert(more.begin(), {"--executor", "slurm", "--poll", "0.3", "--chunk-size", chunk_size});
     return sweep("out", "cache", more);
   }
-  std::future<ProgramRun> start(std::vector<std::string> more = {}) {
-    return std::async(std::launch::async, [this, more] { return on_slurm(more); });
+  std::future<ProgramRun> start(std::vector<std::string> more = {}, const char* chunk_size = "3") {
+    return std::async(std::launch::async, [this, more, chunk_size] { return on_slurm(more, chunk_size); });
   }
 
   // Content hash of every output of every point.
@@ -150,13 +150,15 @@ TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
   const auto log = run_program({"status", (folder / "out").string(), "--log", "point-005"});
   EXPECT_EQ(log.out.find("=== point-005 started\n=== point-005 done"), 0u) << log.out << log.err;
   // Computed once, before the points.
-  for (int i = 1; i <= 24; ++i)
-    for (const auto& node :
-         json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json")).at("nodes")) {
+  for (int i = 1; i <= 24; ++i) {
+    const json report = json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json"));
+    EXPECT_EQ(report.at("nodes").size(), 7u);
+    for (const auto& node : report.at("nodes")) {
       const std::string name = node.at("name");
       const bool shared = name == "shape" || name == "sizes" || name == "photo";
       EXPECT_FALSE(shared && node.at("status") == "computed") << i << " " << name;
     }
+  }
   // The same command reads the results and submits nothing. It works without Slurm.
   cluster.reset();
   const auto again = run_program({"sweep", (folder / "graph.yaml").string(), "--vary", "pack.seed=1:12:1",
@@ -233,15 +235,47 @@ TEST_F(Slurm, ADeadNodeIsReplaced) {
   expect_local_contents();
 }
 
+TEST_F(Slurm, ATaskBeyondItsTimeLimitRunsAgain) {
+  auto run = start({"--slurm", "--time=1"}, "12");
+  ASSERT_TRUE(wait_until(60, [&] { return !cluster->tasks().empty(); }));
+  // A stopped task does nothing until its minute is over. Then Slurm continues and terminates it.
+  const pid_t task = cluster->tasks().front();
+  ::kill(task, SIGSTOP);
+  const auto done = run.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("ended (TIMEOUT)"), std::string::npos) << done.err;
+  EXPECT_NE(done.err.find("raise the limit with --slurm '--time=…'"), std::string::npos) << done.err;
+  expect_local_contents();
+}
+
 TEST_F(Slurm, CanceledFromOutsideItStopsAndTheSameCommandCompletesIt) {
-  auto run = start();
+  auto run = start({}, "1");  // most tasks wait
   ASSERT_TRUE(under_way());
+  const auto newest = newest_job();
   cluster->command({"scancel", "--me"});
   const auto stopped = run.get();
   EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_EQ(stopped.err.find("submitting it again"), std::string::npos) << stopped.err;
+  EXPECT_EQ(newest_job(), newest) << "a canceled task was submitted again";
   EXPECT_NE(stopped.err.find("was canceled from outside"), std::string::npos) << stopped.err;
   const auto before = reports();
   EXPECT_LT(before, 24u);
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
+// Slurm deletes a single task that is canceled while it waits.
+TEST_F(Slurm, AWaitingTaskThatIsCanceledStaysCanceled) {
+  auto run = start({"--parallel", "2"}, "2");
+  ASSERT_TRUE(under_way());
+  const auto newest = newest_job();
+  cluster->command({"scancel", std::to_string(newest) + "_11"});
+  const auto stopped = run.get();
+  EXPECT_EQ(stopped.exit_code, 1);
+  EXPECT_NE(stopped.err.find("chunk 11 of 12 was canceled from outside"), std::string::npos) << stopped.err;
+  EXPECT_EQ(newest_job(), newest) << "the canceled task was submitted again";
+  EXPECT_EQ(reports(), 22u);
   const auto done = on_slurm();
   EXPECT_EQ(done.exit_code, 0) << done.err;
   expect_local_contents();

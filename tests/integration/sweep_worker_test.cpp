@@ -172,7 +172,7 @@ TEST_F(SweepWorker, AFailedPointIsReportedAndRunsAgain) {
 
 TEST_F(SweepWorker, BadCommandLinesAreExplained) {
   ASSERT_EQ(sweep("out", {"--plan"}).exit_code, 0);
-  for (const char* chunk : {"", "1", "2/2", "-1/2", "0/0", "0/2x", "a/b"})
+  for (const char* chunk : {"", "1", "2/2", "-1/2", "-2/-1", "0/0", "0/", "/2", "0/2x", "a/b"})
     EXPECT_EQ(worker({"--chunk", chunk}).exit_code, 2) << chunk;
   EXPECT_EQ(worker({"--chunk", "0/1", "--shared"}).exit_code, 2);
   EXPECT_EQ(worker({}).exit_code, 2);
@@ -183,6 +183,9 @@ TEST_F(SweepWorker, BadCommandLinesAreExplained) {
     EXPECT_EQ(run.exit_code, 2) << text;
     EXPECT_NE(run.err.find("bad.json' as a sweep"), std::string::npos) << run.err;
   }
+  edit_plan("s/\"parts\": .*/\"parts\": [{\"name\": \"x\", \"targets\": [\"copy\"]}],/");
+  EXPECT_EQ(worker({"--chunk", "0/1"}).exit_code, 2);  // values and parts
+  ASSERT_EQ(sweep("out", {"--plan"}).exit_code, 0);
   EXPECT_EQ(run_program({"status", folder.string()}).exit_code, 2);
   EXPECT_EQ(sweep("out", {"--chunk-size", "3"}).exit_code, 2);
   EXPECT_EQ(sweep("out", {"--executor", "slurm", "--jobs", "2"}).exit_code, 2);

@@ -50,7 +50,9 @@ TEST_F(DiskCache, StatsCountWhatIsThere) {
   run(graph_of(three));
   const CacheStats s = cache_stats(cache);
   EXPECT_EQ(s.records.count, 3u);
-  EXPECT_EQ(s.values.count, 3u);
+  EXPECT_EQ(s.values.count, 1u);
+  EXPECT_EQ(s.in_records, 2u);
+  EXPECT_EQ(s.by_type.at("Table").count, 3u);
   EXPECT_EQ(s.by_type.at("Table").bytes, s.values.bytes);
   EXPECT_GT(s.values.bytes, 20000u * 8);
 }
@@ -97,7 +99,9 @@ TEST_F(DiskCache, ClearingTouchesNothingThatIsNotOurs) {
 TEST_F(DiskCache, VerifyComputesAgainAndCompares) {
   run(graph_of(three));
   Verified v = verify(100);
-  EXPECT_EQ(v.recomputed, 3u);
+  EXPECT_EQ(v.values, 3u);
+  EXPECT_EQ(v.recomputed, 3u);  // `big` reads a value that is in a record
+  EXPECT_EQ(v.passed_over, 0u);
   EXPECT_TRUE(v.damaged.empty());
   EXPECT_TRUE(v.differing.empty());
 }
@@ -156,6 +160,7 @@ TEST_F(DiskCache, AValueThatComesOutOtherwiseTheSecondTimeIsAnError) {
     Tier tier;
     ActionRecord lie = *store.find_action(r.nodes[small].key, tier);
     lie.outputs.at("out").content.low ^= 1;
+    lie.outputs.at("out").small.reset();
     store.put_action(r.nodes[small].key, std::make_shared<ActionRecord>(lie));
   }
   const RunResult second = run(g);  // `big` now has a different input, and needs a value that does not exist

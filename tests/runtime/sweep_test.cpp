@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace terrazzo {
@@ -31,6 +32,39 @@ TEST(Sweep, EveryCombinationOnce) {
   EXPECT_EQ(points.find("6"), 5u);
   for (const char* none : {"0", "7", "point-", "x", "1x"}) EXPECT_EQ(points.find(none), std::nullopt) << none;
   EXPECT_THROW(SweepPoints({{"n.a", {"1"}}, {"n.a", {"2"}}}, {}), Error);
+}
+
+TEST(Sweep, PartsOfAGraphArePoints) {
+  const auto points = SweepPoints::of_parts(
+      {{"block[3]", {"block[3]"}}, {"field[a]", {"field[a]/x", "y[a]"}}}, {{{"n.c", "9"}}, {}, {}});
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[1].folder, "point-002");
+  EXPECT_EQ(points[1].name(), "field[a]");
+  EXPECT_EQ(points[1].caption(), "point-002: element field[a]");
+  EXPECT_EQ(points[1].targets, (Words{"field[a]/x", "y[a]"}));
+  EXPECT_EQ(points[1].overrides.set.size(), 1u);
+  EXPECT_TRUE(points[1].overrides.parameters.empty());
+  EXPECT_EQ(points.find("block[3]"), 0u);
+  EXPECT_EQ(points.find("point-002"), 1u);
+  EXPECT_EQ(points.find("block[4]"), std::nullopt);
+}
+
+TEST(Sweep, ChunksContainEveryPointOnce) {
+  for (const std::size_t points : {0u, 1u, 7u, 24u})
+    for (const std::size_t chunks : {1u, 2u, 5u, 24u, 100u}) {
+      std::size_t next = 0;
+      for (std::size_t k = 0; k < chunks; ++k) {
+        const auto [first, last] = points_of(k, chunks, points);
+        EXPECT_EQ(first, next);
+        EXPECT_LE(last - first, (points + chunks - 1) / chunks);
+        next = last;
+      }
+      EXPECT_EQ(next, points);
+    }
+  const std::size_t most = std::numeric_limits<std::size_t>::max();
+  const auto [first, last] = points_of(most - 1, most, 24);
+  EXPECT_EQ(first, 24u);
+  EXPECT_EQ(last, 24u);
 }
 
 TEST(Sweep, TheTableHoldsEveryMetricOfEveryPoint) {

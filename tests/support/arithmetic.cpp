@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include "nodes/data/table.h"
 #include "nodes/register_nodes.h"
@@ -44,6 +47,23 @@ const Registry& arithmetic() {
             for (const auto& v : c.list("in")) sum += v.as<Table>().number(0, "value");
             c.output("out", table(sum));
           }).input_list("in", {"Table"}, "in"));
+    r.add(type("SumInTurn",
+               [](Context& c) {  // metric `alive`: the largest number of values in memory at a time
+                 double sum = 0;
+                 std::ptrdiff_t alive = 0;
+                 std::vector<std::weak_ptr<const void>> all;
+                 for (std::size_t k = 0; k < c.count("in"); ++k) {
+                   const Value v = c.nth("in", k);
+                   sum += v.as<Table>().number(0, "value");
+                   all.push_back(v.share());
+                   alive = std::max(alive, std::count_if(all.begin(), all.end(),
+                                                         [](const auto& one) { return !one.expired(); }));
+                 }
+                 c.metric("alive", static_cast<double>(alive));
+                 c.output("out", table(sum));
+               })
+              .input_list("in", {"Table"}, "in")
+              .one_at_a_time());
     r.add(type("FileSize", [](Context& c) {
             double sum = 0;
             for (const auto& f : c.files("path")) sum += static_cast<double>(std::filesystem::file_size(f));

@@ -10,7 +10,7 @@
 #include <memory>
 #include <sstream>
 
-#include "nodes/common/io/base64.h"
+#include "runtime/base64.h"
 
 namespace terrazzo {
 namespace {

@@ -20,7 +20,8 @@ def _named(cache):
 
 def stats(cache=None):
     """Number and size of the entries: a dictionary with folder, bytes, limit, values, value_bytes, records,
-    record_bytes, seconds (computing time of all records) and types (count and bytes by type of value)."""
+    record_bytes, values_in_records (small values, which have no file), seconds (computing time of all records) and
+    types (count of all values and bytes of those with files, by type)."""
     return _core.cache_stats(_named(cache))
 
 

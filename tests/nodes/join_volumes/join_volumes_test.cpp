@@ -9,6 +9,7 @@
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/data/image.h"
 #include "nodes/data/volume.h"
+#include "nodes/register_nodes.h"
 #include "runtime/codec.h"
 #include "runtime/random.h"
 #include "tests/nodes/solid_optimize/exemplars.h"
@@ -125,6 +126,13 @@ TEST(JoinVolumes, BlocksOfASolidTextureAreTheWhole) {
                                     {{"blocks", "2"}, {"block", std::to_string(k)}})
                          .output<Volume>("volume"));
   EXPECT_TRUE(bytes_of(join(blocks)) == bytes_of(whole.output<Volume>("volume")));
+}
+
+TEST(JoinVolumes, ReadsOneBlockAtATime) {
+  Registry registry;
+  register_nodes(registry);
+  for (const char* node : {"JoinVolumes", "BlockIndex"})
+    EXPECT_TRUE(registry.find(node)->find_input("volumes")->one_at_a_time) << node;
 }
 
 TEST(JoinVolumes, MissingBlocksAreNamed) {

@@ -1,28 +1,29 @@
-#include "nodes/common/io/base64.h"
+#include "runtime/base64.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <ostream>
+#include <sstream>
 
 namespace terrazzo {
 namespace {
 
-constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+constexpr std::string_view base64_alphabet =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 std::array<std::int8_t, 256> base64_values() {
   std::array<std::int8_t, 256> values;
   values.fill(-1);
-  for (std::size_t i = 0; i < kAlphabet.size(); ++i)
-    values[static_cast<unsigned char>(kAlphabet[i])] = static_cast<std::int8_t>(i);
+  for (std::size_t i = 0; i < base64_alphabet.size(); ++i)
+    values[static_cast<unsigned char>(base64_alphabet[i])] = static_cast<std::int8_t>(i);
   return values;
 }
 
 void encode_three(const unsigned char* in, char* out) {
-  out[0] = kAlphabet[in[0] >> 2];
-  out[1] = kAlphabet[(in[0] & 3) << 4 | in[1] >> 4];
-  out[2] = kAlphabet[(in[1] & 15) << 2 | in[2] >> 6];
-  out[3] = kAlphabet[in[2] & 63];
+  out[0] = base64_alphabet[in[0] >> 2];
+  out[1] = base64_alphabet[(in[0] & 3) << 4 | in[1] >> 4];
+  out[2] = base64_alphabet[(in[1] & 15) << 2 | in[2] >> 6];
+  out[3] = base64_alphabet[in[2] & 63];
 }
 
 }  // namespace
@@ -57,6 +58,14 @@ void Base64Writer::finish() {
   for (std::size_t i = waiting_ + 1; i < 4; ++i) text[i] = '=';
   out_.write(text.data(), text.size());
   waiting_ = 0;
+}
+
+std::string encode_base64(std::string_view bytes) {
+  std::ostringstream out;
+  Base64Writer writer(out);
+  writer.write(bytes.data(), bytes.size());
+  writer.finish();
+  return std::move(out).str();
 }
 
 bool decode_base64(std::string_view text, std::string& bytes) {

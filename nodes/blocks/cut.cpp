@@ -6,9 +6,9 @@
 #include <map>
 
 #include "graph/diagnostic.h"
-#include "nodes/join_volumes/join_volumes.h"
+#include "nodes/blocks/cut.h"
 
-namespace terrazzo::join_volumes {
+namespace terrazzo::blocks {
 namespace {
 
 constexpr char kAxisNames[] = "xyz";
@@ -82,4 +82,4 @@ Box box_of(const std::vector<Box>& blocks) {
   return out;
 }
 
-}  // namespace terrazzo::join_volumes
+}  // namespace terrazzo::blocks

@@ -22,6 +22,8 @@ class Base64Writer {
   std::size_t waiting_ = 0;  // bytes in rest_
 };
 
+std::string encode_base64(std::string_view bytes);
+
 // Decodes text whose length is a multiple of four; blanks and line ends are skipped. Padding ends the text.
 // Returns false if it contains anything else.
 bool decode_base64(std::string_view text, std::string& bytes);
