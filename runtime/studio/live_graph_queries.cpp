@@ -68,6 +68,7 @@ json LiveGraph::subgraph(const std::string& path) {
     at = end + 1;
   }
   json out = json_of(doc, registry_);
+  if (valid_) add_bypassed(out, *session_.graph(), path + "/");
   out["file"] = doc.file.string();
   return out;
 }

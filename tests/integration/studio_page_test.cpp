@@ -53,6 +53,10 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   std::string edited = text;
   edited.replace(edited.find("300"), 3, "100");
   EXPECT_EQ(r["text_after"], edited);
+  EXPECT_EQ(r["size_bypassed"].get<std::string>().rfind("60 × 40", 0), 0u) << r["size_bypassed"];
+  EXPECT_EQ(r["text_bypassed"], edited + "    bypass: true\n");
+  EXPECT_NE(r["passes"].get<std::string>().find("picture.image for image"), std::string::npos) << r["passes"];
+  EXPECT_EQ(r["bypass_ended"], true);
   EXPECT_EQ(r["line"], "  sheet:");
   EXPECT_EQ(r["broken_status"], "1 error in the graph");
   EXPECT_NE(r["message"].get<std::string>().find("ContactSheat"), std::string::npos);

@@ -10,7 +10,7 @@ import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { forgetPlaces, keepPlaces, readPlaces, type Places } from './places';
 import { Search, type SearchAt } from './search';
-import { declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { bypass, declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
 
 const nodeTypes = { node: NodeCard, note: NoteCard };
@@ -247,6 +247,7 @@ export function Canvas() {
       if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
         if (e.key === 'c' && chosen.length && !window.getSelection()?.toString()) copy(doc, chosen);
         else if (e.key === 'v' && !scope) void paste(doc).then(place);
+        else if (e.key === 'b' && chosen.length && !scope) bypass(chosen);
         else if (e.key === 'd' && chosen.length && !scope) void duplicate(doc, chosen).then(place);
         else return;
         return e.preventDefault();

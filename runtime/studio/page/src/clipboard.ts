@@ -42,6 +42,7 @@ async function add(doc: Doc, nodes: DocNode[]): Promise<Map<string, string>> {
   const source = (wire: string) => wire.split(/[.[]/)[0];
   const edits: Edit[] = nodes.map(n => ({ op: 'add', node: names.get(n.name), type: n.type, graph: n.graph }));
   for (const n of nodes) {
+    if (n.bypass) edits.push({ op: 'bypass', node: names.get(n.name), bypass: true });
     for (const [name, { value }] of Object.entries(n.params)) edits.push({ op: 'set', node: names.get(n.name), name, value });
     for (const [name, list] of Object.entries(n.inputs)) {
       const wires = list.filter(w => taken.has(source(w))).map(w => (names.get(source(w)) ?? source(w)) + w.slice(source(w).length));
