@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "graph/paste_nodes.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/live_graph.h"
 
@@ -66,6 +67,15 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
   auto& http = server.http();
   http.Post("/api/price", server.handler([&live](const In&, const json& body, Out& out) {
     LocalServer::answer(out, live.price(edits_of(body.at("edits"))));
+  }));
+  http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
+    json names = json::object();
+    live.change([&](Document& d) {
+      Pasted p = paste_nodes(d.text(), d.file(), body.at("text").get<std::string>());
+      d.replace(std::move(p.text));
+      for (const auto& [copied, now] : p.names) names[copied] = now;
+    });
+    LocalServer::answer(out, {{"number", live.events().last()}, {"names", names}});
   }));
   http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
     LocalServer::answer(out, live.history());

@@ -24,7 +24,7 @@ std::vector<std::string> target_paths(const Graph& g, const std::vector<int>& ta
   return out;
 }
 
-using Paths = std::vector<std::string>;
+using BypassPaths = std::vector<std::string>;
 
 const char* const kChain =
     "nodes:\n  a: {type: Constant, params: {value: 5}}\n"
@@ -34,7 +34,7 @@ const char* const kChain =
 
 TEST(Bypass, ReadersReadWhatThatNodeReads) {
   const Graph g = test::graph_of(kChain);
-  EXPECT_EQ(g.paths(), (Paths{"a", "sum"}));
+  EXPECT_EQ(g.paths(), (BypassPaths{"a", "sum"}));
   const auto& wires = g.nodes[1].inputs.at("in");
   ASSERT_EQ(wires.size(), 2u);
   EXPECT_EQ(wires[0].node, 0);
@@ -52,8 +52,8 @@ TEST(Bypass, ATargetStandsForWhatItPassesThrough) {
   const Graph g = test::graph_of(kChain);
   EXPECT_EQ(g.wire_to("two").node, 0);
   EXPECT_EQ(g.wire_to("two.out").node, 0);
-  EXPECT_EQ(target_paths(g, target_nodes(g, {"two"})), Paths{"a"});
-  EXPECT_EQ(target_paths(g, target_nodes(g, {"two.out"})), Paths{"a"});
+  EXPECT_EQ(target_paths(g, target_nodes(g, {"two"})), BypassPaths{"a"});
+  EXPECT_EQ(target_paths(g, target_nodes(g, {"two.out"})), BypassPaths{"a"});
   EXPECT_EQ(test::code_of([&] { target_nodes(g, {"two.aut"}); }), "cannot-bypass");
   const Graph none = test::graph_of("nodes:\n  a: {type: Constant, bypass: true}\n  b: {type: Constant}\n");
   EXPECT_EQ(test::code_of([&] { none.wire_to("a"); }), "cannot-bypass");
@@ -66,15 +66,16 @@ TEST(Bypass, WhatOnlyABypassedNodeReadsIsATarget) {
       "  file: {type: Write, bypass: true, inputs: {in: a.out}, params: {path: x.txt}}\n"
       "  other: {type: Write, inputs: {in: a.out}, params: {path: x.txt}}\n"
       "  b: {type: Constant}\n  clamp: {type: Clamp, bypass: true, inputs: {in: b.out}}\n");
-  EXPECT_EQ(target_paths(g, g.sinks()), (Paths{"other", "b"}));
+  EXPECT_EQ(target_paths(g, g.sinks()), (BypassPaths{"other", "b"}));
 }
 
 // A node that is not ready yet can be left out, and one that passes nothing through too if nothing reads it.
 TEST(Bypass, ABypassedNodeNeedsNothing) {
   const Graph g = test::graph_of(
-      "nodes:\n  clamp: {type: Clamp, bypass: true}\n  more: {type: Clamp, bypass: true, inputs: {in: clamp}}\n"
+      "nodes:\n  clamp: {type: Clamp, bypass: true}\n  more: {type: Clamp, bypass: true, inputs: {in: "
+      "clamp}}\n"
       "  size: {type: FileSize, bypass: true}\n  a: {type: Constant}\n");
-  EXPECT_EQ(g.paths(), Paths{"a"});
+  EXPECT_EQ(g.paths(), BypassPaths{"a"});
   EXPECT_TRUE(g.bypassed.at("more").empty());
 }
 
@@ -86,7 +87,7 @@ TEST(Bypass, TheFirstInputOfTheOutputsTypePasses) {
       "  sum: {type: Sum, bypass: true, inputs: {in: [b.out, a.out]}}\n"
       "outputs: {add: add.out, late: late.out, sum: sum.out}\n");
   EXPECT_EQ(target_paths(g, {g.outputs[0].wire.node, g.outputs[1].wire.node, g.outputs[2].wire.node}),
-            (Paths{"a", "b", "b"}));
+            (BypassPaths{"a", "b", "b"}));
 }
 
 TEST(Bypass, EveryElementOfARepeatedNodePassesItsOwnInput) {
@@ -94,10 +95,10 @@ TEST(Bypass, EveryElementOfARepeatedNodePassesItsOwnInput) {
       "nodes:\n  a: {type: Constant, each: {k: [1, 2]}, params: {value: \"${k}\"}}\n"
       "  limit: {type: Clamp, bypass: true, each: {k: [1, 2]}, inputs: {in: \"a[${k}].out\"}}\n"
       "  sum: {type: Sum, inputs: {in: limit.out}}\n");
-  EXPECT_EQ(g.paths(), (Paths{"a[1]", "a[2]", "sum"}));
+  EXPECT_EQ(g.paths(), (BypassPaths{"a[1]", "a[2]", "sum"}));
   ASSERT_EQ(g.nodes[2].inputs.at("in").size(), 2u);
   EXPECT_EQ(g.nodes[2].inputs.at("in")[1].node, 1);
-  EXPECT_EQ(target_paths(g, target_nodes(g, {"limit"})), (Paths{"a[1]", "a[2]"}));
+  EXPECT_EQ(target_paths(g, target_nodes(g, {"limit"})), (BypassPaths{"a[1]", "a[2]"}));
   EXPECT_EQ(g.wire_to("limit[2].out").node, 1);
   EXPECT_EQ(test::code_of([&] { g.wire_to("limit.out"); }), "several-values");
 }
@@ -105,18 +106,20 @@ TEST(Bypass, EveryElementOfARepeatedNodePassesItsOwnInput) {
 TEST(Bypass, InASubgraphTheInputOfTheEnclosingGraphPasses) {
   const auto folder = test::temporary_folder();
   std::ofstream(folder / "inner.yaml")
-      << "terrazzo: 1\nnodes:\n  limit: {type: Clamp, bypass: true}\n  sum: {type: Sum, inputs: {in: limit.out}}\n"
+      << "terrazzo: 1\nnodes:\n  limit: {type: Clamp, bypass: true}\n  sum: {type: Sum, inputs: {in: "
+         "limit.out}}\n"
          "inputs: {value: limit.in}\noutputs: {sum: sum.out, same: limit.out}\n";
   const auto load = [&](const std::string& more) {
     Diagnostics found;
-    Graph g = load_graph_text("terrazzo: 1\nnodes:\n  a: {type: Constant}\n  inner: {graph: inner.yaml" + more +
-                                  ", inputs: {value: a.out}}\n  b: {type: Sum, inputs: {in: inner.same}}\n",
-                              folder / "outer.yaml", test::arithmetic(), {}, found);
+    Graph g =
+        load_graph_text("terrazzo: 1\nnodes:\n  a: {type: Constant}\n  inner: {graph: inner.yaml" + more +
+                            ", inputs: {value: a.out}}\n  b: {type: Sum, inputs: {in: inner.same}}\n",
+                        folder / "outer.yaml", test::arithmetic(), {}, found);
     return std::pair(std::move(g), found);
   };
   const auto [g, found] = load("");
   EXPECT_TRUE(found.empty());
-  EXPECT_EQ(g.paths(), (Paths{"a", "inner/sum", "b"}));
+  EXPECT_EQ(g.paths(), (BypassPaths{"a", "inner/sum", "b"}));
   EXPECT_EQ(g.nodes[1].inputs.at("in").front().node, 0);
   EXPECT_EQ(g.nodes[2].inputs.at("in").front().node, 0);
   EXPECT_EQ(g.wire_to("inner/limit").node, 0);

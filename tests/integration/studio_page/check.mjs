@@ -138,7 +138,21 @@ try {
   await page.keyboard.press('Control+v');
   await card('sheet_2').waitFor();
   result.pasted = (await text()) === result.duplicated;
+  await page.click('button:has-text("Undo")');
+  await card('sheet_2').waitFor({ state: 'detached' });
+  // Text from elsewhere, and text that is none of nodes.
+  const put = lines => page.evaluate(text => {
+    const clipboardData = new DataTransfer();
+    clipboardData.setData('text/plain', text);
+    document.querySelector('.react-flow').dispatchEvent(new ClipboardEvent('paste', { clipboardData, bubbles: true, cancelable: true }));
+  }, lines);
+  await put('picture: {type: LoadImage, params: {path: a.png}} # again\nwide:\n  type: ContactSheet\n  inputs: {images: [picture.image, nobody.image]}\n');
+  await card('wide').waitFor();
+  result.from_elsewhere = await text();
+  await settled();
   result.errors_before_end = [...result.errors];
+  await put('Dear colleague');
+  result.refused = await page.textContent('.notices');
 
   server.kill('SIGKILL');
   await page.waitForFunction(() => document.querySelector('.status').textContent === 'not connected');

@@ -289,7 +289,10 @@ TEST_F(LiveGraphTest, EventsResume) {
   const auto events = live->events().after(number, std::chrono::milliseconds(0));
   ASSERT_TRUE(events && !events->empty());
   EXPECT_EQ(events->front().number, number + 1);
-  EXPECT_EQ(events->front().type, "document");
+  // The end of the first run may not have been reported before.
+  const std::size_t at = events->front().type == "run" ? 1 : 0;
+  ASSERT_GT(events->size(), at);
+  EXPECT_EQ((*events)[at].type, "document");
   EXPECT_FALSE(live->events().after(number + 100000, std::chrono::milliseconds(0)));  // of another session
   EXPECT_EQ(test::code_of([&] { live->value("0123"); }), "unknown-value");
 }
@@ -356,6 +359,17 @@ TEST_F(LiveGraphTest, EarlierStatesAreKeptAndComeBack) {
   EXPECT_EQ(test::code_of([&] { live->past(99); }), "unknown-state");
   live->open(Document(file), true);
   EXPECT_EQ(live->history().size() <= 1, true);  // states of another document are gone
+}
+
+TEST_F(LiveGraphTest, AnEditRightAfterTheEndKeepsTheStateBefore) {
+  open();
+  settled();
+  for (int k = 3; k < 9; ++k) {
+    set("b", "value", std::to_string(k));
+    settled();  // at the next edit, the end may not be reported yet
+  }
+  set("b", "value", "9");
+  EXPECT_GE(live->history().size(), 7u);
 }
 
 TEST_F(LiveGraphTest, SubgraphsShowTheirDocument) {

@@ -173,7 +173,7 @@ export async function enter(scope: string): Promise<void> {
     ...n, name: path(n.name), inputs: Object.fromEntries(Object.entries(n.inputs).map(([port, wires]) => [port, wires.map(path)])),
     inner: n.bypass ? n.inner : n.inner && Object.fromEntries(Object.entries(n.inner).map(([port, at]) => [port, at && { ...at, path: path(at.path) }])),
   }));
-  set(s => ({ scope, inside: { ...doc, nodes, messages: [], text: '', arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
+  set(s => ({ scope, inside: { ...doc, nodes, messages: [], arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
 }
 
 // Keeps where nodes and notes are, soon; several changes at once are one request.
