@@ -33,7 +33,7 @@ function Name({ node }: { node: DocNode }) {
 }
 
 function State({ node }: { node: DocNode }) {
-  const file = useStore(s => s.doc?.file ?? '');
+  const file = useStore(s => s.doc?.file ?? ''), valid = useStore(s => s.doc?.valid);
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   if (!state) return null;
   const metrics = Object.entries(state.metrics), passed = Object.entries(node.inner ?? {});
@@ -48,7 +48,7 @@ function State({ node }: { node: DocNode }) {
           : !['cached', 'computed', 'bypassed'].includes(state.state) && !node.graph && <button onClick={() => void post('/api/run', { targets: [node.name] })}>Run to here</button>}
       </p>
       {node.bypass && <p>{passed.length ? <>It does not run. Its readers read {passed.map(([port, at], k) => <span key={port}>{k > 0 && ', '}<b>{at!.path}.{at!.port}</b> for {port}</span>)}.</>
-        : 'It does not run, and none of its connected inputs has the type of an output.'}</p>}
+        : valid ? 'It does not run, and none of its connected inputs has the type of an output.' : 'It does not run. The graph has errors.'}</p>}
       {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
