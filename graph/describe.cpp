@@ -207,6 +207,7 @@ json graph_schema(const Registry& registry) {
                    {"properties",
                     {{"type", {{"const", t->name}}},
                      {"doc", {{"type", "string"}}},
+                     {"bypass", {{"type", "boolean"}}},
                      {"each", each},
                      {"params",
                       {{"type", "object"},

@@ -65,6 +65,12 @@ class Editor {
         take(set_yaml_entry(text_, {"nodes", e.node, "graph"}, yaml_word(e.graph)));
         node(e.node).graph = e.graph;
         break;
+      case Kind::SetBypass:
+        if (node(e.node).bypass == e.bypass) break;
+        take(e.bypass ? set_yaml_entry(text_, {"nodes", e.node, "bypass"}, "true")
+                      : remove_yaml_entry(text_, {"nodes", e.node, "bypass"}));
+        node(e.node).bypass = e.bypass;
+        break;
       case Kind::Connect:
         connect(e.node, e.name, e.wires);
         break;

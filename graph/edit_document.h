@@ -16,6 +16,7 @@ struct Edit {
     RemoveItem,      // node, name, index: an item of a list; with the last item goes the value
     SetDefault,      // name, value: of a parameter of the graph
     SetSubgraph,     // node, graph: the file of a node that is a subgraph
+    SetBypass,       // node, bypass
     Connect,         // node, name: an input; wires: its sources, none disconnects it
     Rewire,          // name, to: outputs "NODE.PORT". What reads the first reads the second, except node
     AddNode,         // node; type, or graph for a subgraph
@@ -28,6 +29,7 @@ struct Edit {
   std::vector<std::string> wires = {};
   std::string type = {}, graph = {}, to = {};
   std::size_t index = 0;
+  bool bypass = false;
 };
 
 // The text after the edit. The result is read again: it differs from the original document in exactly what

@@ -23,12 +23,22 @@ Wire Graph::wire_to(const std::string& text) const {
   const auto dot = find_port_dot(text);
   const std::string path = text.substr(0, dot);
   const int node = find(path);
+  if (const auto at = bypassed.find(path); at != bypassed.end()) {
+    const auto& passed = at->second;
+    if (dot == std::string::npos && passed.size() == 1) return passed.begin()->second;
+    const auto port = passed.find(dot == std::string::npos ? "" : text.substr(dot + 1));
+    if (port != passed.end()) return port->second;
+    throw Error("cannot-bypass", "'" + path + "' is bypassed, and passes nothing through to '" + text + "'",
+                "remove `bypass` from the node");
+  }
   std::vector<std::string> elements;
   for (const auto& o : outputs)
     if (is_named(o.name, text)) elements.push_back(o.name);
   if (node < 0 && elements.empty())
     for (const auto& n : nodes)
       if (is_named(n.path, path)) elements.push_back(n.path);
+  for (const auto& [bypassed_path, passed] : bypassed)
+    if (node < 0 && is_named(bypassed_path, path)) elements.push_back(bypassed_path);
   if (node < 0 && !elements.empty())
     throw Error("several-values", "'" + text + "' is a list of " + std::to_string(elements.size()),
                 "name one element, such as " + elements.front());

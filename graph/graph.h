@@ -57,11 +57,14 @@ struct Graph {
   std::vector<GraphOutput> outputs;
   std::vector<Port> inputs;  // inputs that an enclosing graph may connect
   std::vector<GraphParameter> parameters;
+  // Bypassed nodes are not in `nodes`. By path: for each output, what its readers read instead. An output
+  // that no input of the node can take the place of is missing.
+  std::map<std::string, std::map<std::string, Wire>> bypassed;
 
   int find(const std::string& path) const;  // −1 if there is no such node
   std::vector<std::string> paths() const;
-  // Wire to a graph output, to "node.port", or to "node" if that node has exactly one output. Throws Error
-  // "unknown-node" or "unknown-port".
+  // Wire to a graph output, to "node.port", or to "node" if that node has exactly one output. For a bypassed
+  // node, to what its readers read. Throws Error "unknown-node", "unknown-port" or "cannot-bypass".
   Wire wire_to(const std::string& text) const;
   // The default targets: nodes that write files, nodes outside subgraphs whose outputs nobody uses, and the
   // nodes of the graph's outputs.

@@ -121,6 +121,7 @@ void Linker::check_output_paths() {
     for (const Parameter& p : node.type->parameters) {
       const auto given = node.parameters.find(p.name);
       if (p.kind != ParameterKind::OutputPath || given == node.parameters.end()) continue;
+      if (bypassed_.count(node.path)) continue;
       const auto& path = std::get<std::string>(given->second.value);
       const auto [it, first] = writers.emplace(fs::path(path).lexically_normal().generic_string(), &node);
       if (!first)
@@ -131,7 +132,7 @@ void Linker::check_output_paths() {
 
 void Linker::check_parameters() {
   for (const GraphNode& node : graph_.nodes) {
-    if (!node.type->check) continue;
+    if (!node.type->check || bypassed_.count(node.path)) continue;
     std::map<std::string, ParameterValue> set;
     bool complete = true;
     for (const Parameter& p : node.type->parameters) {

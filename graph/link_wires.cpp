@@ -274,6 +274,7 @@ void Linker::describe_inputs(Scope& root) {
 void Linker::check_wiring_of_ports() {
   for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
     const GraphNode& node = graph_.nodes[i];
+    if (bypassed_.count(node.path)) continue;  // nothing reads its inputs and parameters
     for (const auto& port : node.type->inputs)
       if (!port.optional && !node.inputs.count(port.name) &&
           !broken_inputs_.count({static_cast<int>(i), port.name}))
@@ -298,7 +299,7 @@ void Linker::report_cycle(const std::vector<int>& way, int node) {
   fail("cycle", "the wires form a cycle: " + text + last.path, last.place);
 }
 
-void Linker::sort() {
+bool Linker::sort() {
   const std::size_t n = graph_.nodes.size();
   enum { unseen, open, placed };
   std::vector<int> state(n, unseen), order,
@@ -324,7 +325,10 @@ void Linker::sort() {
       }
       const int next = sources[at].back();
       sources[at].pop_back();
-      if (state[static_cast<std::size_t>(next)] == open) return report_cycle(way, next);
+      if (state[static_cast<std::size_t>(next)] == open) {
+        report_cycle(way, next);
+        return false;
+      }
       if (state[static_cast<std::size_t>(next)] == unseen) visit(next);
     }
   }
@@ -338,6 +342,7 @@ void Linker::sort() {
   }
   graph_.nodes = std::move(sorted);
   for (auto& o : graph_.outputs) o.wire.node = place[static_cast<std::size_t>(o.wire.node)];
+  return true;
 }
 
 }  // namespace terrazzo

@@ -37,7 +37,7 @@ Graph Linker::link(RawDocument doc) {
   for (const auto& [name, ref] : root.doc.outputs) add_output(name, resolve(root, ref));
   describe_inputs(root);
   report_unused_wires();
-  sort();
+  if (sort()) remove_bypassed();
   drop_repeated_messages();
   add_uses_to_messages();
   // In the order of the file.
@@ -138,6 +138,7 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
   node.path = scope.prefix + raw.name;
   node.place = raw.place;
   node.through = uses(scope);
+  if (raw.bypass) bypassed_.insert(node.path);
   node.type = registry_.find(raw.type);
   if (!node.type && (node.type = registry_.find_former(raw.type)))
     note("former-name", fmt::format("{} is now called {}", raw.type, node.type->name), raw.kind_place,
@@ -156,6 +157,9 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
 
 void Linker::add_subgraph(Scope& scope, const RawNode& raw) {
   const std::string path = scope.prefix + raw.name;
+  if (raw.bypass)
+    fail("cannot-bypass", fmt::format("'{}' is a subgraph, which cannot be bypassed", raw.name), raw.place,
+         "remove bypass, or bypass nodes in its file", path);
   const std::set<std::string>& recursive =
       scope.parent ? files_->open(scope.parent->doc, *scope.node).recursive : files_->root().recursive;
   if (recursive.count(scope.written_name(raw))) {

@@ -139,8 +139,10 @@ class Linker {
   // Adds the graph's inputs with the types of the ports that they name. Reports names that do not exist.
   void describe_inputs(Scope& root);
 
-  // Puts sources before consumers and otherwise keeps the order of the file.
-  void sort();
+  // Puts sources before consumers and otherwise keeps the order of the file. False if there is a cycle.
+  bool sort();
+  // Leaves bypassed nodes out of the sorted graph, and connects their readers to what they pass through.
+  void remove_bypassed();
   // `way`: nodes that each consume the next one. The last consumes `node`, which is also in `way`.
   void report_cycle(const std::vector<int>& way, int node);
 
@@ -154,6 +156,7 @@ class Linker {
   std::optional<SubgraphFiles> files_;
   std::map<std::string, std::unique_ptr<Scope>> scopes_;
   std::map<std::string, int> index_;  // indices into graph_.nodes by path
+  std::set<std::string> bypassed_;    // paths
   std::set<std::string> unknown_;     // paths whose type or file is unknown, already reported
   std::set<std::pair<int, std::string>> broken_inputs_;      // inputs with a wire, valid or not
   std::set<std::pair<std::string, std::string>> attempted_;  // parameters with a value, valid or not

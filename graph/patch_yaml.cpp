@@ -96,6 +96,20 @@ class Patch {
     return replaced(end, end, added);
   }
 
+  // Adds lines to an inner map.
+  std::optional<std::string> with_lines_in(const YamlNode& map, const std::string& lines) {
+    if (map.kind != YamlNode::Kind::Map) return {};
+    if (!map.entries.empty()) return map_ = &map, with_lines(lines);
+    std::string added = "\n";
+    for (std::size_t at = 0; at < lines.size();) {
+      const auto stop = std::min(lines.find('\n', at), lines.size());
+      added += "  " + lines.substr(at, stop - at) + "\n";
+      at = stop + 1;
+    }
+    added.pop_back();
+    return replaced(map.begin, map.end, added);
+  }
+
   std::optional<std::string> with_item(const YamlNode& list, const std::string& item) const {
     if (list.flow) {
       if (list.items.empty()) return replaced(list.begin, list.end, "[" + item + "]");
@@ -176,6 +190,13 @@ std::optional<std::string> add_yaml_block(const std::string& text, const YamlPat
     at = stop + 1;
   }
   return patch.with_lines(lines);
+}
+
+std::optional<std::string> add_yaml_lines(const std::string& text, const YamlPath& path,
+                                          const std::string& lines) {
+  Patch patch(text);
+  if (!patch.valid() || path.empty() || patch.follow(path) < path.size()) return {};
+  return patch.with_lines_in(patch.entry()->second, lines);
 }
 
 std::optional<std::string> append_yaml_item(const std::string& text, const YamlPath& path,

@@ -24,6 +24,10 @@ std::optional<std::string> remove_yaml_entry(const std::string& text, const Yaml
 std::optional<std::string> add_yaml_block(const std::string& text, const YamlPath&, const std::string& block,
                                           const std::string& value);
 
+// Adds lines, without indentation, behind the last entry of the block mapping at the path, or to one that is
+// empty. Returns nothing if there is no such mapping.
+std::optional<std::string> add_yaml_lines(const std::string& text, const YamlPath&, const std::string& lines);
+
 // Adds an item at the end of the list at the path, in the list's own style. Returns nothing if there is no
 // list.
 std::optional<std::string> append_yaml_item(const std::string& text, const YamlPath&,

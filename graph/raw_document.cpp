@@ -241,7 +241,7 @@ class DocumentReader {
            fmt::format("'{}' is not a valid node name: it must not be empty or contain dots or spaces", name),
            node.place);
     each_key(
-        v, {"type", "graph", "each", "params", "inputs", "doc"}, "node '" + name + "'",
+        v, {"type", "graph", "bypass", "each", "params", "inputs", "doc"}, "node '" + name + "'",
         [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
           if ((k == "type" || k == "graph") && n.IsScalar()) {
             (k == "type" ? node.type : node.graph) = n.Scalar();
@@ -274,6 +274,10 @@ class DocumentReader {
             });
           } else if (k == "doc" && n.IsScalar()) {
             node.doc = n.Scalar();
+          } else if (k == "bypass" && n.IsScalar() && (n.Scalar() == "true" || n.Scalar() == "false")) {
+            node.bypass = n.Scalar() == "true";
+          } else if (k == "bypass") {
+            fail("bad-value", fmt::format("bypass of '{}' must be true or false", name), place(kn.Mark()));
           } else if (k != "doc") {
             fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
           }

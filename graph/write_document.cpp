@@ -43,6 +43,7 @@ std::string text_of(const RawNode& node) {
   out += node.graph.empty() ? "    type: " + yaml_word(node.type) + "\n"
                             : "    graph: " + yaml_word(node.graph) + "\n";
   if (!node.doc.empty()) out += "    doc: " + yaml_word(node.doc) + "\n";
+  if (node.bypass) out += "    bypass: true\n";
   Entries each, inputs, params;
   for (const auto& [name, v] : node.each) each.emplace_back(name, yaml_value(v.written));
   if (!each.empty()) out += map_text("    ", "each", each);
@@ -99,8 +100,8 @@ bool same(const RawNode& a, const RawNode& b) {
     return x.first == y.first && std::ranges::equal(x.second, y.second, wire);
   };
   return a.name == b.name && a.type == b.type && a.graph == b.graph && a.doc == b.doc &&
-         std::ranges::equal(a.each, b.each, param) && std::ranges::equal(a.params, b.params, param) &&
-         std::ranges::equal(a.inputs, b.inputs, input);
+         a.bypass == b.bypass && std::ranges::equal(a.each, b.each, param) &&
+         std::ranges::equal(a.params, b.params, param) && std::ranges::equal(a.inputs, b.inputs, input);
 }
 
 bool same(const RawParameter& a, const RawParameter& b) {

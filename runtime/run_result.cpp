@@ -62,6 +62,11 @@ std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>
             graph.wire_to(graph.nodes[i].path + t.substr(path.size()));  // checks the port
           out.push_back(static_cast<int>(i));
         }
+      // For a bypassed node, what its readers read.
+      for (const auto& [bypassed, passed] : graph.bypassed)
+        if (is_named(bypassed, path))
+          for (const auto& [port, wire] : passed)
+            if (path == t || t.substr(path.size() + 1) == port) out.push_back(wire.node);
     }
     if (out.size() == before) out.push_back(graph.wire_to(t).node);
   }

@@ -279,12 +279,20 @@ Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size) 
   return gray_ ? Vec3f::Constant(offset.mean()) : offset;
 }
 
-Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth, float size) const {
+float ResidualField::size_of(int particle, float size) const {
+  return particle >= 0 && !(size > 0) && phases_ ? shown_[static_cast<std::size_t>(particle)] : size;
+}
+
+Vec3f ResidualField::behind(const Vec3f& mm, int particle, float depth, float size) const {
+  return at(mm, -1, depth, size_of(particle, size));
+}
+
+Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth, float size,
+                           const Vec3f* binder) const {
   if (particle < 0) cover = 0;
-  if (particle >= 0 && !(size > 0) && phases_) size = shown_[static_cast<std::size_t>(particle)];
   Vec3f offset = Vec3f::Zero();
-  if (cover > 0) offset += cover * at(mm, particle, depth, size);
-  if (cover < 1) offset += (1 - cover) * at(mm, -1, depth, size);
+  if (cover > 0) offset += cover * at(mm, particle, depth, size_of(particle, size));
+  if (cover < 1) offset += (1 - cover) * (binder ? *binder : behind(mm, particle, depth, size));
   return offset;
 }
 

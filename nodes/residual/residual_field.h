@@ -36,7 +36,12 @@ class ResidualField {
   Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
 
   // The offset of a pixel or voxel that the particle covers by `cover`, 0 to 1, and the binder otherwise.
-  Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f, float size = 0) const;
+  // `binder`: what behind() returned for the same place, if it is known.
+  Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f, float size = 0,
+              const Vec3f* binder = nullptr) const;
+  // The binder's offset where a particle, or none if that is −1, covers a part of the voxel. With tiles of
+  // each phase it does not depend on colors.
+  Vec3f behind(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
 
   Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }
@@ -54,6 +59,7 @@ class ResidualField {
     std::vector<Detail::Rim> rims;
     std::vector<float> gain;
   };
+  float size_of(int particle, float size) const;  // of the profile, if it is unknown
   Vec3f plain(const Vec3f& mm, int particle) const;
   Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm

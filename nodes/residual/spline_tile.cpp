@@ -167,19 +167,27 @@ Vec3f SplineTile::at(const Vec3f& p) const {
     for (int i = 0; i < 4; ++i)
       at[k][i] = static_cast<std::size_t>(wrap_index(low + i - 1, size_[k])) * step[k];
   }
-  // Three channels and, unused, the first one of the next voxel.
+  // Three channels and, unused, the first one of the next voxel. Two rows are read at once, which takes half
+  // of the time, and added in order.
   using Lanes = float __attribute__((vector_size(16)));
-  using Stored = std::int16_t __attribute__((vector_size(8)));
+  using Rows = float __attribute__((vector_size(32)));
+  using Stored = std::int16_t __attribute__((vector_size(16)));
   Lanes sum = {};
   for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y) {
-      Lanes row = {};
+    for (int y = 0; y < 4; y += 2) {
+      const std::int16_t* const first = &coefficients_[3 * (at[2][z] + at[1][y])];
+      const std::int16_t* const second = &coefficients_[3 * (at[2][z] + at[1][y + 1])];
+      Rows rows = {};
       for (int x = 0; x < 4; ++x) {
+        std::int64_t both[2];
+        std::memcpy(&both[0], first + 3 * at[0][x], sizeof both[0]);
+        std::memcpy(&both[1], second + 3 * at[0][x], sizeof both[1]);
         Stored c;
-        std::memcpy(&c, &coefficients_[3 * (at[2][z] + at[1][y] + at[0][x])], sizeof c);
-        row += w[0][x] * __builtin_convertvector(c, Lanes);
+        std::memcpy(&c, both, sizeof c);
+        rows += w[0][x] * __builtin_convertvector(c, Rows);
       }
-      sum += w[2][z] * w[1][y] * row;
+      sum += w[2][z] * w[1][y] * Lanes{rows[0], rows[1], rows[2], rows[3]};
+      sum += w[2][z] * w[1][y + 1] * Lanes{rows[4], rows[5], rows[6], rows[7]};
     }
   return unit_ * Vec3f(sum[0], sum[1], sum[2]);
 }

@@ -134,9 +134,11 @@ Slabs::~Slabs() = default;
 
 std::shared_ptr<const Slab> Slabs::get(int z0, int z1, const Work& work) {
   if (!intermediates_) return std::make_shared<const Slab>(made(z0, z1, work));
-  return intermediates_.get<Slab>(
-      key_of("Voxelize slab", uncolored_, shapes_, lattice_.size, lattice_.voxel, z0, z1),
-      [&] { return made(z0, z1, work); });
+  return intermediates_.get<Slab>(key(z0, z1), [&] { return made(z0, z1, work); });
+}
+
+Hash Slabs::key(int z0, int z1) const {
+  return key_of("Voxelize slab", uncolored_, shapes_, lattice_.size, lattice_.voxel, z0, z1);
 }
 
 Slab Slabs::made(int z0, int z1, const Work& work) {

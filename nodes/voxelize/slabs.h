@@ -26,6 +26,9 @@ class Slabs {
   // Planes [z0, z1).
   std::shared_ptr<const Slab> get(int z0, int z1, const Work&);
 
+  // What these planes depend on. Only where intermediate results are kept.
+  Hash key(int z0, int z1) const;
+
  private:
   class Distances;
 

@@ -8,6 +8,7 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/data/volume.h"
 #include "nodes/residual/residual_field.h"
+#include "nodes/voxelize/binder_detail.h"
 #include "nodes/voxelize/lattice_residual.h"
 #include "nodes/voxelize/slabs.h"
 #include "nodes/voxelize/sparse.h"
@@ -25,23 +26,22 @@ std::size_t moved(const Eigen::Vector2i& at, const Eigen::Vector2i& shift, const
   return static_cast<std::size_t>((at.y() + shift.y()) % n.y()) * n.x() + (at.x() + shift.x()) % n.x();
 }
 
-// Adds the detail of particles and binder to plane k of the slab, in proportion to their coverage.
-void add_phases(const residual::ResidualField& field, Vec3f* colors, const Slab& slab, std::size_t k, int z0,
-                double voxel, const Vec3f& binder_color) {
-  const Vec3i& n = slab.lattice;
-  const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+// Adds the detail of particles and binder to plane k of the slab, in proportion to their coverage. `kept`:
+// the binder's, or null.
+void add_phases(const residual::ResidualField& field, Vec3f* colors, const Slab& slab, std::size_t k,
+                double voxel, const Vec3f& binder_color, const BinderDetail* kept) {
+  const std::size_t plane = static_cast<std::size_t>(slab.lattice.x()) * slab.lattice.y();
   const Vec3f binder = linear_to_srgb(binder_color);
-  for (int j = 0; j < n.y(); ++j)
-    for (int i = 0; i < n.x(); ++i) {
-      const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
-      const Vec3f mm =
-          ((Vec3(i, j, z0 + static_cast<double>(k)).array() + 0.5) * voxel).matrix().cast<float>();
-      const std::int32_t id = slab.id[k * plane + at];
-      const float depth = std::abs(slab.distance[k * plane + at]) * static_cast<float>(voxel);
-      const Vec3f offset = field.mixed(mm, id, std::min(slab.coverage[k * plane + at], 1.0f), depth);
-      const Vec3f flat = colors[at] == binder_color ? binder : linear_to_srgb(colors[at]);
-      colors[at] = srgb_to_linear((flat + offset).cwiseMax(0.0f));
-    }
+  const Vec3f* behind = kept ? kept->planes[k].data() : nullptr;
+  for (std::size_t at = 0; at < plane; ++at) {
+    const std::size_t i = k * plane + at;
+    const float cover = cover_of(slab, i), depth = std::abs(slab.distance[i]) * static_cast<float>(voxel);
+    const Vec3f offset = field.mixed(center_of(slab, at, slab.z0 + static_cast<int>(k), voxel), slab.id[i],
+                                     cover, depth, 0, behind);
+    if (behind && cover < 1) ++behind;
+    const Vec3f flat = colors[at] == binder_color ? binder : linear_to_srgb(colors[at]);
+    colors[at] = srgb_to_linear((flat + offset).cwiseMax(0.0f));
+  }
 }
 
 }  // namespace
@@ -105,43 +105,54 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
     const std::shared_ptr<const Slab> geometry = slabs.get(z0, z1, slab_work.part(0, 0.8));
     const Slab& slab = *geometry;
     std::vector<Vec3f> color(slab.coverage.size());
+    std::shared_ptr<const BinderDetail> behind;
+    if (field && intermediates)
+      behind = intermediates.get<BinderDetail>(
+          key_of("Voxelize binder of " + slabs.key(z0, z1).text(), *detail),
+          [&] { return BinderDetail(*field, slab, voxel, slab_work.part(0.8, 0.82)); });
 
-    const auto sums = slab_work.part(0.8, 0.85).reduce<Vec3>(
-        z1 - z0, 1, Vec3::Zero(),
-        [&](std::size_t begin, std::size_t end) {
-          Vec3 sum = Vec3::Zero();  // matter, voids, overlap
-          for (std::size_t k = begin; k < end; ++k) {
-            add_colors(slab, k, particles, &color[k * plane]);
-            for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
-              const float c = slab.coverage[i];
-              const float h = has_voids ? slab.holes[i] : 0;
-              sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f),
-                  sum[2] += std::max(c + h - 1.0f, 0.0f);
-              color[i] = c > 1 ? Vec3f(color[i] / c) : Vec3f(color[i] + (1 - c) * particles.binder_color);
-            }
-            if (field) add_phases(*field, &color[k * plane], slab, k, z0, voxel, particles.binder_color);
-            if (!grain.empty()) {
-              // Add in sRGB-encoded values, in which the residual was measured, and clip at 0.
-              Vec3f* colors = &color[k * plane];
-              const Vec3f binder = linear_to_srgb(particles.binder_color);
-              for (std::size_t i = 0; i < plane; ++i)
-                colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
-              std::vector<Vec3f> offsets(plane, Vec3f::Zero());
-              grain.add_plane(z0 + static_cast<int>(k), offsets.data());
-              const std::int32_t* ids = &slab.id[k * plane];
-              for (int j = 0; j < n.y(); ++j)
-                for (int i = 0; i < n.x(); ++i) {
-                  const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
-                  colors[at] += ids[at] < 0 || shifts.empty()
-                                    ? offsets[at]
-                                    : offsets[moved({i, j}, shifts[static_cast<std::size_t>(ids[at])], n)];
-                  colors[at] = srgb_to_linear(colors[at].cwiseMax(0.0f));
-                }
-            }
-          }
-          return sum;
-        },
-        [](const Vec3& a, const Vec3& b) { return Vec3(a + b); });
+    const auto sums =
+        slab_work.part(0.82, 0.85)
+            .reduce<Vec3>(
+                z1 - z0, 1, Vec3::Zero(),
+                [&](std::size_t begin, std::size_t end) {
+                  Vec3 sum = Vec3::Zero();  // matter, voids, overlap
+                  for (std::size_t k = begin; k < end; ++k) {
+                    add_colors(slab, k, particles, &color[k * plane]);
+                    for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
+                      const float c = slab.coverage[i];
+                      const float h = has_voids ? slab.holes[i] : 0;
+                      sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f),
+                          sum[2] += std::max(c + h - 1.0f, 0.0f);
+                      color[i] =
+                          c > 1 ? Vec3f(color[i] / c) : Vec3f(color[i] + (1 - c) * particles.binder_color);
+                    }
+                    if (field)
+                      add_phases(*field, &color[k * plane], slab, k, voxel, particles.binder_color,
+                                 behind.get());
+                    if (!grain.empty()) {
+                      // Add in sRGB-encoded values, in which the residual was measured, and clip at 0.
+                      Vec3f* colors = &color[k * plane];
+                      const Vec3f binder = linear_to_srgb(particles.binder_color);
+                      for (std::size_t i = 0; i < plane; ++i)
+                        colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
+                      std::vector<Vec3f> offsets(plane, Vec3f::Zero());
+                      grain.add_plane(z0 + static_cast<int>(k), offsets.data());
+                      const std::int32_t* ids = &slab.id[k * plane];
+                      for (int j = 0; j < n.y(); ++j)
+                        for (int i = 0; i < n.x(); ++i) {
+                          const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
+                          colors[at] +=
+                              ids[at] < 0 || shifts.empty()
+                                  ? offsets[at]
+                                  : offsets[moved({i, j}, shifts[static_cast<std::size_t>(ids[at])], n)];
+                          colors[at] = srgb_to_linear(colors[at].cwiseMax(0.0f));
+                        }
+                    }
+                  }
+                  return sum;
+                },
+                [](const Vec3& a, const Vec3& b) { return Vec3(a + b); });
     covered += sums[0], hollow += sums[1], overlap += sums[2];
     for (const std::int32_t p : slab.id)
       if (p >= 0) seen[p] = 1;

@@ -54,6 +54,21 @@ void add_subgraph(json& out, const RawDocument& doc, const RawNode& node, const 
 
 }  // namespace
 
+void add_bypassed(json& document, const Graph& graph, const std::string& prefix) {
+  for (auto& n : document["nodes"]) {
+    if (n["bypass"] != true) continue;
+    json inner = json::object();
+    for (const auto& [path, passed] : graph.bypassed) {
+      if (!is_named(path, prefix + n["name"].get<std::string>())) continue;
+      for (const auto& [port, wire] : passed)
+        if (!inner.contains(port))  // the first element's
+          inner[port] = {{"path", graph.nodes[static_cast<std::size_t>(wire.node)].path},
+                         {"port", wire.port}};
+    }
+    n["inner"] = inner;
+  }
+}
+
 json json_of(const RawDocument& doc, const Registry& registry) {
   json nodes = json::array(), outputs = json::array(), parameters = json::array();
   for (const auto& node : doc.nodes) {
@@ -65,7 +80,7 @@ json json_of(const RawDocument& doc, const Registry& registry) {
       inputs[port] = list;
     }
     json n = {{"name", node.name},       {"type", node.type}, {"graph", node.graph}, {"doc", node.doc},
-              {"line", node.place.line}, {"params", params},  {"inputs", inputs}};
+              {"line", node.place.line}, {"params", params},  {"inputs", inputs},    {"bypass", node.bypass}};
     for (const auto& [name, value] : node.each) n["each"][name] = value_json(value);
     if (!node.graph.empty()) add_subgraph(n, doc, node, registry);
     nodes.push_back(std::move(n));

@@ -8,9 +8,13 @@
 
 namespace terrazzo::studio {
 
-// {name, nodes, outputs, parameters}. A node is {name, type or graph, doc, line, params, inputs}; a repeated
-// node also has `each`, and a subgraph's node its `declaration` and `inner`: the path and port inside of it
-// by output, without the names of elements.
+// {name, nodes, outputs, parameters}. A node is {name, type or graph, doc, line, params, inputs, bypass}; a
+// repeated node also has `each`, and a subgraph's node its `declaration` and `inner`: the path and port
+// inside of it by output, without the names of elements.
 nlohmann::json json_of(const RawDocument&, const Registry&);
+
+// Adds `inner` to the bypassed nodes of such a document: by output, the path and port that is read instead.
+// `prefix`: "" or "SUBGRAPH/", where the document is in the graph.
+void add_bypassed(nlohmann::json& document, const Graph&, const std::string& prefix);
 
 }  // namespace terrazzo::studio

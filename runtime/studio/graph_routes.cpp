@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "graph/paste_nodes.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/live_graph.h"
 
@@ -24,12 +25,17 @@ WrittenValue written_value(const json& j) {
 }
 
 Edit edit_of(const json& j) {
-  static const std::map<std::string, Edit::Kind> kinds = {
-      {"set", Edit::Kind::SetParameter},       {"reset", Edit::Kind::ResetParameter},
-      {"append", Edit::Kind::AppendItem},      {"remove_item", Edit::Kind::RemoveItem},
-      {"set_default", Edit::Kind::SetDefault}, {"connect", Edit::Kind::Connect},
-      {"rewire", Edit::Kind::Rewire},          {"add", Edit::Kind::AddNode},
-      {"remove", Edit::Kind::RemoveNode},      {"rename", Edit::Kind::RenameNode}};
+  static const std::map<std::string, Edit::Kind> kinds = {{"set", Edit::Kind::SetParameter},
+                                                          {"reset", Edit::Kind::ResetParameter},
+                                                          {"append", Edit::Kind::AppendItem},
+                                                          {"remove_item", Edit::Kind::RemoveItem},
+                                                          {"set_default", Edit::Kind::SetDefault},
+                                                          {"connect", Edit::Kind::Connect},
+                                                          {"rewire", Edit::Kind::Rewire},
+                                                          {"bypass", Edit::Kind::SetBypass},
+                                                          {"add", Edit::Kind::AddNode},
+                                                          {"remove", Edit::Kind::RemoveNode},
+                                                          {"rename", Edit::Kind::RenameNode}};
   const auto kind = kinds.find(j.at("op").get<std::string>());
   if (kind == kinds.end())
     throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
@@ -38,6 +44,7 @@ Edit edit_of(const json& j) {
   e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
   e.type = j.value("type", ""), e.graph = j.value("graph", "");
   e.index = j.value("index", std::size_t{0});
+  e.bypass = j.value("bypass", false);
   if (j.contains("value")) e.value = written_value(j["value"]);
   if (j.contains("wires")) e.wires = j["wires"].get<std::vector<std::string>>();
   const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::AppendItem ||
@@ -60,6 +67,15 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
   auto& http = server.http();
   http.Post("/api/price", server.handler([&live](const In&, const json& body, Out& out) {
     LocalServer::answer(out, live.price(edits_of(body.at("edits"))));
+  }));
+  http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
+    json names = json::object();
+    live.change([&](Document& d) {
+      Pasted p = paste_nodes(d.text(), d.file(), body.at("text").get<std::string>());
+      d.replace(std::move(p.text));
+      for (const auto& [copied, now] : p.names) names[copied] = now;
+    });
+    LocalServer::answer(out, {{"number", live.events().last()}, {"names", names}});
   }));
   http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
     LocalServer::answer(out, live.history());

@@ -221,23 +221,26 @@ Value LiveGraph::preview(std::uint64_t number) {
   return {};
 }
 
+void LiveGraph::note_end() {
+  if (!end_expected_ || !running_.back()->evaluation->done()) return;
+  end_expected_ = false;
+  try {
+    const RunResult& r = running_.back()->evaluation->wait();
+    seconds_ += r.seconds, trouble_ = r.trouble;
+  } catch (const std::exception& e) {
+    trouble_ = e.what();
+  }
+  if (const auto rest = std::exchange(then_, {}); !rest.empty())
+    begin(rest, true);
+  else if (valid_)
+    past_.add(document_.text(), states_);
+  events_.add("run", json_text(run_json()));
+}
+
 void LiveGraph::watch() {
   std::unique_lock lock(mutex_);
   for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
-    if (end_expected_ && running_.back()->evaluation->done()) {
-      end_expected_ = false;
-      try {
-        const RunResult& r = running_.back()->evaluation->wait();
-        seconds_ += r.seconds, trouble_ = r.trouble;
-      } catch (const std::exception& e) {
-        trouble_ = e.what();
-      }
-      if (const auto rest = std::exchange(then_, {}); !rest.empty())
-        begin(rest, true);
-      else if (valid_)
-        past_.add(document_.text(), states_);
-      events_.add("run", json_text(run_json()));
-    }
+    note_end();
     if (tick % 20 != 0) continue;  // files: once a second
     if (document_.changed_on_disk() && !disk_changed_) try {
         if (document_.saved())

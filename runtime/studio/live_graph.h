@@ -31,6 +31,7 @@ class LiveGraph {
   template <class Change>
   void change(Change&& apply) {
     const std::lock_guard lock(mutex_);
+    note_end();
     apply(document_);
     document_changed();
   }
@@ -88,6 +89,8 @@ class LiveGraph {
   nlohmann::json document_json() const;
   nlohmann::json run_json() const;
   void tell_node(const std::string& path);
+  // If the current evaluation has ended: keeps the state, or starts what follows.
+  void note_end();
   void watch();  // the thread: ends of evaluations, files that change
 
   const Registry& registry_;

@@ -12,6 +12,7 @@ using nlohmann::json;
 json LiveGraph::document_json() const {
   Diagnostics ignored;
   json out = json_of(read_document(document_.text(), document_.file(), ignored), registry_);
+  if (valid_) add_bypassed(out, *session_.graph(), "");
   json messages = json::array();
   for (const auto& d : found_) messages.push_back(json_of(d));
   out["file"] = document_.file().string();

@@ -54,6 +54,7 @@ void LiveGraph::restore(std::size_t number) {
 json LiveGraph::subgraph(const std::string& path) {
   const std::lock_guard lock(mutex_);
   Diagnostics found;
+  std::string shown;
   RawDocument doc = read_document(document_.text(), document_.file(), found);
   for (std::size_t at = 0; at <= path.size();) {
     const std::size_t end = std::min(path.find('/', at), path.size());
@@ -64,11 +65,12 @@ json LiveGraph::subgraph(const std::string& path) {
     const fs::path file = (doc.file.parent_path() / node->graph).lexically_normal();
     const auto text = read_graph_text(file, found);
     if (!text) throw Error(found.back());
-    doc = read_document(*text, file, found);
+    doc = read_document(shown = *text, file, found);
     at = end + 1;
   }
   json out = json_of(doc, registry_);
-  out["file"] = doc.file.string();
+  if (valid_) add_bypassed(out, *session_.graph(), path + "/");
+  out["file"] = doc.file.string(), out["text"] = shown;
   return out;
 }
 

@@ -165,5 +165,14 @@ TEST(EditDocument, OddTextIsKeptOrRefused) {
   EXPECT_EQ(test::code_of([] { after({.kind = Kind::AddNode, .node = "a.b", .type = "X"}); }), "bad-name");
 }
 
+TEST(EditDocument, NodesAreBypassedAndBack) {
+  const Edit on{.kind = Kind::SetBypass, .node = "segment", .bypass = true},
+      off{.kind = Kind::SetBypass, .node = "segment"};
+  const std::string text = after(on);
+  EXPECT_NE(text.find("    bypass: true\n"), std::string::npos) << text;
+  EXPECT_EQ(after(off, text), kGraph);
+  EXPECT_EQ(after(off), kGraph);
+}
+
 }  // namespace
 }  // namespace terrazzo

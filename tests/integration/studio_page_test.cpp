@@ -53,6 +53,10 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   std::string edited = text;
   edited.replace(edited.find("300"), 3, "100");
   EXPECT_EQ(r["text_after"], edited);
+  EXPECT_EQ(r["size_bypassed"].get<std::string>().rfind("60 × 40", 0), 0u) << r["size_bypassed"];
+  EXPECT_EQ(r["text_bypassed"], edited + "    bypass: true\n");
+  EXPECT_NE(r["passes"].get<std::string>().find("picture.image for image"), std::string::npos) << r["passes"];
+  EXPECT_EQ(r["bypass_ended"], true);
   EXPECT_EQ(r["line"], "  sheet:");
   EXPECT_EQ(r["broken_status"], "1 error in the graph");
   EXPECT_NE(r["message"].get<std::string>().find("ContactSheat"), std::string::npos);
@@ -60,11 +64,15 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_EQ(r["saved"], text + "  export:\n    type: Export\n    inputs: {image: sheet.image}\n");
   EXPECT_EQ(r["offered"], "Add a node that accepts Image");
   EXPECT_EQ(r["removed"], true);
-  EXPECT_EQ(r["duplicated"], text +
-                                 "  sheet_2:\n    type: ContactSheet\n    params: {cell: 300}\n    inputs: "
-                                 "{images: picture.image}\n");
+  std::string copy = text.substr(text.find("  sheet:"));
+  copy.replace(2, 5, "sheet_2");
+  EXPECT_EQ(r["duplicated"], text + copy);
   EXPECT_EQ(r["duplicate_undone"], true);
   EXPECT_EQ(r["pasted"], true);
+  EXPECT_EQ(r["from_elsewhere"],
+            text + "  picture_2: {type: LoadImage, params: {path: a.png}} # again\n"
+                   "  wide:\n    type: ContactSheet\n    inputs: {images: picture_2.image}\n");
+  EXPECT_NE(r["refused"].get<std::string>().find("no text of nodes"), std::string::npos) << r["refused"];
   EXPECT_EQ(r["offline"], true);
 }
 
@@ -195,7 +203,8 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   EXPECT_EQ(r["peek"].get<std::string>().rfind("Image", 0), 0u);
   EXPECT_EQ(r["nib"], true);
   EXPECT_EQ(r["pages"], 8);
-  EXPECT_NE(r["without"].get<std::string>().find("no WebGL"), std::string::npos);
+  for (const char* view : {"without", "linked_without", "plane_without"})
+    EXPECT_NE(r[view].get<std::string>().find("no WebGL"), std::string::npos) << view;
 }
 
 }  // namespace

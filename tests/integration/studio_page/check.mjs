@@ -46,6 +46,20 @@ try {
   result.text_after = await text();
   await check('inspector, dark');
 
+  // A bypassed node shows what it passes through.
+  await card('sheet').click();
+  await page.keyboard.press('Control+b');
+  await page.waitForSelector('.card.bypassed');
+  await page.waitForFunction(old => document.querySelector('.readout')?.textContent !== old, result.size_after);
+  result.size_bypassed = await size();
+  result.text_bypassed = await text();
+  result.passes = await page.textContent('.inspector .state');
+  await check('bypassed, dark');
+  await page.click('.inspector button:has-text("Bypass")');
+  await page.locator('.card.bypassed').waitFor({ state: 'detached' });
+  await settled();
+  result.bypass_ended = (await text()) === result.text_after;
+
   // A message leads to its line.
   await page.click('text=YAML');
   await page.click('.title .link');
@@ -61,7 +75,7 @@ try {
   await check('messages, light');
 
   // Undo goes back to the first text.
-  for (let k = 0; k < 2; ++k) await page.click('button:has-text("Undo")'), await settled();
+  for (let k = 0; k < 4; ++k) await page.click('button:has-text("Undo")'), await settled();
   result.undone = (await text()) === before;
 
   // A node is added, wired by dragging, and saved.
@@ -124,7 +138,21 @@ try {
   await page.keyboard.press('Control+v');
   await card('sheet_2').waitFor();
   result.pasted = (await text()) === result.duplicated;
+  await page.click('button:has-text("Undo")');
+  await card('sheet_2').waitFor({ state: 'detached' });
+  // Text from elsewhere, and text that is none of nodes.
+  const put = lines => page.evaluate(text => {
+    const clipboardData = new DataTransfer();
+    clipboardData.setData('text/plain', text);
+    document.querySelector('.react-flow').dispatchEvent(new ClipboardEvent('paste', { clipboardData, bubbles: true, cancelable: true }));
+  }, lines);
+  await put('picture: {type: LoadImage, params: {path: a.png}} # again\nwide:\n  type: ContactSheet\n  inputs: {images: [picture.image, nobody.image]}\n');
+  await card('wide').waitFor();
+  result.from_elsewhere = await text();
+  await settled();
   result.errors_before_end = [...result.errors];
+  await put('Dear colleague');
+  result.refused = await page.textContent('.notices');
 
   server.kill('SIGKILL');
   await page.waitForFunction(() => document.querySelector('.status').textContent === 'not connected');

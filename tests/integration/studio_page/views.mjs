@@ -251,6 +251,13 @@ try {
   await plain.locator('.react-flow__node[data-id="pack"]').click();
   await plain.waitForSelector('.both canvas');
   result.without = await plain.textContent('.both figcaption');
+  await plain.click('.ports button:has-text("Linked")');
+  await plain.waitForSelector('.linked .plot');
+  result.linked_without = await plain.textContent('.linked');
+  await plain.locator('.react-flow__node[data-id="section"]').click();
+  await plain.click('.ports button:has-text("Plane in 3D")');
+  await plain.waitForSelector('.cutting canvas');
+  result.plane_without = await plain.textContent('.cutting');
   await plain.locator('.react-flow__node[data-id="voxels"]').click();
   await plain.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
 } catch (e) {

@@ -1,6 +1,7 @@
 // Geometry that is kept while colors change.
 #include <gtest/gtest.h>
 
+#include "nodes/data/detail.h"
 #include "nodes/data/volume.h"
 #include "nodes/voxelize/voxelize.h"
 #include "runtime/random.h"
@@ -28,6 +29,23 @@ Particles colored(std::uint64_t seed, bool voids) {
   Random binder(seed, 2, 0);
   p.binder_color = Vec3f::Constant(static_cast<float>(binder.uniform()));
   return p;
+}
+
+// Noise, rims and factors that tell phases, places and distances apart.
+Detail fine_detail() {
+  Detail d;
+  d.pixel_size = 0.3, d.size = 6;
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Detail::Phase phase;
+    phase.color = Vec3f::Constant(0.1f + 0.35f * static_cast<float>(k));
+    phase.slope = k == 0 ? 0 : 0.05f;
+    phase.gain = {0.5f, 0.8f, 1};
+    phase.rims = {{0.5f, {Vec3f(0.02f, 0, 0), Vec3f::Zero()}}, {2, {Vec3f(0, 0.04f, 0), Vec3f::Zero()}}};
+    for (std::uint64_t i = 0; i < 216; ++i)
+      phase.tile.push_back(Vec3f::Constant(static_cast<float>(0.1 * Random(1, k, i).normal())));
+    d.phases.push_back(std::move(phase));
+  }
+  return d;
 }
 
 Hash content(const Volume& v) {
@@ -60,6 +78,27 @@ TEST(Voxelize, KeptGeometryGivesTheBitsOfAFreshVoxelization) {
         EXPECT_GT(fresh.overlap_fraction, 0);
       }
     }
+}
+
+// The binder's detail is kept too; that of other tiles, or behind other particles, is never taken for it.
+TEST(Voxelize, KeptDetailGivesTheBitsOfAFreshVoxelization) {
+  Store store(test::value_types(), {}, 1 << 30);
+  const Intermediates kept(store);
+  Detail detail = fine_detail();
+  const Shapes shapes = test::shapes_of(test::cube_mesh());
+  Hash last{};
+  for (int change = 0; change < 5; ++change) {
+    Particles p = colored(static_cast<std::uint64_t>(change) + 1, change == 4);
+    p.size.assign(p.count(), 1.2);
+    if (change == 2) detail.phases[0].tile[7].x() += 0.2f;
+    if (change == 3) p.size[4] = 0.4;
+    const voxelize::Lattice lattice = voxelize::choose_lattice(p.box, {16, 16, 32});
+    voxelize::VoxelReport again, fresh;
+    const Hash known = content(voxelize::voxelize(p, shapes, nullptr, lattice, again, {}, &detail, kept));
+    EXPECT_EQ(known, content(voxelize::voxelize(p, shapes, nullptr, lattice, fresh, {}, &detail))) << change;
+    EXPECT_NE(known, last);
+    last = known;
+  }
 }
 
 }  // namespace

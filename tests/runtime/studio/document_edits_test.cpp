@@ -59,6 +59,9 @@ class Text {
       case Kind::SetDefault:
         entry({"parameters", e.name, "default"}, find({"parameters", e.name}));
         break;
+      case Kind::SetBypass:
+        entry({"nodes", e.node, "bypass"}, node);
+        break;
       case Kind::SetSubgraph:
         entry({"nodes", e.node, "graph"}, node);
         break;
@@ -201,7 +204,7 @@ TEST(StudioDocumentEdits, TenThousandChangeTheirOwnLinesAndAreUndone) {
     all += count;
     EXPECT_GT(count, 100) << static_cast<int>(kind);
   }
-  EXPECT_EQ(done.size(), 11u);
+  EXPECT_EQ(done.size(), 12u);
   EXPECT_GT(subgraphs, 100);
   EXPECT_GT(repeated, 10);
   for (const auto& [why, count] : refused) EXPECT_EQ(count, 0) << why;

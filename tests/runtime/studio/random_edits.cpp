@@ -64,6 +64,9 @@ RawDocument intended(RawDocument doc, const Edit& e) {
     case Kind::SetSubgraph:
       node->graph = e.graph;
       break;
+    case Kind::SetBypass:
+      node->bypass = e.bypass;
+      break;
     case Kind::Connect: {
       std::vector<RawReference> list;
       for (const auto& w : e.wires) list.push_back({w, {}});
@@ -131,6 +134,9 @@ Edit RandomEdits::next(const RawDocument& doc, std::size_t number) {
     case Kind::SetSubgraph:
       if (node.graph.empty()) return next(doc, number);
       e.graph = "../" + word() + ".yaml";
+      break;
+    case Kind::SetBypass:
+      e.bypass = !node.bypass;
       break;
     case Kind::Connect:
       if (!node.inputs.empty() && below(4)) e.name = pick(node.inputs).first;

@@ -3,14 +3,14 @@ import {
 } from '@xyflow/react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
-import { copy, duplicate, paste } from './clipboard';
+import { paste, textOf } from './clipboard';
 import { typeColor } from './format';
 import { layout, nodeSize } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { forgetPlaces, keepPlaces, readPlaces, type Places } from './places';
 import { Search, type SearchAt } from './search';
-import { declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { bypass, declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
 
 const nodeTypes = { node: NodeCard, note: NoteCard };
@@ -242,12 +242,24 @@ export function Canvas() {
       const first = [...names.values()][0];
       if (first) setTimeout(() => select(first), 80);
     };
+    const elsewhere = (e: Event) => e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]');
+    // Events of the clipboard need no permission.
+    const copied = (e: ClipboardEvent) => {
+      if (elsewhere(e) || !doc || !chosen.length || window.getSelection()?.toString()) return;
+      e.clipboardData?.setData('text/plain', textOf(doc, chosen));
+      e.preventDefault();
+    };
+    const pasted = (e: ClipboardEvent) => {
+      const text = e.clipboardData?.getData('text/plain');
+      if (elsewhere(e) || scope || !text?.trim()) return;
+      void paste(text).then(place);
+      e.preventDefault();
+    };
     const key = (e: KeyboardEvent) => {
-      if (e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]')) return;
+      if (elsewhere(e)) return;
       if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
-        if (e.key === 'c' && chosen.length && !window.getSelection()?.toString()) copy(doc, chosen);
-        else if (e.key === 'v' && !scope) void paste(doc).then(place);
-        else if (e.key === 'd' && chosen.length && !scope) void duplicate(doc, chosen).then(place);
+        if (e.key === 'b' && chosen.length && !scope) bypass(chosen);
+        else if (e.key === 'd' && chosen.length && !scope) void paste(textOf(doc, chosen)).then(place);
         else return;
         return e.preventDefault();
       }
@@ -264,7 +276,13 @@ export function Canvas() {
       e.preventDefault();
     };
     window.addEventListener('keydown', key);
-    return () => window.removeEventListener('keydown', key);
+    window.addEventListener('copy', copied);
+    window.addEventListener('paste', pasted);
+    return () => {
+      window.removeEventListener('keydown', key);
+      window.removeEventListener('copy', copied);
+      window.removeEventListener('paste', pasted);
+    };
   }, [flow, arrangeAll, doc, nodes, scope]);
 
   if (doc && doc.nodes.length > kMostNodes)

@@ -3,7 +3,7 @@ import { useEffect, useState } from 'react';
 import { Field } from './fields';
 import { bytesText, numberText, secondsText } from './format';
 import { Inputs } from './inputs';
-import { askPrice, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
+import { askPrice, bypass, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {
@@ -33,10 +33,10 @@ function Name({ node }: { node: DocNode }) {
 }
 
 function State({ node }: { node: DocNode }) {
-  const file = useStore(s => s.doc?.file ?? '');
+  const file = useStore(s => s.doc?.file ?? ''), valid = useStore(s => s.doc?.valid);
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   if (!state) return null;
-  const metrics = Object.entries(state.metrics);
+  const metrics = Object.entries(state.metrics), passed = Object.entries(node.inner ?? {});
   return (
     <div className="state">
       <p><span><b>{state.state}</b>
@@ -45,8 +45,10 @@ function State({ node }: { node: DocNode }) {
         {(state.state === 'stale' || state.state === 'waiting') && state.expected > 0 && `, about ${secondsText(state.expected)}`}</span>
         {state.state === 'running'
           ? <button onClick={() => void post('/api/cancel', { node: node.name })}>Cancel</button>
-          : !['cached', 'computed'].includes(state.state) && !node.graph && <button onClick={() => void post('/api/run', { targets: [node.name] })}>Run to here</button>}
+          : !['cached', 'computed', 'bypassed'].includes(state.state) && !node.graph && <button onClick={() => void post('/api/run', { targets: [node.name] })}>Run to here</button>}
       </p>
+      {node.bypass && <p>{passed.length ? <>It does not run. Its readers read {passed.map(([port, at], k) => <span key={port}>{k > 0 && ', '}<b>{at!.path}.{at!.port}</b> for {port}</span>)}.</>
+        : valid ? 'It does not run, and none of its connected inputs has the type of an output.' : 'It does not run. The graph has errors.'}</p>}
       {state.error && <p className="bad">{state.error.message}{state.error.hint && <em> {state.error.hint}</em>}
         {state.error.line > 0 && <button className="link" onClick={() => goToLine(state.error!.line)}>line {state.error.line}</button>}</p>}
       {state.warnings.map(w => <p key={w} className="warning">{w}</p>)}
@@ -104,7 +106,7 @@ function NodeInspector({ node }: { node: DocNode }) {
   return (
     <>
       <div className="title">{inside ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
-        {inside ? <em>line {node.line}</em> : <button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button>}</div>
+        {inside ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Leave the node out: what reads it reads its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
       {!!declaration?.inputs.length && <Inputs node={node} inputs={declaration.inputs} />}

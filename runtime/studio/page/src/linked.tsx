@@ -5,7 +5,7 @@ import { fetchJson, useLoaded } from './load';
 import type { Kernel } from './matrix';
 import { OutlinesPane, useOutlines, type Outlines } from './profiles';
 import { fetchRaster } from './raster';
-import { loadParticles, StageView, useShapesOf, webGL } from './solids';
+import { loadParticles, noWebGL, StageView, useShapesOf, webGL } from './solids';
 import { declarationOf, nearest, shownDoc, useStore, valueOf, type Target } from './store';
 import type { DocNode, OutputValue } from './types';
 
@@ -105,7 +105,7 @@ export function LinkedView({ node }: { node: DocNode }) {
         <div className="pane">{solid.data ? <StageView solid={solid.data} label="Particles" onPick={hit => {
           const i = hit && solid.data?.bodies ? solid.data.bodies.particleOf(hit.object, hit.instance) : -1;
           setBrush(i >= 0 ? { kind: 'particles', items: [i] } : null);
-        }} /> : <p className="none">{solid.error || (bodies ? 'Loading…' : 'There are no particles here.')}</p>}</div>
+        }} /> : <p className="none">{solid.error || (!bodies ? 'There are no particles here.' : webGL ? 'Loading…' : noWebGL)}</p>}</div>
       </div>
       <div className="options"><span>{said}</span>{brush && brush.items.length > 0 && <button onClick={() => setBrush(null)}>Show all</button>}</div>
     </>

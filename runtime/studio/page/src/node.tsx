@@ -12,7 +12,7 @@ export type GraphNode = Node<{ node: DocNode }, 'node'>;
 
 const words: Record<string, string> = {
   cached: 'cached', computed: 'done', stale: 'stale', waiting: 'waiting', running: 'running', failed: 'failed',
-  skipped: 'skipped', canceled: 'canceled',
+  skipped: 'skipped', canceled: 'canceled', bypassed: 'bypassed',
 };
 
 function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 'out' }) {
@@ -57,7 +57,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
         {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
         <time>{time}</time>
       </header>
-      <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}</div>
+      <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}{node.bypass && ', bypassed'}</div>
       {small && <Thumbnail value={small} most={320} />}
       <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">

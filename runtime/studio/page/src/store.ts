@@ -77,7 +77,7 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
-export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; };
+export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; bypass?: boolean };
 // `merge`: one of many edits while a control moves. Those within a second are one step of undo.
 let moving = { what: '', group: 0, at: 0 };
 export function edit(edits: Edit[], merge = false): Promise<boolean> {
@@ -171,9 +171,9 @@ export async function enter(scope: string): Promise<void> {
   const doc = await answer.json() as Doc, path = (name: string) => `${scope}/${name}`;
   const nodes = doc.nodes.map(n => ({
     ...n, name: path(n.name), inputs: Object.fromEntries(Object.entries(n.inputs).map(([port, wires]) => [port, wires.map(path)])),
-    inner: n.inner && Object.fromEntries(Object.entries(n.inner).map(([port, at]) => [port, at && { ...at, path: path(at.path) }])),
+    inner: n.bypass ? n.inner : n.inner && Object.fromEntries(Object.entries(n.inner).map(([port, at]) => [port, at && { ...at, path: path(at.path) }])),
   }));
-  set(s => ({ scope, inside: { ...doc, nodes, messages: [], text: '', arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
+  set(s => ({ scope, inside: { ...doc, nodes, messages: [], arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
 }
 
 // Keeps where nodes and notes are, soon; several changes at once are one request.
@@ -206,7 +206,7 @@ export async function askPrice(edits: Edit[] | null): Promise<void> {
 let shown = '';
 useStore.subscribe(s => {
   const name = s.pinned?.node ?? s.selected ?? '', node = shownDoc(s)?.nodes.find(n => n.name === name);
-  const path = (node?.graph ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
+  const path = (node?.graph || node?.bypass ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
   if (path === shown || !s.doc) return;
   shown = path;
   void fetch('/api/view', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ node: path }) }).catch(() => {});
@@ -238,6 +238,12 @@ export function steadily<T>(send: (value: T) => Promise<unknown>) {
 
 // --- nodes of the document
 
+// Bypasses nodes, or no longer if all of them are.
+export function bypass(names: string[]) {
+  const nodes = useStore.getState().doc?.nodes.filter(n => names.includes(n.name) && !n.graph) ?? [], on = !nodes.every(n => n.bypass);
+  if (nodes.length) void edit(nodes.map(n => ({ op: 'bypass', node: n.name, bypass: on })));
+}
+
 export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
 
 const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'canceled', 'waiting', 'running', 'failed'];
@@ -248,14 +254,15 @@ const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
 export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
   new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;
 
+const nothing: NodeState = { state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [] };
+
 // The state of a node of the document. Those of a subgraph's nodes, and of elements, are joined.
 export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
+  if (node.bypass) return { ...nothing, state: 'bypassed' };
   if (!node.graph && nodes[node.name]) return nodes[node.name];
   const inside = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
   if (!inside.length) return undefined;
-  const out: NodeState = {
-    state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [],
-  };
+  const out: NodeState = { ...nothing, reasons: [], warnings: [], files: [] };
   for (const [path, s] of inside) {
     if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;
     out.seconds += s.seconds, out.expected += s.expected;
@@ -268,7 +275,7 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
 }
 
 function outputOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { state: NodeState; port: string } | undefined {
-  const at = node.graph ? node.inner?.[port] : { path: node.name, port };
+  const at = node.graph || node.bypass ? node.inner?.[port] : { path: node.name, port };
   if (!at) return undefined;
   const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path); // the first element
   return path === undefined ? undefined : { state: nodes[path], port: at.port };

@@ -10,12 +10,12 @@ export interface NodeType {
 }
 export type Written = string | string[];
 export interface DocNode {
-  name: string; type: string; graph: string; doc: string; line: number;
+  name: string; type: string; graph: string; doc: string; line: number; bypass: boolean;
   params: Record<string, { value: Written; line: number }>;
   inputs: Record<string, string[]>;
   each?: Record<string, { value: Written; line: number }>;
   declaration?: NodeType;
-  inner?: Record<string, { path: string; port: string } | null>;
+  inner?: Record<string, { path: string; port: string } | null>; // what makes each output of a subgraph, or of a bypassed node
 }
 export interface Message {
   severity: 'error' | 'warning' | 'note'; code: string; message: string; hint: string;
@@ -33,7 +33,7 @@ export interface Doc {
 }
 export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
-export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled';
+export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled' | 'bypassed';
 export interface NodeState {
   state: StateWord; progress: number; note: string; seconds: number; expected: number; reasons: string[];
   outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>; metrics: Record<string, number>; warnings: string[]; files: string[];

@@ -33,7 +33,7 @@ export function Viewer() {
   const preview = node && previewOf(node, shown, nodes);
   const value = preview ?? (node && valueOf(node, shown, nodes));
   const state = node && stateOf(node, nodes);
-  const old = value && !preview && state && !['cached', 'computed'].includes(state.state);
+  const old = value && !preview && state && !['cached', 'computed', 'bypassed'].includes(state.state);
   return (
     <section className="viewer" aria-label="Viewer">
       <div className="tabs">

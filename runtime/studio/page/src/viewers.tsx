@@ -18,6 +18,7 @@ function OtherView({ value, node }: { value: OutputValue; node: DocNode }) {
   return (
     <div className="both">
       {solid && picture && <figure><ImageView value={(from && previewOf(from, picture.target.port, nodes)) ?? picture.value} node={node} /><figcaption>{noWebGL} This is {picture.target.node}.{picture.target.port}, made from this value.</figcaption></figure>}
+      {solid && !picture && <p className="none">{noWebGL} Nothing in the graph makes a picture of this value; RenderSolid does.</p>}
       <Summary value={value} />
     </div>
   );
