@@ -50,9 +50,9 @@ struct Detail {
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles
-  // Median color of profiles, scene-linear; their size √(4A/π), mm; and the deviation of their offsets relative
-  // to their group's: that of the mean of the three channels (x), and that of the rest (y). A particle has
-  // the contrast of the profile that is most like it in color and size.
+  // Median color of profiles, scene-linear; their size √(4A/π), mm; and the deviation of their offsets
+  // relative to their group's: that of the mean of the three channels (x), and that of the rest (y). A
+  // particle has the contrast of the profile that is most like it in color and size.
   std::vector<Vec3f> profile_color;
   std::vector<float> profile_size;
   std::vector<Eigen::Vector2f> profile_contrast;

@@ -23,11 +23,10 @@ struct Extent {
   int x0 = 1 << 30, y0 = 1 << 30, x1 = -1, y1 = -1;  // inclusive
 };
 
-// The mean around each used pixel of one label, within the label's extent, over pixels for which
+// The mean of `value` around each used pixel of one label, within the label's extent, over pixels for which
 // `counts(pixel)`. Keeps what is there already where hardly any counts.
-template <class Counts>
 void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t id, const Extent& e,
-                const Counts& counts, std::vector<Vec3f>& broad) {
+                const std::vector<Vec3f>& value, const auto& counts, std::vector<Vec3f>& broad) {
   constexpr float kLeast = 0.02f;  // weight of the pixels that count
   const int w = e.x1 - e.x0 + 1, h = e.y1 - e.y0 + 1;
   cv::Mat sum(h, w, CV_32FC4, cv::Scalar::all(0));
@@ -39,7 +38,7 @@ void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t
       }
   };
   each([&](std::size_t i, cv::Vec4f& v) {
-    const Vec3f& o = p.offset[i];
+    const Vec3f& o = value[i];
     if (counts(i)) v = cv::Vec4f(o.x(), o.y(), o.z(), 1);
   });
   cv::GaussianBlur(sum, sum, {0, 0}, kBroad, kBroad, cv::BORDER_CONSTANT);
@@ -48,8 +47,8 @@ void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t
   });
 }
 
-void blur_labels(const Phases& phases, const Labels& labels, const auto& counts, std::vector<Vec3f>& broad,
-                 const Work& work) {
+void blur_labels(const Phases& phases, const Labels& labels, const std::vector<Vec3f>& value,
+                 const auto& counts, std::vector<Vec3f>& broad, const Work& work) {
   std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
   for (int s = 0; s < phases.sections; ++s) {
     work.check();
@@ -62,10 +61,10 @@ void blur_labels(const Phases& phases, const Labels& labels, const auto& counts,
         e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
         e.y1 = std::max(e.y1, y);
       }
-    blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, counts, broad);
+    blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, value, counts, broad);
     for (std::size_t k = 0; k < extents.size(); ++k)
       if (extents[k].x1 >= 0)
-        blur_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], counts, broad);
+        blur_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], value, counts, broad);
   }
 }
 
@@ -128,28 +127,29 @@ Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd&
 }  // namespace
 
 std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work& work) {
-  constexpr float kSpeck = 4;  // robust standard deviations
-  std::vector<Vec3f> broad(phases.offset.size(), Vec3f::Zero());
-  blur_labels(phases, labels, [](std::size_t) { return true; }, broad, work);
-  // Specks, pits and cracks belong to the fine part as a whole. If they counted here, the fine part would have
-  // a halo around each, and what lies between them would take their mean color.
-  const std::vector<Vec3f> deviation = deviations(phases, broad), all = broad;
-  blur_labels(
-      phases, labels,
-      [&](std::size_t i) {
-        const Vec3f far = (phases.offset[i] - all[i]).cwiseAbs();
-        return (far.array() <= kSpeck * deviation[static_cast<std::size_t>(phases.phase[i])].array()).all();
-      },
-      broad, work);
-  std::vector<Vec3> mean(phases.pixels.size(), Vec3::Zero());
-  std::vector<double> count(mean.size(), 0.0);
-  for (std::size_t i = 0; i < broad.size(); ++i)
+  constexpr float kSpeck = 4;    // robust standard deviations
+  constexpr float kZone = 0.2f;  // share of the pixels around that are as far off in a zone or shadow
+  const auto all = [](std::size_t) { return true; };
+  std::vector<Vec3f> broad(phases.offset.size(), Vec3f::Zero()), far = broad, around = broad;
+  blur_labels(phases, labels, phases.offset, all, broad, work);
+  // Specks, pits and cracks belong to the fine part as a whole. If they counted here, the fine part would
+  // have a halo around each, and what lies between them would take their mean color.
+  const std::vector<Vec3f> deviation = deviations(phases, broad);
+  for (std::size_t i = 0; i < far.size(); ++i)
     if (const auto k = phases.phase[i]; k >= 0)
-      mean[static_cast<std::size_t>(k)] += broad[i].cast<double>(), ++count[static_cast<std::size_t>(k)];
+      far[i].setConstant(((phases.offset[i] - broad[i]).cwiseAbs().array() >
+                          kSpeck * deviation[static_cast<std::size_t>(k)].array())
+                             .any());
+  blur_labels(phases, labels, far, all, around, work);
+  blur_labels(
+      phases, labels, phases.offset, [&](std::size_t i) { return far[i].x() == 0 || around[i].x() > kZone; },
+      broad, work);
+  std::vector<Mean> mean(phases.pixels.size());
+  for (std::size_t i = 0; i < broad.size(); ++i)
+    if (const auto k = phases.phase[i]; k >= 0) mean[static_cast<std::size_t>(k)].add(broad[i]);
   for (std::size_t i = 0; i < broad.size(); ++i)
     if (const auto k = phases.phase[i]; k >= 0) {
-      const auto n = static_cast<std::size_t>(k);
-      broad[i] -= (mean[n] / count[n]).cast<float>();
+      broad[i] -= mean[static_cast<std::size_t>(k)].value();
       phases.offset[i] -= broad[i];
     }
   return broad;

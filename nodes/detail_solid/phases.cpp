@@ -48,13 +48,6 @@ double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int
   return all > 0 ? static_cast<double>(far.size()) / all : 0;
 }
 
-struct Mean {
-  Vec3 sum = Vec3::Zero();
-  double count = 0;
-  void add(const Vec3f& v) { sum += v.cast<double>(), ++count; }
-  Vec3f value() const { return (sum / std::max(count, 1.0)).cast<float>(); }
-};
-
 // Groups of the profiles by color, from 1 by falling area. `color` is linear and `area` counts used pixels.
 std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vector<double>& area,
                                 const PhaseChoice& choice, const Work& work) {

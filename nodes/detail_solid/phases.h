@@ -1,6 +1,7 @@
 // What a photograph shows beyond flat colors, separately for its binder and for groups of its particles.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -13,12 +14,12 @@ namespace terrazzo::detail_solid {
 // Pixels are ordered as in Image.
 struct Phases {
   int width = 0, height = 0, sections = 1;
-  std::vector<Vec3f> offset;        // from the flat color, as in Detail
-  std::vector<std::int8_t> phase;   // −1: not used, 0: binder, g: group of particles
-  std::vector<Vec3f> group_color;   // of groups 1, 2 …; mean of their profiles' colors by area, scene-linear
+  std::vector<Vec3f> offset;       // from the flat color, as in Detail
+  std::vector<std::int8_t> phase;  // −1: not used, 0: binder, g: group of particles
+  std::vector<Vec3f> group_color;  // of groups 1, 2 …; mean of their profiles' colors by area, scene-linear
   std::vector<Vec3f> profile_color;  // of label k at k − 1; median, zero without used pixels; scene-linear
-  std::vector<std::size_t> pixels;  // used pixels of each phase
-  double outliers = 0;              // fraction of the binder's pixels that are particles missed by the labels
+  std::vector<std::size_t> pixels;   // used pixels of each phase
+  double outliers = 0;  // fraction of the binder's pixels that are particles missed by the labels
 
   std::size_t plane() const { return static_cast<std::size_t>(width) * height; }
 };
@@ -32,13 +33,21 @@ struct PhaseChoice {
   std::uint64_t seed = 1;
 };
 
+// Mean of colors or offsets; zero without any.
+struct Mean {
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  void add(const Vec3f& v) { sum += v.cast<double>(), ++count; }
+  Vec3f value() const { return (sum / std::max(count, 1.0)).cast<float>(); }
+};
+
 // Throws Error "empty-image", "size-mismatch", "bad-pixels", "bad-labels".
 void check_photograph(const Image&, const Labels&);
 
-// The flat color of a pixel is the median of its profile's used pixels, or the mean of the section's binder, blurred as
-// the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by area); there
-// are fewer groups if one would have too few pixels for a texture. The photograph must have passed
-// check_photograph.
+// The flat color of a pixel is the median of its profile's used pixels, or the mean of the section's binder,
+// blurred as the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by
+// area); there are fewer groups if one would have too few pixels for a texture. The photograph must have
+// passed check_photograph.
 Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
 
 }  // namespace terrazzo::detail_solid

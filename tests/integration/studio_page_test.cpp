@@ -70,8 +70,9 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_EQ(r["duplicate_undone"], true);
   EXPECT_EQ(r["pasted"], true);
   EXPECT_EQ(r["from_elsewhere"],
-            text + "  picture_2: {type: LoadImage, params: {path: a.png}} # again\n"
-                   "  wide:\n    type: ContactSheet\n    inputs: {images: picture_2.image}\n");
+            text +
+                "  picture_2: {type: LoadImage, params: {path: a.png}} # again\n"
+                "  wide:\n    type: ContactSheet\n    inputs: {images: picture_2.image}\n");
   EXPECT_NE(r["refused"].get<std::string>().find("no text of nodes"), std::string::npos) << r["refused"];
   EXPECT_EQ(r["offline"], true);
 }

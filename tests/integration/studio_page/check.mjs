@@ -152,7 +152,9 @@ try {
   await settled();
   result.errors_before_end = [...result.errors];
   await put('Dear colleague');
-  result.refused = await page.textContent('.notices');
+  const notice = page.locator('.notices', { hasText: 'nodes' });
+  await notice.waitFor();
+  result.refused = await notice.textContent();
 
   server.kill('SIGKILL');
   await page.waitForFunction(() => document.querySelector('.status').textContent === 'not connected');
