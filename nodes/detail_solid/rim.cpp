@@ -246,16 +246,16 @@ std::vector<double> split_slopes(Phases& p, const Labels& labels) {
   each([&](const Fit& f, std::size_t i, double x, double y) {
     p.offset[i] -= Vec3f::Constant(static_cast<float>(f.gx * (x - f.mx) + f.gy * (y - f.my)));
   });
-  // The deviation along one axis, from the median by area: the square of a slope with normal components has
-  // the median 2 ln 2 times their variance. A few profiles that contain a shadow or two stones don't count.
+  // A few profiles that contain a shadow or two stones count as if their slope were twice the median by area.
   std::vector<double> out;
   for (auto& of_group : steepness) {
     std::sort(of_group.begin(), of_group.end());
-    double all = 0, sum = 0;
+    double all = 0, below = 0, sum = 0;
     for (const auto& [square, pixels] : of_group) all += pixels;
     std::size_t k = 0;
-    while (k < of_group.size() && (sum += of_group[k].second) < all / 2) ++k;
-    out.push_back(of_group.empty() ? 0 : std::sqrt(of_group[k].first / (2 * std::numbers::ln2)));
+    while (k < of_group.size() && (below += of_group[k].second) < all / 2) ++k;
+    for (const auto& [square, pixels] : of_group) sum += pixels * std::min(square, 4 * of_group[k].first);
+    out.push_back(all > 0 ? std::sqrt(sum / all / 2) : 0);
   }
   return out;
 }
