@@ -29,7 +29,8 @@ void split_contrasts(Phases&, const Image&, const Labels&, Detail&);
 void keep_deep_pixels(Phases&, const Labels&);
 
 // Fits to each profile a plane in lightness, subtracts it and returns, for each group, the standard deviation
-// along an axis of the slope times the profile's radius √(A/π). Small profiles are left as they are.
+// along an axis of the slope times the profile's radius √(A/π). A slope counts as at most twice the group's
+// median by area. Small profiles are left as they are.
 std::vector<double> split_slopes(Phases&, const Labels&);
 
 // Standard deviation in pixels of the blur of outlines between particles and binder, at most 3: from the
