@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/segment/attempt.h"
+#include "nodes/segment/faint_bodies.h"
 #include "nodes/segment/network_particles.h"
 
 namespace terrazzo::segment {
@@ -48,11 +49,13 @@ void ignore_objects(const std::vector<float>& not_material, int section, const I
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
 // they overlap. The colors of the phases must be distinct. Then color decides what is binder, and the
 // outlines of bodies are finer, so their scores count more, and bodies without a rival stay even if the
-// network does not know them. Instances of the network replace a body only if they cover most of it: white
-// specks in a pore are no reason to lose the pore.
+// network does not know them, unless they are faint and it sees binder there at every scale. Instances of the
+// network replace a body only if they cover most of it: white specks in a pore are no reason to lose the
+// pore.
 NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instance> instances,
-                                    const Particles2D& bodies, int width, int height,
-                                    const SplitOptions& split, const Work& work) {
+                                    const Particles2D& bodies, const std::vector<bool>& faint, int width,
+                                    int height, const SplitOptions& split, const Work& work) {
+  constexpr double kBinder = 0.45;  // of `inside`
   const double lead = 1.6, least = NetworkOptions().min_score, explained = 0.7, first_of_all = 2;
   std::vector<Instance> all;
   for (Instance& in : instances) {
@@ -67,6 +70,8 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   for (std::size_t i = 0; i < bodies.labels.size(); ++i)
     if (const auto id = bodies.labels[i]; id > 0)
       all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
+  for (std::int32_t k = 0; k < count; ++k)
+    if (faint[k] && view.largest_inside(all[first + k].pixels) < kBinder) all[first + k].pixels.clear();
   const std::vector<double> scores = view.scores(bodies.labels, count, work);
   for (std::int32_t k = 0; k < count; ++k)
     all[first + k].score = std::max(least, lead * scores[k]), all[first + k].explained = explained;
@@ -78,7 +83,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
     ++size[bodies.labels[i]], covered[bodies.labels[i]] += found.particles.labels[i] > 0;
   bool lost = false;
   for (std::int32_t k = 0; k < count; ++k)
-    if (static_cast<double>(size[k + 1]) >= how.min_area &&
+    if (!all[first + k].pixels.empty() && static_cast<double>(size[k + 1]) >= how.min_area &&
         static_cast<double>(covered[k + 1]) < explained * static_cast<double>(size[k + 1]))
       all[first + k].score = first_of_all, lost = true;
   if (lost) found = view.choose(all, how, work);
@@ -153,7 +158,8 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   }
   const Image& image = ignored.empty() ? photo : covered;
 
-  std::vector<Particles2D> by_color;  // of each section
+  std::vector<Particles2D> by_color;      // of each section
+  std::vector<std::vector<bool>> faints;  // of their bodies
   std::vector<bool> distinct;
   const auto by_clusters = [&] {
     std::vector<Mosaic> mosaics;
@@ -182,7 +188,9 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
       a.add(bodies, network
                         ? confidences_of(view_of(i, work.quiet())->scores(bodies.labels, count, work.quiet()))
                         : std::vector<double>(count, 1.0));
-      if (network) by_color.push_back(std::move(bodies));
+      if (!network) continue;
+      faints.push_back(faint_bodies(mosaics[i], bodies.labels, count));
+      by_color.push_back(std::move(bodies));
     }
     return a;
   };
@@ -191,7 +199,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     Attempt a;
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.quiet());
-      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], image.width,
+      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], faints[i], image.width,
                                                   image.height, options.split, work.quiet())
                                : view->choose(instances_of(i), how, work.quiet()));
     }

@@ -107,6 +107,16 @@ NetworkView::Found NetworkView::choose(const std::vector<Instance>& instances, c
   return found;
 }
 
+double NetworkView::largest_inside(const std::vector<std::int32_t>& pixels) const {
+  double largest = 0;
+  for (const ScaleView& view : scales_) {
+    double sum = 0;
+    for (const auto i : pixels) sum += static_cast<double>(view.maps().inside[i]);
+    if (!pixels.empty()) largest = std::max(largest, sum / static_cast<double>(pixels.size()));
+  }
+  return largest;
+}
+
 std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& labels, int count,
                                         const Work& work) const {
   const NetworkMaps& own = scales_.front().maps();

@@ -42,6 +42,8 @@ class NetworkView {
 
   // The score of each of the labels from 1 to `count` at the scale that judges it best.
   std::vector<double> scores(const std::vector<std::int32_t>& labels, int count, const Work&) const;
+  // The mean of `inside` over these pixels, at the scale where it is largest; 0 without pixels.
+  double largest_inside(const std::vector<std::int32_t>& pixels) const;
   // From 0 to 1, how likely a pixel shows a ruler, frame or text.
   const std::vector<float>& not_material() const { return scales_.front().maps().not_material; }
 
