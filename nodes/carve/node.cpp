@@ -44,7 +44,7 @@ void carve_body(Context& c) {
 }  // namespace
 
 NodeType carve_node() {
-  NodeType type("Carve", 1);
+  NodeType type("Carve", 2);
   type.doc_(
           "Carves a body from the solid, or breaks a block along its particles, and returns it as a closed "
           "mesh with colors and as a level set, for use in other programs")

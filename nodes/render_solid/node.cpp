@@ -80,7 +80,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType render_solid_node() {
-  NodeType type("RenderSolid", 4);
+  NodeType type("RenderSolid", 5);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
           "out, a body carved from it, or its particles without binder")

@@ -23,7 +23,8 @@ constexpr float kCell = 0.7f;   // edge of the binder's cells, in tiles
 constexpr float kShown = 0.8f;  // mean size of a sphere's profiles, relative to its own
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
-constexpr float kBlend = 10;  // width in voxels over which cells blend
+constexpr float kSteepest = 1.5f;  // limit of what slopes add, in their deviations
+constexpr float kBlend = 10;       // width in voxels over which cells blend
 
 // Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {
@@ -53,6 +54,10 @@ float periodic_noise(const Vec3f& p, const Vec3i& cells) {
   }
   return sum;
 }
+
+// Almost `v` where it is small; between −limit and limit. Long particles and rare steep slopes would
+// otherwise get black ends, and planes far from a center a color of their own.
+float limited(float v, float limit) { return limit > 0 ? limit * std::tanh(v / limit) : 0; }
 
 // One of the 24 rotations that map the axes to each other.
 Eigen::Matrix3f cube_turn(std::uint64_t which) {
@@ -91,7 +96,7 @@ void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, doubl
   Vec3 sum = Vec3::Zero();
   for (const Vec3f& v : values) sum += v.cast<double>();
   const auto mean = (sum / static_cast<double>(values.size())).cast<float>();
-  tiles_.push_back({SplineTile(std::move(values), size, keep, work.quiet()), mean, {}, {}});
+  tiles_.push_back({SplineTile(std::move(values), size, keep, work.quiet()), mean, {}, {}, 0});
 }
 
 ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& work)
@@ -127,6 +132,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
   for (const Detail::Phase& phase : detail.phases) {
     add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, keep, work);
     tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
+    tiles_.back().limit = kSteepest * phase.slope;
   }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
@@ -303,7 +309,7 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0) return gain * binder(mm) + rim;
-  const float slope = places_[p].slope.dot(nearest_image(mm - places_[p].center));
+  const float slope = limited(places_[p].slope.dot(nearest_image(mm - places_[p].center)), tile.limit);
   const Vec3f offset = gain * placed(tile, places_[p], mm), gray = Vec3f::Constant(offset.mean());
   const Vec3f relative =
       contrast_[p].x() * gray + contrast_[p].y() * (offset - gray) + rim + Vec3f::Constant(slope);

@@ -58,6 +58,7 @@ class ResidualField {
     Vec3f mean = Vec3f::Zero();
     std::vector<Detail::Rim> rims;
     std::vector<float> gain;
+    float limit = 0;  // of what slopes add
   };
   float size_of(int particle, float size) const;  // of the profile, if it is unknown
   Vec3f plain(const Vec3f& mm, int particle) const;

@@ -147,7 +147,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType section_node() {
-  return NodeType("Section", 5)
+  return NodeType("Section", 6)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")

@@ -4,8 +4,7 @@
 
 namespace terrazzo::segment {
 
-std::vector<bool> faint_bodies(const Mosaic& m, const std::vector<std::int32_t>& labels,
-                               std::int32_t count) {
+std::vector<bool> faint_bodies(const Mosaic& m, const std::vector<std::int32_t>& labels, std::int32_t count) {
   constexpr float kDeviations = 6;
   std::vector<Vec3f> sums(count + 1, Vec3f::Zero());
   std::vector<float> pixels(count + 1, 0), axes[3];

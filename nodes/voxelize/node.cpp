@@ -47,7 +47,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType voxelize_node() {
-  return NodeType("Voxelize", 5)
+  return NodeType("Voxelize", 6)
       .doc_(
           "Converts particles, binder and fine detail to tileable OpenVDB grids: density, surface, Cd and "
           "id.")
