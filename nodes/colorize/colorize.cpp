@@ -78,11 +78,27 @@ struct Group {
   }
 };
 
-// Weights the profiles of a group by how well they fit a size.
-Draw draw_by_size(const Source& s, const Group& group, double size) {
+// In proportion to the density of profiles like each member of the group among particles of these sizes. A
+// plane meets a particle in proportion to its size, and the likelihood is that of a range in proportion to
+// the size, so the factors cancel.
+std::vector<double> profiles_expected(const Source& s, const Group& group, const std::vector<double>& sizes,
+                                      const Work& work) {
+  std::vector<double> expected(s.count(), 0);
+  work.parallel(group.members.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      for (const double size : sizes)
+        expected[group.members[k]] += profile_likelihood(s.size[group.members[k]], size);
+  });
+  return expected;
+}
+
+// Weights the profiles of a group by the probability that a particle of this size shows them, among all
+// particles that could (Bayes).
+Draw draw_by_size(const Source& s, const Group& group, const std::vector<double>& expected, double size) {
   const std::vector<std::size_t>& by_size = group.by_size;
   Draw draw;
-  for (const std::size_t i : group.members) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size));
+  for (const std::size_t i : group.members)
+    if (expected[i] > 0) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size) / expected[i]);
   if (draw.empty()) {
     // No profile is between the particle's size and 0.95 of it, or all are larger: use the nearest below, or
     // else the smallest.
@@ -145,8 +161,16 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       if (particles.is_void(i) || groups.contains(c)) continue;
       require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
     }
+    std::map<int, std::vector<double>> expected;
+    for (const auto& [c, group] : groups) {
+      std::vector<double> sizes;
+      for (std::size_t i = 0; i < n; ++i)
+        if (!particles.is_void(i) && (!own || particles.cls[i] == c)) sizes.push_back(particles.size[i]);
+      expected.emplace(c, profiles_expected(source, group, sizes, work));
+    }
     pick_all([&](std::size_t i, double u) {
-      return draw_by_size(source, groups.at(own ? particles.cls[i] : -1), particles.size[i]).pick(u);
+      const int c = own ? particles.cls[i] : -1;
+      return draw_by_size(source, groups.at(c), expected.at(c), particles.size[i]).pick(u);
     });
     return report;
   }
@@ -162,10 +186,14 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       report.clusters = found.k, report.silhouette = found.silhouette;
       source.cls = std::move(found.of);
     }
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < n; ++i)
+      if (!particles.is_void(i)) sizes.push_back(particles.size[i]);
+    const std::vector<double> expected = profiles_expected(source, all, sizes, work);
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (!particles.is_void(i))
-          particles.cls[i] = source.cls[draw_by_size(source, all, particles.size[i])
+          particles.cls[i] = source.cls[draw_by_size(source, all, expected, particles.size[i])
                                             .pick(Random(choice.seed, kClass, i).uniform())];
     });
   }

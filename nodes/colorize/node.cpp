@@ -39,7 +39,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType colorize_node() {
-  return NodeType("Colorize", 3)
+  return NodeType("Colorize", 4)
       .doc_(
           "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
           "color. Voids stay black.")

@@ -23,8 +23,8 @@ constexpr float kCell = 0.7f;   // edge of the binder's cells, in tiles
 constexpr float kShown = 0.8f;  // mean size of a sphere's profiles, relative to its own
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
-constexpr float kSteepest = 1.5f;  // limit of what slopes add, in their deviations
-constexpr float kBlend = 10;       // width in voxels over which cells blend
+constexpr float kSteepest = 1;  // limit of what slopes add, in their standard deviations
+constexpr float kBlend = 10;    // width in voxels over which cells blend
 
 // Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {

@@ -89,7 +89,27 @@ TEST(Colorize, BySizeNeverTakesAProfileThatCannotCome) {
   for (const auto& c : tiny.color) ASSERT_EQ(c, Vec3f(1, 0, 0));
   double blue = 0;
   for (const auto& c : large.color) blue += c.z() / 2000;
-  EXPECT_NEAR(blue, std::sqrt(0.75), 0.04);  // P(profile > half the diameter)
+  EXPECT_NEAR(blue, 0.5, 0.04);  // all profiles come from particles of this size
+}
+
+TEST(Colorize, BySizeGivesEachSizeItsColorBack) {
+  // A plane through blue spheres of 10 mm and forty times as many red ones of 2 mm, which it meets in
+  // proportion to their size.
+  Random random(1, 2, 3);
+  Profiles seen;
+  for (int k = 0; k < 900; ++k) {
+    const bool large = k % 9 == 0;
+    const double size = large ? 10 : 2, depth = random.uniform(-1, 1);
+    seen.profiles.push_back(
+        profile(size * std::sqrt(1 - depth * depth), large ? Vec3f(0, 0, 1) : Vec3f(1, 0, 0)));
+  }
+  Particles p = particles(4100, 2);
+  for (std::size_t i = 0; i < 100; ++i) p.size[i] = 10;
+  colorize::colorize(p, seen, {ColorMode::BySize, 3});
+  double large = 0, small = 0;
+  for (std::size_t i = 0; i < p.count(); ++i) (i < 100 ? large : small) += p.color[i].z();
+  EXPECT_GT(large / 100, 0.93);  // 0.69 if the likelihood alone were the weight
+  EXPECT_LT(small / 4000, 0.02);
 }
 
 TEST(Colorize, ClassesTakeTheirOwnProfiles) {
