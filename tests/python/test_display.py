@@ -85,6 +85,10 @@ def test_help_reads_like_the_reference():
     for item in info["inputs"] + info["outputs"] + info["parameters"]:
         assert item["name"] in text and " ".join(item["doc"].split()) in flat, item["name"]
     assert "Jagnow" in text and "seed: int; default 1; 0 to 9007199254740991" in text
+    method = pydoc.render_doc(t.Graph(cache=False).Anneal, renderer=pydoc.plaintext)  # what notebooks show while one types
+    assert "Anneal(*, distribution: 'SizeDistribution'" in method and "Jagnow" in method
+    for name in ("metric", "warn", "progress"):
+        assert "arg0" not in pydoc.render_doc(getattr(t, name), renderer=pydoc.plaintext) and getattr(t, name).__doc__.count("\n") > 1
     for name in t.nodes:
         assert pydoc.render_doc(getattr(t.nodes, name), renderer=pydoc.plaintext)
 

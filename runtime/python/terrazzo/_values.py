@@ -6,6 +6,7 @@ import os
 
 from . import _core
 from ._html import table_html
+from ._paths import path_text
 from ._png import image_png, labels_png, volume_png
 
 
@@ -50,7 +51,14 @@ def sizes(class_edges, N_V, *, low=None, high=None):
 
 def table(columns):
     """A Table of a dictionary: lists of numbers or text of equal length, by the names of the columns."""
-    return _core.table({str(name): list(cells) for name, cells in columns.items()})
+    made = {}
+    for name, cells in columns.items():
+        if isinstance(cells, (str, bytes)):
+            raise TypeError(f"the column '{name}' must be a list of cells, not a {type(cells).__name__}")
+        if str(name) in made:
+            raise ValueError(f"two columns have the name '{name}'")
+        made[str(name)] = list(cells)
+    return _core.table(made)
 
 
 def _restore(kind, encoded):
@@ -64,7 +72,7 @@ def _reduce(self):
 def _save(self, file):
     """Writes the value to a file, with the Export node. The extension gives the format."""
     from ._graph import Graph
-    file = os.path.abspath(os.fspath(file))
+    file = os.path.abspath(path_text(file))
     graph = Graph(cache=False)
     port = _export_ports.get(self.type)
     if port is None:
