@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 from . import _core
-from ._html import table_html
+from ._html import fields_html, table_html
 from ._paths import path_text
 from ._png import image_png, labels_png, volume_png
 
@@ -131,6 +131,32 @@ def _sizes_html(self):
     return table_html(("shape", "class", "from mm", "to mm", "N_V mm⁻³", "low", "high"), rows)
 
 
+def _numbers(values):
+    return " ".join(f"{float(v):.4g}" for v in values)
+
+
+def _profiles_html(self):
+    return fields_html(("section", "class", "area mm²", "centroid mm", "weight", "confidence", "color"), len(self), lambda i: (
+        self.section[i], self.cls[i], float(self.area[i]), _numbers(self.centroid[i]), float(self.weight[i]),
+        float(self.confidence[i]), _numbers(self.color[i])))
+
+
+def _particles_html(self):
+    return fields_html(("shape", "class", "position mm", "size mm", "scale", "color"), len(self), lambda i: (
+        self.shape[i], self.cls[i], _numbers(self.position[i]), float(self.size[i]), float(self.scale[i]),
+        _numbers(self.color[i])))
+
+
+def _shapes_html(self):
+    def row(i):
+        shape = self[i]
+        return (shape.name, shape.cls, shape.probability, shape.volume, shape.surface_area, shape.mean_caliper, shape.size,
+                len(shape.mesh.triangles))
+
+    return fields_html(("name", "class", "probability", "volume mm³", "surface mm²", "mean caliper mm", "size mm", "triangles"),
+                       len(self), row)
+
+
 _export_ports = _ports_of_export()
 _core.Value.__repr__ = _repr
 _core.Value.__reduce__ = _reduce
@@ -141,6 +167,9 @@ _core.Labels.__array__ = _array_of("ids")
 _core.Image._repr_png_ = image_png
 _core.Labels._repr_png_ = labels_png
 _core.Volume._repr_png_ = volume_png
+_core.Particles._repr_html_ = _particles_html
+_core.Profiles._repr_html_ = _profiles_html
+_core.Shapes._repr_html_ = _shapes_html
 _core.Table._repr_html_ = lambda self: table_html(self.columns, self.rows)
 _core.Table.to_pandas = _to_pandas
 _core.Table.to_dict = _to_dict

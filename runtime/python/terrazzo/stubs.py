@@ -237,7 +237,7 @@ METHODS = {
 PLAIN = {"width": "int", "height": "int", "sections": "int", "count": "int", "class_count": "int", "classes": "int",
          "window": "tuple[float, float]", "box": "tuple[float, float, float]", "columns": "list[str]",
          "rows": "list[tuple[float | str, ...]]", "grids": "list[str]", "resolution": "tuple[int, int, int]",
-         "size": "int", "name": "str"}
+         "size": "int", "name": "str", "cls": "int"}
 
 
 def _type_of(owner, name, doc):
