@@ -43,6 +43,8 @@ class Run:
     """
 
     def __init__(self, graph, targets, out, apart=None):
+        if not isinstance(graph, _core.Graph):
+            raise TypeError(f"a run needs a graph, not a {type(graph).__name__}")
         self._graph, self._out = graph, os.path.abspath(path_text(out))
         self._core = until_exit(_core.RunCore, graph, [_target(t) for t in targets], self._out, apart)
         self._done = False

@@ -69,6 +69,10 @@ def _reduce(self):
     return _restore, (self.type, self._encoded())
 
 
+def _no_reduce(self):
+    raise TypeError(f"a {type(self).__name__} cannot be pickled or copied; values can")
+
+
 def _save(self, file):
     """Writes the value to a file, with the Export node. The extension gives the format."""
     from ._graph import Graph
@@ -162,6 +166,9 @@ _core.Value.__repr__ = _repr
 _core.Value.__reduce__ = _reduce
 _core.Value.save = _save
 _save.__name__ = "save"
+for _class in [c for c in vars(_core).values() if isinstance(c, type)]:
+    if _class.__reduce__ is object.__reduce__:  # which ends the process in protocols 0 and 1, since pybind11 throws there
+        _class.__reduce__ = _no_reduce
 _core.Image.__array__ = _array_of("pixels")
 _core.Labels.__array__ = _array_of("ids")
 _core.Image._repr_png_ = image_png
