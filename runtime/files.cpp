@@ -108,6 +108,9 @@ void TemporaryFile::rename_to(const fs::path& final) {
     if (file.fd < 0 || ::fsync(file.fd) != 0) cannot_write(final, std::strerror(errno));
   }
   std::error_code error;
+  const fs::file_status there = fs::status(final, error);
+  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))
+    cannot_write(final, "it is a device or a pipe");  // renaming would replace it, not write to it
   fs::rename(path_, final, error);
   if (error) cannot_write(final, error.message());
   path_.clear();

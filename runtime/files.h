@@ -27,7 +27,8 @@ class TemporaryFile {
   TemporaryFile& operator=(const TemporaryFile&) = delete;
   const std::filesystem::path& path() const { return path_; }
   // Syncs the file, renames it to `final`, which must be on the same file system, and syncs the folder.
-  // Throws Error "write-failed", and then leaves any existing file at `final` as it was.
+  // Throws Error "write-failed", also if `final` is a device or a pipe, and then leaves what is at `final` as
+  // it was.
   void rename_to(const std::filesystem::path& final);
 
  private:

@@ -13,7 +13,7 @@
 #include "runtime/cache_folder.h"
 #include "runtime/cli/report.h"
 #include "runtime/disk_cache.h"
-#include "runtime/memory.h"
+#include "runtime/thread_room.h"
 #include "runtime/trust.h"
 
 namespace terrazzo::cli {
@@ -40,23 +40,8 @@ Overrides overrides(const GraphOptions& o) {
   return {split_assignments(o.set, "--set"), split_assignments(o.parameters, "--param"), {}};
 }
 
-namespace {
-
-// If the address space limit leaves too little room for its threads, TBB hangs instead of failing.
-void require_room(int threads) {
-  constexpr std::uint64_t own = 128'000'000, per_thread = 16'000'000;
-  const std::uint64_t needed = own + per_thread * static_cast<std::uint64_t>(threads);
-  if (const std::uint64_t left = available_address_space(); left < needed)
-    throw Error("no-memory",
-                fmt::format("not enough address space to start: {} left, but {} threads need {}",
-                            bytes_text(left), threads, bytes_text(needed)),
-                "raise the limit (ulimit -v) or use fewer --threads");
-}
-
-}  // namespace
-
 SessionOptions session_options(const GraphOptions& o) {
-  require_room(threads(o));
+  require_room_for_threads(threads(o));
   return {.cache_folder = cache_folder(o),
           .memory = o.memory > 0 ? o.memory : Store::default_memory,
           .file_memory = o.memory,

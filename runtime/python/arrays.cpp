@@ -220,7 +220,7 @@ py::object table(const py::dict& columns) {
   Table out;
   std::vector<py::list> lists;
   for (const auto& [name, cells] : columns) {
-    out.columns.push_back(name.cast<std::string>());
+    out.columns.push_back(utf8(name));
     lists.push_back(py::reinterpret_borrow<py::list>(cells));
     if (lists.back().size() != lists.front().size())
       throw Error("wrong-count", fmt::format("the columns '{}' and '{}' differ in length",
@@ -231,7 +231,7 @@ py::object table(const py::dict& columns) {
     for (std::size_t i = 0; i < list.size(); ++i) {
       const py::object cell = list[i];
       if (PyUnicode_Check(cell.ptr())) {
-        out.rows[i].emplace_back(cell.cast<std::string>());
+        out.rows[i].emplace_back(utf8(cell));
         continue;
       }
       const double v = PyFloat_AsDouble(cell.ptr());

@@ -43,6 +43,10 @@ py::object to_python(const Value&);
 const Value& to_value(const py::handle&);
 bool is_value(const py::handle&);
 
+// The text of a Python string. Throws Error "bad-value" if UTF-8 cannot represent it, as in names of files
+// that are not UTF-8.
+std::string utf8(const py::handle&);
+
 // JSON text as Python objects.
 py::object from_json(const std::string&);
 

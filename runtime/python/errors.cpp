@@ -1,4 +1,6 @@
 // Messages and exceptions.
+#include <fmt/format.h>
+
 #include <exception>
 
 #include "runtime/python/bind.h"
@@ -57,6 +59,16 @@ void bind_errors(py::module_& m) {
       PyErr_SetObject(c.ptr(), py::object(c()).ptr());
     }
   });
+}
+
+std::string utf8(const py::handle& text) {
+  Py_ssize_t size = 0;
+  const char* data = PyUnicode_AsUTF8AndSize(text.ptr(), &size);
+  if (data) return {data, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  const auto shown = py::reinterpret_steal<py::object>(PyObject_ASCII(text.ptr()));
+  throw Error("bad-value", fmt::format("the text {} is not UTF-8", shown ? utf8(shown) : "of a value"),
+              "rename files whose names are not UTF-8");
 }
 
 Place callers_place() {

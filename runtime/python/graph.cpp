@@ -24,7 +24,7 @@ GraphObject::Edit edit_of(const py::dict& values) {
   };
   GraphObject::Edit edit{{}, callers_place()};
   for (const auto& [key, value] : values) {
-    auto name = key.cast<std::string>();
+    std::string name = utf8(key);
     if (name.size() > 1 && name.back() == '_' && is_reserved(name.substr(0, name.size() - 1)))
       name.pop_back();
     edit.values[name] = plain(py::reinterpret_borrow<py::object>(value));
@@ -39,7 +39,7 @@ std::string take_name(const py::dict& values) {
   PyDict_DelItemString(values.ptr(), "name");
   if (name.is_none()) return {};
   if (!py::isinstance<py::str>(name)) throw Error("bad-name", "the name of a node must be text");
-  return name.cast<std::string>();
+  return utf8(name);
 }
 
 GraphObject& graph_of(const py::object& graph) { return graph.cast<GraphObject&>(); }

@@ -68,7 +68,7 @@ std::vector<std::pair<std::string, RawValue>> each_of(const py::object& values, 
         "each={'k': range(4)}; parameters then contain \"${k}\"");
   for (const auto& [name, list] : py::reinterpret_borrow<py::dict>(values)) {
     if (!PyUnicode_Check(name.ptr())) throw Error("bad-value", "the names in each must be text");
-    out.push_back({name.cast<std::string>(), {written_values(list), place}});
+    out.push_back({utf8(name), {written_values(list), place}});
   }
   return out;
 }

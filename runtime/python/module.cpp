@@ -4,6 +4,7 @@
 #include "graph/describe.h"
 #include "nodes/register_nodes.h"
 #include "runtime/cli/options.h"
+#include "runtime/files.h"
 #include "runtime/json_text.h"
 #include "runtime/plugin.h"
 #include "runtime/provenance.h"
@@ -79,5 +80,7 @@ PYBIND11_MODULE(_core, m) {
   m.def("value_type_names", [] { return value_types().names(); });
   m.def("value_type_doc", [](const std::string& name) { return value_types().find(name)->doc; });
   m.def("default_cache", [] { return cli::default_cache().string(); });
+  m.def("write_text",
+        [](const std::string& file, const std::string& text) { write_text_atomically(file, text); });
   m.def("library_folder", [] { return library_folder().string(); });
 }

@@ -38,6 +38,9 @@ void bind_shapes(py::module_& m) {
           "probability", [](const ShapePart& p) { return p.shape->probability; },
           "Probability by number; those of a set sum to 1.")
       .def_property_readonly(
+          "cls", [](const ShapePart& p) { return p.shape->cls; },
+          "Color or particle class whose particles have this shape; −1: any.")
+      .def_property_readonly(
           "mesh",
           [](const ShapePart& p) {
             return MeshPart{p.owner, &p.shape->mesh};

@@ -111,7 +111,7 @@ void bind_profiles(py::module_& m) {
                   "float64 (n): number of profiles that each one represents (border correction). A view.");
   TERRAZZO_MEMBER("confidence", double, confidence, 1,
                   "float64 (n): how likely each one is a particle, outlined correctly. A view.");
-  TERRAZZO_MEMBER("color", float, color, 3, "float32 (n, 3): mean color, scene-linear. A view.");
+  TERRAZZO_MEMBER("color", float, color, 3, "float32 (n, 3): median color, scene-linear. A view.");
 #undef TERRAZZO_MEMBER
   c.def(
       "contour",

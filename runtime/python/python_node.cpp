@@ -71,13 +71,24 @@ py::object argument(const Context& c, const Parameter& p) {
   }
 }
 
+// str(object) for messages: also where that fails, or gives text that UTF-8 cannot represent, such as the
+// name of a file that is not UTF-8.
+std::string shown(const py::handle& object) {
+  const auto text = py::reinterpret_steal<py::object>(PyObject_Str(object.ptr()));
+  const auto bytes = py::reinterpret_steal<py::object>(
+      text ? PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace") : nullptr);
+  if (bytes) return bytes.cast<std::string>();
+  PyErr_Clear();
+  return "its message cannot be shown";
+}
+
 [[noreturn]] void rethrow(py::error_already_set& e, const Context& c) {
   if (c.work().cancelled()) throw Cancelled();
-  const py::module_ traceback = py::module_::import("traceback");
-  const std::string type = py::str(e.type().attr("__name__")), what = py::str(e.value());
-  const py::list lines = traceback.attr("format_exception")(e.type(), e.value(), e.trace());
+  const std::string type = shown(e.type().attr("__name__")), what = shown(e.value());
   std::string text;
-  for (const auto& line : lines) text += py::str(line).cast<std::string>();
+  for (const auto& line :
+       py::module_::import("traceback").attr("format_exception")(e.type(), e.value(), e.trace()))
+    text += shown(line);
   if (exceptions().size() >= kMostExceptions) exceptions().clear();
   PyException_SetTraceback(e.value().ptr(), e.trace().ptr());
   exceptions()[text] = e.value();
@@ -148,7 +159,7 @@ void compute(Context& c) {
 
 Port port_of(const py::handle& h) {
   Port p;
-  p.name = h["name"].cast<std::string>(), p.doc = h["doc"].cast<std::string>();
+  p.name = h["name"].cast<std::string>(), p.doc = utf8(h["doc"]);
   p.types = {h["type"].cast<std::string>()};
   if (h.contains("optional")) p.optional = h["optional"].cast<bool>();
   if (h.contains("many")) p.many = h["many"].cast<bool>();
@@ -164,8 +175,8 @@ Parameter parameter_of(const py::handle& h) {
                        ParameterKind::InputPath})
     if (name_of(k) == kind) p.kind = k, known = true;
   if (!known) throw Error("bad-node-type", "a parameter cannot have the kind " + kind);
-  p.name = h["name"].cast<std::string>(), p.doc = h["doc"].cast<std::string>();
-  p.unit = h["unit"].cast<std::string>();
+  p.name = h["name"].cast<std::string>(), p.doc = utf8(h["doc"]);
+  p.unit = utf8(h["unit"]);
   p.choices = h["choices"].cast<std::vector<std::string>>();
   if (!h["min"].is_none()) p.min = h["min"].cast<double>();
   if (!h["max"].is_none()) p.max = h["max"].cast<double>();
@@ -222,15 +233,32 @@ void bind_python_nodes(py::module_& m) {
       throw Error("usage", fmt::format("terrazzo.{} works only inside of a node written in Python", what));
     return *running;
   };
-  m.def("metric", [in_node](const std::string& name, double v) { in_node("metric").metric(name, v); });
-  m.def("warn", [in_node](const std::string& message) { in_node("warn").warn(message); });
-  m.def("progress", [in_node](double fraction, const std::string& note) {
-    // The observer may wait for another thread, which may wait for the GIL.
-    Context& c = in_node("progress");
-    const py::gil_scoped_release without_gil;
-    c.work().progress(fraction, note);
-    c.work().check();
-  });
+  using py::arg;
+  m.def(
+      "metric",
+      [in_node](const py::object& name, double value) {
+        in_node("metric").metric(utf8(py::str(name)), value);
+      },
+      arg("name"), arg("value"),
+      "Reports a number of the running node, which was written in Python: run.metrics[NODE][name].");
+  m.def(
+      "warn", [in_node](const py::object& message) { in_node("warn").warn(shown(message)); }, arg("message"),
+      "Reports a problem of the running node that does not invalidate its result: a NodeWarning.");
+  m.def(
+      "progress",
+      [in_node](double fraction, const py::object& note) {
+        if (!(fraction >= 0 && fraction <= 1))
+          throw Error("bad-value", fmt::format("progress is from 0 to 1, not {}", fraction));
+        // The observer may wait for another thread, which may wait for the GIL.
+        Context& c = in_node("progress");
+        const std::string text = shown(note);
+        const py::gil_scoped_release without_gil;
+        c.work().progress(fraction, text);
+        c.work().check();
+      },
+      arg("fraction"), arg("note") = "",
+      "Reports how much of the running node's work is done, from 0 to 1. note: what it does now, in a few "
+      "words.");
 }
 
 }  // namespace terrazzo::python

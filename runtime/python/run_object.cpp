@@ -10,6 +10,7 @@
 
 #include "runtime/python/outside.h"
 #include "runtime/python/python_node.h"
+#include "runtime/thread_room.h"
 
 namespace terrazzo::python {
 namespace {
@@ -21,8 +22,9 @@ std::set<std::weak_ptr<Evaluation>, std::owner_less<>>& live() {
   static auto& all = *new std::set<std::weak_ptr<Evaluation>, std::owner_less<>>;
   return all;
 }
-bool ended = false;       // the interpreter is exiting
-pid_t first_process = 0;  // that evaluated; the worker threads are in it
+bool ended = false;         // the interpreter is exiting
+pid_t first_process = 0;    // that evaluated; the worker threads are in it
+int threads_with_room = 0;  // for so many, the address space sufficed
 
 bool forked() { return first_process != 0 && first_process != ::getpid(); }
 
@@ -46,11 +48,25 @@ InCode::~InCode() {
   if (counted) --depth, --threads_in_code;
 }
 
-void require_workers() {
+namespace {
+
+// A process that evaluates nothing any more must not make a session either.
+void require_living_process() {
   if (ended) throw Error("shut-down", "the interpreter is exiting, so nothing is evaluated any more");
   if (forked())
     throw Error("forked", "this process was forked after an evaluation, and has no worker threads",
                 "use multiprocessing.set_start_method('spawn'), or fork before the first evaluation");
+}
+
+}  // namespace
+
+void require_workers(int threads) {
+  require_living_process();
+  if (threads == 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (threads > threads_with_room) {
+    require_room_for_threads(threads - threads_with_room);
+    threads_with_room = threads;
+  }
   first_process = ::getpid();
 }
 
@@ -85,14 +101,15 @@ ProgressQueue::State ProgressQueue::state() const {
 RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
                      const std::filesystem::path& out, std::optional<int> apart)
     : graph_object_(std::move(graph)), owner_(graph_object_.cast<GraphObject&>()) {
-  require_workers();
+  require_living_process();
   const std::vector<std::string> known = owner_.targets(targets);
   Session& session = owner_.session();
+  const int asked = apart.value_or(0) > 0 ? *apart : session.options().threads;
+  threads_ = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  require_workers(threads_);
   session.set_output_folder(out);
   revision_ = owner_.revision(), given_ = owner_.given(), graph_ = session.graph();
   progress_ = std::make_unique<ProgressQueue>(*session.graph(), target_nodes(*session.graph(), known));
-  const int asked = apart.value_or(0) > 0 ? *apart : session.options().threads;
-  threads_ = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   evaluation_ = apart ? session.evaluate_apart(known, progress_.get(), *apart)
                       : session.evaluate(known, progress_.get());
   std::erase_if(live(), [](const auto& weak) { return weak.expired(); });
@@ -114,7 +131,7 @@ RunObject::~RunObject() {
 }
 
 void RunObject::wait(const py::object& draw) {
-  if (forked()) require_workers();
+  if (forked()) require_living_process();
   const InCode in_code;
   std::unique_ptr<py::error_already_set> stop;
   bool end = false;
@@ -182,7 +199,7 @@ Value fetch(Session& session, const Graph& graph, const RunResult& r, const Wire
     if (Value v = session.evaluator().store().get_value(node.outputs.at(wire.port), node.cached_seconds))
       return v;
   }
-  require_workers();
+  require_workers(session.options().threads);
   std::atomic<bool> cancel{false};
   RunOptions options;
   options.cancel = &cancel, options.threads = session.options().threads;

@@ -92,8 +92,9 @@ class RunObject {
   std::shared_ptr<Evaluation> evaluation_;
 };
 
-// Call it before anything runs on worker threads. Throws Error "shut-down" or "forked".
-void require_workers();
+// Call it before anything runs on so many worker threads (0: one per core). Throws Error "shut-down",
+// "forked", or "no-memory" if a limit of the address space leaves no room for them.
+void require_workers(int threads = 0);
 
 // Cancels every evaluation and waits for all of them, since workers need the interpreter until they end.
 void end_all_runs();

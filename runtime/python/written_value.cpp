@@ -61,7 +61,7 @@ py::object plain(const py::object& value, int depth) {
       py::isinstance<OutputObject>(h) || py::isinstance<NodeObject>(h) ||
       py::isinstance<ParameterReference>(h) || is_value(h))
     return value;
-  if (PyUnicode_Check(h.ptr())) return py::str(h.cast<std::string>());
+  if (PyUnicode_Check(h.ptr())) return py::str(utf8(h));
   if (PyFloat_Check(h.ptr())) return py::float_(PyFloat_AS_DOUBLE(h.ptr()));
   if (PyLong_Check(h.ptr())) return py::reinterpret_steal<py::object>(PyNumber_Long(h.ptr()));
   const auto items = [&](const py::object& list) {
@@ -81,7 +81,7 @@ py::object plain(const py::object& value, int depth) {
   if ((PyList_Check(h.ptr()) || PyTuple_Check(h.ptr())) && depth > 0) return items(value);
   if (py::hasattr(h, "__fspath__")) {
     const py::object path = value.attr("__fspath__")();
-    if (PyUnicode_Check(path.ptr())) return py::str(path.cast<std::string>());
+    if (PyUnicode_Check(path.ptr())) return py::str(utf8(path));
     throw Error("bad-value", fmt::format("a path must be text, not {}", Py_TYPE(path.ptr())->tp_name));
   }
   if (py::hasattr(h, "dtype") && py::hasattr(h, "item") && py::hasattr(h, "ndim") &&
@@ -93,7 +93,7 @@ py::object plain(const py::object& value, int depth) {
 WrittenValue written_value(const py::handle& h) {
   const auto scalar = [](const py::handle& v) -> std::optional<std::string> {
     if (PyBool_Check(v.ptr())) return v.ptr() == Py_True ? "true" : "false";
-    if (PyUnicode_Check(v.ptr())) return v.cast<std::string>();
+    if (PyUnicode_Check(v.ptr())) return utf8(v);
     if (PyLong_Check(v.ptr())) return py::str(v).cast<std::string>();
     if (PyFloat_Check(v.ptr())) return fmt::format("{}", v.cast<double>());
     if (py::isinstance<ParameterReference>(v)) return "${" + v.cast<const ParameterReference&>().name + "}";

@@ -41,8 +41,8 @@ def section():
 @pytest.fixture
 def script(tmp_path):
     """Runs text as a script in a fresh interpreter, and returns the finished process."""
-    def run(text, timeout=120, **options):
+    def run(text, timeout=120, arguments=(), **options):
         file = tmp_path / "script.py"
         file.write_text(text)
-        return subprocess.run([sys.executable, str(file)], capture_output=True, text=True, timeout=timeout, **options)
+        return subprocess.run([sys.executable, str(file), *map(str, arguments)], capture_output=True, text=True, timeout=timeout, **options)
     return run

@@ -168,6 +168,11 @@ def test_tables():
     assert np.array_equal(table["a"], [1, 2.5]) and table["b"] == ["x", "y"] and table.rows == [(1, "x"), (2.5, "y")]
     assert code(t.table, {"a": [1], "b": [1, 2]}) == "wrong-count"
     assert code(t.table, {"a": [[1]]}) == "wrong-type"
+    assert code(t.table, {"a": ["\udc80"]}) == code(t.table, {"\udc80": [1]}) == "bad-value"
+    with pytest.raises(TypeError, match="must be a list of cells"):
+        t.table({"a": "text"})
+    with pytest.raises(ValueError, match="two columns have the name '1'"):
+        t.table({1: [1], "1": [2]})
 
 
 def test_arrays_are_inputs_of_nodes():

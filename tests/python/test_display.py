@@ -77,6 +77,22 @@ def test_html_is_escaped():
     assert "<table>" in t.Graph(cache=False).run()._repr_html_()
 
 
+def test_values_of_many_elements_are_tables():
+    g = t.Graph(cache=False)
+    shapes = g.Shape(kind="rock", count=2, size=5).shapes
+    sizes = g.Distribution(shapes=shapes, mean=5, sd=1, volume_fraction=0.2)
+    pack = g.Anneal(distribution=sizes, shapes=shapes, size=40).particles
+    profiles = g.Section(particles=pack, shapes=shapes, pixel_size=0.5).profiles
+    for output, head in ((shapes, "volume mm³"), (pack, "position mm"), (profiles, "area mm²")):
+        value = output.value()
+        html = value._repr_html_()
+        assert f"<th>{head}</th>" in html and html.count("<tr>") == 1 + min(len(value), 60)
+        assert (f"<p>{len(value) - 60} more rows</p>" in html) == (len(value) > 60)
+    assert len(pack.value()) > 60 and f"<td>{profiles.value().area[0]:.5g}</td>" in profiles.value()._repr_html_()
+    assert "<td>&lt;b&gt;</td>" in t.mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+                                          name="<b>")._repr_html_()
+
+
 def test_help_reads_like_the_reference():
     text = pydoc.render_doc(t.nodes.Anneal, renderer=pydoc.plaintext)
     info = t._core.node_type("Anneal")
@@ -85,6 +101,10 @@ def test_help_reads_like_the_reference():
     for item in info["inputs"] + info["outputs"] + info["parameters"]:
         assert item["name"] in text and " ".join(item["doc"].split()) in flat, item["name"]
     assert "Jagnow" in text and "seed: int; default 1; 0 to 9007199254740991" in text
+    method = pydoc.render_doc(t.Graph(cache=False).Anneal, renderer=pydoc.plaintext)  # what notebooks show while one types
+    assert "Anneal(*, distribution: 'SizeDistribution'" in method and "Jagnow" in method
+    for name in ("metric", "warn", "progress"):
+        assert "arg0" not in pydoc.render_doc(getattr(t, name), renderer=pydoc.plaintext) and getattr(t, name).__doc__.count("\n") > 1
     for name in t.nodes:
         assert pydoc.render_doc(getattr(t.nodes, name), renderer=pydoc.plaintext)
 

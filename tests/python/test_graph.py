@@ -1,6 +1,7 @@
 """Building, checking, editing and saving graphs."""
 
 import inspect
+import os
 import pathlib
 import re
 
@@ -319,6 +320,37 @@ def test_an_input_and_a_parameter_of_one_name():
     shape.set(profiles=None, class_=1)
     assert shape["class"] == 1
     assert shape["profiles"] != [60] and "inputs: {profiles: segment.profiles}" in g.to_yaml()
+
+
+def test_texts_that_are_not_utf8():
+    g = t.Graph(cache=False)
+    bad = "caf\udce9.png"  # as Python reads names of files that are not UTF-8
+    for call in (lambda: g.LoadImage(path=bad), lambda: g.LoadImage(path=pathlib.Path(bad)), lambda: t.load(bad), lambda: g.save(bad),
+                 lambda: g.run(out=bad), lambda: t.Graph(cache=bad), lambda: g._add("Pattern", {bad: 1}), lambda: t.reproduce(bad),
+                 lambda: g.Pattern(name=bad), lambda: t.cache.stats(bad), lambda: t.read_sweep(bad), lambda: g.subgraph(bad)):
+        with pytest.raises(t.Error, match="is not UTF-8") as e:
+            call()
+        assert e.value.code == "bad-value" and e.value.hint
+    assert not os.listdir(".")
+
+
+def test_wrong_options():
+    for options in ({"threads": -1}, {"threads": 2000}, {"memory": -1}, {"file_memory": 2**70}):
+        with pytest.raises(ValueError, match=f"{next(iter(options))} must be from 0 to"):
+            t.Graph(**options)
+    with pytest.raises(TypeError):
+        t.Graph(threads="4")
+
+
+def test_a_device_is_not_replaced():
+    os.mkfifo("pipe")
+    g = t.Graph(cache=False)
+    sweep = g.sweep({"pattern.seed": [1]}, g.Pattern().image)
+    for save in (g.save, sweep.save):
+        with pytest.raises(t.Error, match="a device or a pipe") as e:
+            save("pipe")
+        assert e.value.code == "write-failed"
+    assert os.listdir(".") == ["pipe"] and pathlib.Path("pipe").is_fifo()
 
 
 def test_the_disk_cache_is_the_programs():

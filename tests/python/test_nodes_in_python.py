@@ -2,6 +2,7 @@
 
 import functools
 import gc
+import time
 import traceback
 import weakref
 from typing import Annotated, Literal
@@ -165,6 +166,69 @@ def test_errors_carry_the_users_traceback():
         node["kind"] = kind
         with pytest.raises(t.Error, match=text):
             node.image.value()
+
+
+class Unprintable(Exception):
+    def __str__(self):
+        raise Unprintable
+
+
+@t.node
+def unprintable(kind: str = "file") -> t.Table:
+    if kind == "file":
+        open("caf\udce9.png")  # a name that is not UTF-8
+    raise Unprintable
+
+
+def test_messages_that_cannot_be_shown():
+    g = t.Graph(cache=False)
+    node = g.Unprintable()
+    with pytest.raises(t.Error, match="FileNotFoundError.*caf") as e:
+        node.table.value()
+    assert e.value.code == "python" and 'open("caf' in e.value.hint
+    node["kind"] = "other"
+    with pytest.raises(t.Error, match="Unprintable: its message cannot be shown") as e:
+        node.table.value()
+    assert "raise Unprintable" in e.value.hint and isinstance(e.value.__cause__, Unprintable)
+
+
+@t.node
+def reporting(fraction: float = 0.5, value: float = 1) -> t.Table:
+    t.progress(fraction)
+    t.warn("\udc80")
+    t.metric("m", value)
+    return t.table({"a": [fraction]})
+
+
+def test_reports_from_inside():
+    g = t.Graph(cache=False)
+    node = g.Reporting()
+    with pytest.warns(t.NodeWarning, match="reporting: .*udc80"):
+        assert g.run(node).metrics["reporting"]["m"] == 1
+    node["fraction"] = 1.5
+    with pytest.raises(t.Error, match="progress is from 0 to 1, not 1.5"):
+        node.table.value()
+
+
+runs = []
+
+
+@t.node
+def waiting(others: int = 1) -> t.Table:
+    """Waits until so many other nodes of the run are done."""
+    for _ in range(6000):
+        if runs and runs[-1].progress()["done"] >= others:
+            return t.table({"done": [1]})
+        time.sleep(0.01)
+    return t.table({"done": [0]})
+
+
+def test_other_nodes_run_beside_a_node_in_python():
+    g = t.Graph(cache=False, threads=2)
+    others = [g.Grain(image=g.Pattern(kind="fat", width=64, height=64, seed=k).image) for k in range(5)]
+    node = g.Waiting(others=10)
+    runs.append(g.start(node, *others))
+    assert runs[-1].result().value(node.table)["done"][0] == 1
 
 
 def test_an_exception_is_kept_only_by_its_run():

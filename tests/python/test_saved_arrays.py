@@ -12,6 +12,15 @@ TETRAHEDRON = ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 
 RNG = np.random.default_rng(1)
 IDS = RNG.integers(0, 4, (3, 12, 8))
 
+
+
+def profiles():
+    g = t.Graph(cache=False)
+    ids = np.zeros((24, 32), int)
+    ids[3:9, 4:9], ids[10:20, 12:30] = 1, 2
+    return g.Segment(image=t.image(RNG.random((24, 32, 3)), 1 / 3), labels=t.labels(ids, 1 / 3)).profiles.value()
+
+
 # A value, a node and its input that takes it, and what stands in for the value in the file.
 VALUES = {
     "image": (t.image(RNG.random((5, 7, 3)).astype(np.float32) * 3, 0.123456789), "Grain", "image", "LoadImage"),
@@ -23,6 +32,7 @@ VALUES = {
     "sizes": (t.sizes([0.1, 1 / 3, 4], [0.005, 0.0025]), "Export", "distribution", "Distribution"),
     "intervals": (t.sizes([1, 2, 4], [0.005, 0.0025], low=[0.004, 0.001], high=[0.005, 0.003]), "Export", "distribution",
                   "Distribution"),
+    "profiles": (profiles(), "Export", "profiles", "LoadProfiles"),
     "volume": (t.volume(RNG.random((3, 4, 5)), 0.1), "Export", "volume", "LoadVolume"),
     "period": (t.volume(RNG.random((3, 4, 5, 3)), 0.1, name="Cd", period=True), "Export", "volume", "LoadVolume"),
     "ids": (t.volume(RNG.integers(-1, 2**25, (3, 4, 5)), 0.1, name="id"), "Export", "volume", "LoadVolume"),
@@ -111,6 +121,9 @@ def test_what_cannot_be_saved(tmp_path):
     g = t.Graph(cache=False)
     two = g.Shape(kind="rock", count=2).shapes.value()
     assert "single shape" in refused("KMatrix", shapes=two).message
+    for name in ("../outside", "", ".."):  # the file has the shape's name
+        assert "name of a file" in refused("KMatrix", shapes=t.mesh(*TETRAHEDRON, name=name)).message
+    assert not list(tmp_path.glob("**/*.ply"))
     g = t.Graph(cache=False)
     g.Grain(image=t.image([[0.5]]))
     with pytest.raises(t.Error) as e:

@@ -163,8 +163,11 @@ def test_values_survive_pickling(graph):
         assert again == value and again.content == value.content and type(again) is type(value)
     with pytest.raises(t.Error):
         t._core.decoded("Image", b"rubbish")
-    with pytest.raises(TypeError):
-        pickle.dumps(graph)
+    shapes = graph["ball"].shapes
+    for other in (graph, graph["ball"], shapes, shapes.value()[0], shapes.value()[0].mesh, graph.start(shapes)):
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+            with pytest.raises(TypeError, match="cannot be pickled"):
+                pickle.dumps(other, protocol)
 
 
 def test_equal_values_are_equal(graph):

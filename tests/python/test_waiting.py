@@ -12,6 +12,7 @@ import time
 import pytest
 
 import terrazzo as t
+from conftest import needs_plain_memory
 
 # A graph that computes for minutes.
 LONG = """
@@ -202,6 +203,23 @@ run.cancel()
 """)
     assert done.stdout.split("\n")[:3] == ["0", "child True", "0"], (done.stdout, done.stderr)
     assert done.returncode == 0
+
+
+@needs_plain_memory
+def test_a_limit_of_the_address_space(script):
+    done = script("""
+import resource
+import terrazzo as t
+with open("/proc/self/statm") as f:
+    used = int(f.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 700_000_000,) * 2)  # threads get about 16 MB each
+for threads in (1000, 2):
+    try:
+        print(t.Graph(cache=False, threads=threads).Pattern(width=16, height=16).image.value().width)
+    except t.Error as e:
+        print(e.code, e.hint)
+""")
+    assert done.stdout == "no-memory raise the limit (ulimit -v) or use fewer threads\n16\n", (done.stdout, done.stderr)
 
 
 def test_progress_in_a_terminal(tmp_path):

@@ -62,6 +62,14 @@ TEST(WriteAtomically, NamesTheReasonAndTheFile) {
   }
 }
 
+TEST(WriteAtomically, ReplacesNoDevicesAndPipes) {
+  const fs::path pipe = test::temporary_folder() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(test::code_of([&] { write_text_atomically(pipe, "text"); }), "write-failed");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(files_in(pipe.parent_path()), 1u);
+}
+
 // A forked process shares the state of any random generator in memory, so names must not depend on one.
 TEST(TemporaryFile, NoTwoProcessesShareAName) {
   const fs::path folder = test::temporary_folder();

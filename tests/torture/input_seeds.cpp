@@ -220,6 +220,11 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadProfiles.csv", "a.csv",
          "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
   w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
+  w.text("LoadProfiles.json", "a.json",
+         "{\"observed_area\":100,\"sections\":2,\"classes\":1,\"window\":[5,10],\"binder_color\":[0,0.5,1],"
+         "\"area_fraction\":0.25,\"profiles\":[{\"section\":1,\"class\":0,\"area\":2.5,\"centroid\":[1,2],"
+         "\"touches_border\":false,\"weight\":1.25,\"confidence\":1,\"color\":[0,1,0.5],"
+         "\"contour\":[[0,0],[1,0],[1,1]]}]}");
   w.text("LoadEBSD.ang", "a.ang",
          "# Phase 1\n# MaterialName a\n# Symmetry 43\n# GRID: HexGrid\n# XSTEP: 1\n# YSTEP: 0.866\n"
          "# NCOLS_ODD: 3\n# NCOLS_EVEN: 2\n# NROWS: 2\n1 1 1 0 0 9 0.9 1\n1 1 1 1 0 9 0.9 1\n"

@@ -73,6 +73,8 @@ def _labels(value, stem):
 def _mesh(value, stem):
     if len(value) != 1 or len(value[0].color) or len(value[0].uv):
         _not_savable(os.path.basename(stem), "only a single shape without colors can be")
+    if value[0].name in ("", ".", "..") or "/" in value[0].name:
+        _not_savable(os.path.basename(stem), f"the shape's name {value[0].name!r} cannot be the name of a file")
     folder = stem if os.path.basename(stem) != value[0].name else os.path.dirname(stem)
     os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, value[0].name + ".ply")  # LoadMesh names the shape after its file
@@ -85,6 +87,11 @@ def _volume(value, stem):
     graph.Export(volume=value, path=os.path.basename(stem) + ".vdb", id_type="int32")
     graph.start(out=os.path.dirname(stem)).wait(False)._settled(report=False)
     return "LoadVolume", "volume", {"path": stem + ".vdb"}
+
+
+def _profiles(value, stem):
+    value.save(stem + ".json")
+    return "LoadProfiles", "profiles", {"path": stem + ".json"}
 
 
 def _particles(value, stem):
@@ -102,5 +109,5 @@ def _sizes(value, stem):
     return "Distribution", "distribution", parameters
 
 
-_writers = {"Image": _image, "Labels": _labels, "Shapes": _mesh, "Volume": _volume, "Particles": _particles,
-            "SizeDistribution": _sizes}
+_writers = {"Image": _image, "Labels": _labels, "Shapes": _mesh, "Volume": _volume, "Profiles": _profiles,
+            "Particles": _particles, "SizeDistribution": _sizes}

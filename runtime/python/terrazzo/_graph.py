@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import operator
 import os
 
 from . import _core
+from ._paths import path_text
 from ._run import Plan, Run, Step, _target
 
 __all__ = ["Graph", "load"]
@@ -15,7 +17,7 @@ def _cache_folder(cache):
         return ""
     if cache is True:
         return _core.default_cache()
-    return os.fspath(cache)
+    return path_text(cache)
 
 
 class Parameters:
@@ -66,6 +68,9 @@ class Graph(_core.Graph):
     """
 
     def __init__(self, name="", *, doc="", cache=True, memory=0, file_memory=0, threads=0):
+        for what, n, most in (("threads", threads, 1024), ("memory", memory, 2**63), ("file_memory", file_memory, 2**63)):
+            if not 0 <= operator.index(n) <= most:
+                raise ValueError(f"{what} must be from 0 to {most}, not {n}")
         self._cache = _cache_folder(cache)
         self._threads = threads
         super().__init__(self._cache, memory, file_memory, threads)
@@ -159,7 +164,7 @@ class Graph(_core.Graph):
     def subgraph(self, file, *, name=None, **values):
         """Adds another graph file as a node. Values are its parameters and inputs."""
         values["name"] = name
-        return self._add_subgraph(os.fspath(file), values)
+        return self._add_subgraph(path_text(file), values)
 
     # --- files
 
@@ -180,12 +185,12 @@ class Graph(_core.Graph):
         stand_ins = {}
         if arrays is not None:
             from ._array_files import write_arrays
-            stand_ins = write_arrays(self, os.path.join(os.path.dirname(os.path.abspath(file)), os.fspath(arrays)))
-        self._save(os.fspath(file), flat, stand_ins)
+            stand_ins = write_arrays(self, os.path.join(os.path.dirname(os.path.abspath(file)), path_text(arrays)))
+        self._save(path_text(file), flat, stand_ins)
 
     def to_yaml(self, folder=".", *, flat=False):
         """The text that save() writes to a file in this folder."""
-        return self._text(os.fspath(folder), flat)
+        return self._text(path_text(folder), flat)
 
     # --- evaluation
 
@@ -218,7 +223,7 @@ class Graph(_core.Graph):
 
     def explain(self, *targets, out="out"):
         """What a run would compute, and why, without computing anything: a Plan."""
-        return Plan(Step(*step) for step in self._explain([_target(t) for t in targets], os.fspath(out)))
+        return Plan(Step(*step) for step in self._explain([_target(t) for t in targets], path_text(out)))
 
     def sweep(self, vary, *targets, out="out", jobs=1, progress=None):
         """Runs the graph for every combination of values, and returns a Sweep.
@@ -274,7 +279,7 @@ def load(file, *, cache=True, memory=0, file_memory=0, threads=0, **parameters):
     Checks all of it and raises Error with everything that is wrong. See Graph for the other arguments.
     """
     graph = Graph(cache=cache, memory=memory, file_memory=file_memory, threads=threads)
-    graph._open(os.fspath(file))
+    graph._open(path_text(file))
     for name, value in parameters.items():
         graph._set_parameter(name, value)
     graph.check()

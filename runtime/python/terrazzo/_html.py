@@ -18,6 +18,13 @@ def table_html(columns, rows):
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{more}"
 
 
+def fields_html(columns, count, row):
+    """A table of a value with many elements, of which only those that are shown become rows: row(i)."""
+    shown = min(count, _longest)
+    more = f"<p>{count - shown} more rows</p>" if count > shown else ""
+    return table_html(columns, [row(i) for i in range(shown)]) + more
+
+
 def diagnostic_html(diagnostic):
     color = {"error": "#b00020", "warning": "#8a6d00"}.get(diagnostic.severity, "#555")
     hint = f"<br><i>{escape(diagnostic.hint)}</i>" if diagnostic.hint else ""

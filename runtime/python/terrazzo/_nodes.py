@@ -101,15 +101,19 @@ def documentation(info):
     return "\n".join(out)
 
 
-def function(type_name):
-    """A plain function for a node type, so that help() shows it like any other."""
+def register(type_name):
+    """Makes a node type a method of Graph, with its signature and documentation."""
 
     def add(graph, /, **values):
         return graph._add(type_name, values)
 
+    info = _core.node_type(type_name)
+    graph = inspect.Parameter("graph", inspect.Parameter.POSITIONAL_ONLY, annotation="Graph")
     add.__name__ = add.__qualname__ = type_name
     add.__module__ = "terrazzo.nodes"
-    return add
+    add.__signature__ = _signature(info, [graph])
+    add.__doc__ = documentation(info)
+    setattr(Graph, type_name, add)
 
 
 class Nodes:
@@ -124,26 +128,7 @@ class Nodes:
     def __getattr__(self, name):
         if name.startswith("_") or name not in _core.node_types():
             raise AttributeError(f"there is no node type '{name}'")
-        return describe(name)
-
-
-def describe(type_name):
-    """The function of a node type, with its signature and documentation."""
-    add = Graph.__dict__.get(type_name)
-    if add is None:
-        add = function(type_name)
-        setattr(Graph, type_name, add)
-    if add.__doc__ is None:
-        info = _core.node_type(type_name)
-        graph = inspect.Parameter("graph", inspect.Parameter.POSITIONAL_ONLY, annotation="Graph")
-        add.__signature__ = _signature(info, [graph])
-        add.__doc__ = documentation(info)
-    return add
-
-
-def register(type_name):
-    """Makes a node type a method of Graph. Its documentation is made when it is asked for."""
-    setattr(Graph, type_name, function(type_name))
+        return Graph.__dict__[name]
 
 
 nodes = Nodes()

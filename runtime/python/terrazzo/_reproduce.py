@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
-
 from . import _core
 from ._graph import Graph
+from ._paths import path_text
 
 
 def reproduce(file, *, allow_read=(), cache=True):
@@ -16,7 +15,7 @@ def reproduce(file, *, allow_read=(), cache=True):
     graph.made_keys has the action keys of the nodes in the run that made the file; equal keys in run.nodes mean
     an equal computation.
     """
-    text, keys, reads = _core.made(os.fspath(file), [os.fspath(f) for f in allow_read])
+    text, keys, reads = _core.made(path_text(file), [path_text(f) for f in allow_read])
     graph = Graph(cache=cache)
     graph._open_text(text, "")
     graph.check()

@@ -9,6 +9,7 @@ import warnings
 
 from . import _core
 from ._errors import Canceled, Error, NodeWarning
+from ._paths import path_text
 from ._progress import drawing
 
 _exiting = False
@@ -42,7 +43,9 @@ class Run:
     """
 
     def __init__(self, graph, targets, out, apart=None):
-        self._graph, self._out = graph, os.path.abspath(out)
+        if not isinstance(graph, _core.Graph):
+            raise TypeError(f"a run needs a graph, not a {type(graph).__name__}")
+        self._graph, self._out = graph, os.path.abspath(path_text(out))
         self._core = until_exit(_core.RunCore, graph, [_target(t) for t in targets], self._out, apart)
         self._done = False
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import collections.abc
 import csv
+import io
 import os
 
 from . import _core
 from ._errors import Error
+from ._paths import path_text
 from ._progress import drawing
 from ._run import Run, until_exit
 
@@ -78,11 +80,12 @@ class Sweep:
 
     def save(self, file):
         """Writes the points as a table like sweep.csv of `terrazzo sweep`."""
-        with open(file, "w", newline="", encoding="utf-8") as out:
-            rows = csv.writer(out, lineterminator="\n")
-            rows.writerow(["point"] + self.columns)
-            for number, point in enumerate(self.points, 1):
-                rows.writerow([_folder(number)] + [point.get(c, "") for c in self.columns])
+        out = io.StringIO()
+        rows = csv.writer(out, lineterminator="\n")
+        rows.writerow(["point"] + self.columns)
+        for number, point in enumerate(self.points, 1):
+            rows.writerow([_folder(number)] + [point.get(c, "") for c in self.columns])
+        _core.write_text(path_text(file), out.getvalue())
 
     def _repr_html_(self):
         from ._html import table_html
@@ -137,7 +140,7 @@ class _Points:
             for target, value in self._points[self._next]:
                 _set(self._graph, target, value)
             self._next += 1
-            folder = os.path.join(os.fspath(self._out), _folder(self._next))
+            folder = os.path.join(self._out, _folder(self._next))
             # Later points edit the graph, which must not cancel this one.
             self.started.append(Run(self._graph, self._targets, folder, apart=self._threads))
 
@@ -175,7 +178,7 @@ def sweep(graph, vary, targets, out, jobs, progress):
     before = {target: _get(graph, target) for target in vary}
     outputs = [t for t in targets if isinstance(t, _core.Output) or isinstance(t, str) and "." in t]
     result = Sweep(list(vary))
-    runs = _Points(graph, points, targets, out, jobs)
+    runs = _Points(graph, points, targets, path_text(out), jobs)
     try:
         for point in points:  # errors of any point are found before the first one runs
             for target, value in point:
@@ -220,7 +223,7 @@ def read_sweep(file):
     Numbers are numbers, empty cells None. A point that was not run has the status "not run". Raises Error
     "sweep-file" if the file is no such table.
     """
-    file = os.fspath(file)
+    file = path_text(file)
     if os.path.isdir(file):
         file = os.path.join(file, "sweep.csv")
     try:

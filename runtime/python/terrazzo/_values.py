@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 
 from . import _core
-from ._html import table_html
+from ._html import fields_html, table_html
+from ._paths import path_text
 from ._png import image_png, labels_png, volume_png
 
 
@@ -50,7 +51,14 @@ def sizes(class_edges, N_V, *, low=None, high=None):
 
 def table(columns):
     """A Table of a dictionary: lists of numbers or text of equal length, by the names of the columns."""
-    return _core.table({str(name): list(cells) for name, cells in columns.items()})
+    made = {}
+    for name, cells in columns.items():
+        if isinstance(cells, (str, bytes)):
+            raise TypeError(f"the column '{name}' must be a list of cells, not a {type(cells).__name__}")
+        if str(name) in made:
+            raise ValueError(f"two columns have the name '{name}'")
+        made[str(name)] = list(cells)
+    return _core.table(made)
 
 
 def _restore(kind, encoded):
@@ -61,10 +69,14 @@ def _reduce(self):
     return _restore, (self.type, self._encoded())
 
 
+def _no_reduce(self):
+    raise TypeError(f"a {type(self).__name__} cannot be pickled or copied; values can")
+
+
 def _save(self, file):
     """Writes the value to a file, with the Export node. The extension gives the format."""
     from ._graph import Graph
-    file = os.path.abspath(os.fspath(file))
+    file = os.path.abspath(path_text(file))
     graph = Graph(cache=False)
     port = _export_ports.get(self.type)
     if port is None:
@@ -123,16 +135,48 @@ def _sizes_html(self):
     return table_html(("shape", "class", "from mm", "to mm", "N_V mm⁻³", "low", "high"), rows)
 
 
+def _numbers(values):
+    return " ".join(f"{float(v):.4g}" for v in values)
+
+
+def _profiles_html(self):
+    return fields_html(("section", "class", "area mm²", "centroid mm", "weight", "confidence", "color"), len(self), lambda i: (
+        self.section[i], self.cls[i], float(self.area[i]), _numbers(self.centroid[i]), float(self.weight[i]),
+        float(self.confidence[i]), _numbers(self.color[i])))
+
+
+def _particles_html(self):
+    return fields_html(("shape", "class", "position mm", "size mm", "scale", "color"), len(self), lambda i: (
+        self.shape[i], self.cls[i], _numbers(self.position[i]), float(self.size[i]), float(self.scale[i]),
+        _numbers(self.color[i])))
+
+
+def _shapes_html(self):
+    def row(i):
+        shape = self[i]
+        return (shape.name, shape.cls, shape.probability, shape.volume, shape.surface_area, shape.mean_caliper, shape.size,
+                len(shape.mesh.triangles))
+
+    return fields_html(("name", "class", "probability", "volume mm³", "surface mm²", "mean caliper mm", "size mm", "triangles"),
+                       len(self), row)
+
+
 _export_ports = _ports_of_export()
 _core.Value.__repr__ = _repr
 _core.Value.__reduce__ = _reduce
 _core.Value.save = _save
 _save.__name__ = "save"
+for _class in [c for c in vars(_core).values() if isinstance(c, type)]:
+    if _class.__reduce__ is object.__reduce__:  # which ends the process in protocols 0 and 1, since pybind11 throws there
+        _class.__reduce__ = _no_reduce
 _core.Image.__array__ = _array_of("pixels")
 _core.Labels.__array__ = _array_of("ids")
 _core.Image._repr_png_ = image_png
 _core.Labels._repr_png_ = labels_png
 _core.Volume._repr_png_ = volume_png
+_core.Particles._repr_html_ = _particles_html
+_core.Profiles._repr_html_ = _profiles_html
+_core.Shapes._repr_html_ = _shapes_html
 _core.Table._repr_html_ = lambda self: table_html(self.columns, self.rows)
 _core.Table.to_pandas = _to_pandas
 _core.Table.to_dict = _to_dict

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
-
 from . import _core
+from ._paths import path_text
 
 __all__ = ["clear", "collect", "folder", "stats", "verify"]
 
@@ -15,7 +14,7 @@ def folder():
 
 
 def _named(cache):
-    return folder() if cache is None else os.fspath(cache)
+    return folder() if cache is None else path_text(cache)
 
 
 def stats(cache=None):

@@ -4,7 +4,9 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
+#include "nodes/load_profiles/profile_json.h"
 #include "nodes/load_profiles/profile_table.h"
+#include "runtime/json_text.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -98,6 +100,76 @@ TEST(LoadProfiles, NodeJoinsFilesAndChecksTheArea) {
               test::run_node("LoadProfiles", {}, {{"path", glob}, {"observed_area", "5"}});
             }).code,
             "area-too-small");
+}
+
+Profiles with_outlines() {
+  Profiles p;
+  p.observed_area = 100.0 / 3, p.sections = 3, p.classes = 2, p.window = Vec2(5, 20.0 / 3);
+  p.binder_color = Vec3f(0.1f, 0.2f, 0.3f), p.area_fraction = 1.0 / 7;
+  p.profiles.resize(2);
+  p.profiles[0] = {2, 1, 0.1, Vec2(1.0 / 3, 2), true, 0, 0.7, Vec3f(0.6f, 0.7f, 0.8f), {}};
+  p.profiles[1].area = 1e-7, p.profiles[1].weight = 1 / 0.7;
+  p.profiles[1].contour = {Vec2(0.1, 0), Vec2(1, 0.2), Vec2(-1e-300, 1.0 / 3)};
+  return p;
+}
+
+std::string json_of(const Profiles& p) { return json_text(value_type<Profiles>().describe(&p)); }
+
+TEST(LoadProfiles, JsonIsReadToTheLastBit) {
+  const Profiles p = with_outlines();
+  const auto bytes = [](const Profiles& v) {
+    BufferWriter w;
+    value_type<Profiles>().encode(&v, w);
+    return w.buffer;
+  };
+  const std::string text = json_of(p);
+  EXPECT_TRUE(is_json(text));
+  EXPECT_FALSE(is_json("area\n1\n"));
+  EXPECT_EQ(bytes(read_profiles_json(text, "t.json")), bytes(p));
+  EXPECT_EQ(bytes(read_profiles_json("{\"image\": {}, \"profiles\": " + text + "}", "t.json")), bytes(p));
+}
+
+TEST(LoadProfiles, WrongJsonIsNamed) {
+  const auto code = [](const std::string& from, const std::string& to) {
+    std::string text = json_of(with_outlines());
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from << " is not in " << text;
+    text.replace(at, from.size(), to);
+    const Diagnostic d = diagnostic_of([&] { read_profiles_json(text, "t.json"); });
+    EXPECT_NE(d.message.find("t.json"), std::string::npos) << d.message;
+    EXPECT_EQ(d.parameter, "path");
+    return d.code;
+  };
+  EXPECT_EQ(code("{", "["), "unreadable-file");
+  EXPECT_EQ(code("\"window\"", "\"widow\""), "unreadable-file");
+  EXPECT_EQ(code("\"classes\":2", "\"classes\":null"), "unreadable-file");
+  EXPECT_EQ(code("\"sections\":3", "\"sections\":-3"), "unreadable-file");
+  EXPECT_EQ(code("\"window\":[5.0,", "\"window\":["), "unreadable-file");
+  EXPECT_EQ(code("\"section\":2", "\"section\":3"), "bad-profile");
+  EXPECT_EQ(code("\"class\":1", "\"class\":1.5"), "bad-profile");
+  EXPECT_EQ(code("\"area\":0.1", "\"area\":0"), "bad-profile");
+  EXPECT_EQ(code("\"weight\":0.0", "\"weight\":-1"), "bad-profile");
+  EXPECT_EQ(code("\"touches_border\":true", "\"touches_border\":1"), "bad-profile");
+  EXPECT_EQ(code("\"contour\":[[0.1,0.0],", "\"contour\":["), "bad-profile");
+  EXPECT_EQ(code("\"contour\":[[0.1,0.0]", "\"contour\":[[0.1,\"0\"]"), "bad-profile");
+  EXPECT_EQ(code("\"color\":[", "\"color\":[1e300,"), "bad-profile");
+}
+
+TEST(LoadProfiles, TheNodeReadsOneJsonFile) {
+  const auto folder = test::temporary_folder();
+  std::ofstream(folder / "a.json") << json_of(with_outlines());
+  const auto run = test::run_node("LoadProfiles", {}, {{"path", (folder / "a.json").string()}});
+  EXPECT_EQ(run.output<Profiles>("profiles").profiles[1].contour, with_outlines().profiles[1].contour);
+  EXPECT_EQ(run.output<Profiles>("profiles").observed_area, with_outlines().observed_area);
+  const auto in_micrometers = [&] {
+    test::run_node("LoadProfiles", {}, {{"path", (folder / "a.json").string()}, {"unit", "um"}});
+  };
+  EXPECT_EQ(diagnostic_of(in_micrometers).code, "bad-value");
+  std::ofstream(folder / "b.json") << json_of(with_outlines());
+  EXPECT_EQ(diagnostic_of([&] {
+              test::run_node("LoadProfiles", {}, {{"path", (folder / "*.json").string()}});
+            }).code,
+            "several-files");
 }
 
 TEST(LoadProfiles, RealTable) {
