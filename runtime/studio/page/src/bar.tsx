@@ -1,6 +1,6 @@
 import { secondsText } from './format';
 import { SaveAs } from './start';
-import { post, priceText, save, useStore } from './store';
+import { post, priceText, save, showStart, useStore } from './store';
 
 export function Bar() {
   const doc = useStore(s => s.doc);
@@ -23,7 +23,7 @@ export function Bar() {
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
       <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
-      <button onClick={() => useStore.setState({ starting: true, picture: null })} title="Open a material, or make one from a photograph">New or open…</button>
+      <button onClick={() => void showStart()} title="Open a graph or a material, or make one from a photograph">New or open…</button>
       <div className="group">
         <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
         <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>

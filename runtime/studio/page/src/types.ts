@@ -31,7 +31,10 @@ export interface Doc {
   saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
   disk_changed: boolean; valid: boolean; arrangement: Arrangement;
 }
-export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
+export interface StartInfo {
+  welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[];
+  graphs: { file: string; changed: number }[]; // below the folder, newest first
+}
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled' | 'bypassed';
 export interface NodeState {
