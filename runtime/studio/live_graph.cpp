@@ -64,8 +64,7 @@ json LiveGraph::run_json() const {
 void LiveGraph::document_changed() {
   found_ = session_.open_text(document_.text(), document_.file(), overrides_);
   valid_ = !has_errors(found_);
-  disk_changed_ = disk_changed_ && !document_.saved();
-  events_.add("document", json_text(document_json()));
+  tell_document();
   if (!valid_) return;
   inputs_.clear();
   for (const auto& node : session_.graph()->nodes)
@@ -242,6 +241,7 @@ void LiveGraph::watch() {
   for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
     note_end();
     if (tick % 20 != 0) continue;  // files: once a second
+    if (document_.follow_arrangement()) tell_arrangement();
     if (document_.changed_on_disk() && !disk_changed_) try {
         if (document_.saved())
           document_.reload();

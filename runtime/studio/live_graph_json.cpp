@@ -1,5 +1,7 @@
 // The state of a LiveGraph as pages get it.
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "runtime/json_text.h"
 #include "runtime/studio/arrangement.h"
@@ -24,7 +26,7 @@ json LiveGraph::document_json() const {
   out["disk_changed"] = disk_changed_;
   out["valid"] = valid_;
   out["messages"] = messages;
-  out["arrangement"] = read_arrangement(document_.file());
+  out["arrangement"] = arrangement_json(document_.arrangement());
   return out;
 }
 
@@ -35,10 +37,26 @@ json LiveGraph::state() {
   return {{"number", events_.last()}, {"document", document_json()}, {"nodes", nodes}, {"run", run_json()}};
 }
 
+void LiveGraph::tell_document() {
+  disk_changed_ = disk_changed_ && !document_.saved();
+  events_.add("document", json_text(document_json()));
+}
+
+void LiveGraph::tell_arrangement() {
+  events_.add("arrangement", json_text({{"arrangement", arrangement_json(document_.arrangement())},
+                                        {"can_undo", document_.can_undo()},
+                                        {"can_redo", document_.can_redo()},
+                                        {"trouble", document_.trouble()}}));
+}
+
 void LiveGraph::tell_node(const std::string& path) {
-  json j = json_of(states_[path]);
+  NodeState& s = states_[path];
+  json j = json_of(s);
   j["path"] = path;
-  events_.add("node", json_text(j));
+  std::string text = json_text(j);
+  // An edit plans all nodes and changes few of them.
+  if (const std::size_t now = std::hash<std::string>()(text); std::exchange(s.told_state, now) != now)
+    events_.add("node", std::move(text));
 }
 
 }  // namespace terrazzo::studio

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "nodes/data/table.h"
 #include "runtime/files.h"
@@ -334,6 +336,12 @@ TEST_F(LiveGraphTest, PricesAreThoseOfTheNodesThatAnEditRuns) {
   for (const auto& n : price["nodes"]) paths.push_back(n["path"]);
   EXPECT_EQ(paths, (std::vector<std::string>{"b", "sum"}));  // not the node that writes a file
   EXPECT_NE(price["nodes"][0]["reason"].get<std::string>().find("2 → 7"), std::string::npos);
+  double sum = 0;
+  for (const auto& n : price["nodes"]) {
+    EXPECT_GT(n["seconds"], 0) << n["path"];
+    sum += n["seconds"].get<double>();
+  }
+  EXPECT_DOUBLE_EQ(price["seconds"], sum);
   EXPECT_EQ(live->state()["document"]["text"], kLiveText);
   EXPECT_EQ(live->price({})["nodes"], json::array());
   const Edit bad{Edit::Kind::SetParameter, "b", "value", {false, {"much"}, {}}};
@@ -400,6 +408,46 @@ TEST_F(LiveGraphTest, AGraphThatAnotherProgramChangesIsReadAgain) {
   const json s = when([](const json& s) { return s["document"]["disk_changed"] == true; });
   EXPECT_NE(s["document"]["text"].get<std::string>().find("value: 7"), std::string::npos);
   EXPECT_EQ(test::code_of([&] { live->change([](Document& d) { d.save(false); }); }), "file-changed");
+}
+
+TEST_F(LiveGraphTest, OnlyNodesThatChangeAreReported) {
+  open();
+  settled();
+  const auto number = live->events().last();
+  set("b", "value", "7");
+  settled();
+  std::set<std::string> told;
+  const auto events = live->events().after(number, std::chrono::milliseconds(0));
+  for (const auto& e : *events)
+    if (e.type == "node") told.insert(json::parse(e.data)["path"]);
+  EXPECT_EQ(told.count("sum"), 1u);
+  EXPECT_EQ(told.count("write"), 0u);  // it waits for somebody who wants files, as before
+}
+
+TEST_F(LiveGraphTest, SavingAndMovingNodesStartNoEvaluation) {
+  open();
+  settled();
+  set("b", "value", "7");
+  settled();
+  const auto started = [&](std::uint64_t after) {
+    const auto events = live->events().after(after, std::chrono::milliseconds(0));
+    return std::ranges::any_of(*events, [](const auto& e) { return e.type == "node"; });
+  };
+  auto number = live->events().last();
+  live->change([](Document& d) { d.save(false); });
+  EXPECT_TRUE(live->state()["document"]["saved"]);
+  const json places = {{"places", {{"a", {1, 2}}}}};
+  live->arrange(places);
+  EXPECT_EQ(live->state()["document"]["arrangement"], places);
+  live->change([](Document& d) { d.undo(); });
+  EXPECT_EQ(live->state()["document"]["arrangement"], json::object());
+  EXPECT_FALSE(started(number));
+  number = live->events().last();
+  live->change([](Document& d) { d.undo(); });
+  EXPECT_TRUE(started(number));
+  // Another program moves a node.
+  write_text_atomically(folder / "live.studio.json", places.dump());
+  when([&](const json& s) { return s["document"]["arrangement"] == places; });
 }
 
 TEST_F(LiveGraphTest, TenMegabytesOfTextOpenAndAreEdited) {

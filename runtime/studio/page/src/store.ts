@@ -71,6 +71,14 @@ const opened = (done: boolean) => {
 };
 export const openMaterial = async (material: string, discard = false): Promise<void> =>
   opened(await post('/api/open', { material, discard }, () => void openMaterial(material, true)));
+export const openGraph = async (graph: string, discard = false): Promise<void> =>
+  opened(await post('/api/open', { graph, discard }, () => void openGraph(graph, true)));
+// Shows the start page, with the graphs that are there now.
+export async function showStart(): Promise<void> {
+  useStore.setState({ starting: true, picture: null });
+  const answer = await fetch('/api/start').catch(() => null);
+  if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
+}
 export async function upload(picture: File, folder: string, pixelSize: string, discard = false): Promise<void> {
   const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, discard: String(discard) });
   opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, true)));
@@ -78,14 +86,15 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
 export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; bypass?: boolean };
-// `merge`: one of many edits while a control moves. Those within a second are one step of undo.
+// Changes with the same name are one step of undo if less than a second is between them.
 let moving = { what: '', group: 0, at: 0 };
-export function edit(edits: Edit[], merge = false): Promise<boolean> {
-  if (!merge) return post('/api/edit', { edits });
-  const what = edits.map(e => `${e.node}.${e.name}`).join(' ');
+function groupOf(what: string): string {
   moving = { what, group: moving.group + (what !== moving.what || performance.now() - moving.at > 1000 ? 1 : 0), at: performance.now() };
-  return post('/api/edit', { edits, group: `${what} ${moving.group}` });
+  return `${what} ${moving.group}`;
 }
+// `merge`: one of many edits while a control moves. `places`: where nodes go that the edits add.
+export const edit = (edits: Edit[], merge = false, places: Arrangement['places'] = {}): Promise<boolean> =>
+  post('/api/edit', { edits, places, group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' });
 
 // --- events
 
@@ -113,15 +122,17 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, arrangement: s.document.arrangement });
+    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, ...arrangementOf(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
-  on<Arrangement>('arrangement', arrangement => set({ arrangement }));
+  on<{ arrangement: Arrangement; can_undo: boolean; can_redo: boolean; trouble: string }>('arrangement', ({ arrangement, ...rest }) => {
+    set(s => ({ doc: s.doc && { ...s.doc, ...rest, arrangement }, ...arrangementOf(arrangement) }));
+  });
   on<Doc>('document', doc => {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
       doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
-      doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      ...arrangementOf(doc.arrangement), doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
     }));
     void enter(useStore.getState().scope);
@@ -176,15 +187,31 @@ export async function enter(scope: string): Promise<void> {
   set(s => ({ scope, inside: { ...doc, nodes, messages: [], arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
 }
 
-// Keeps where nodes and notes are, soon; several changes at once are one request.
-let keeping: number | undefined;
-export function arrange(change: Partial<Arrangement>) {
+// Keeps where nodes and notes are, as a step of undo. Several changes at once are one request. Changes that name the same `group` are
+// one step if less than a second is between them.
+let keeping = 0; // requests that are under way
+let missed: Arrangement | null = null; // what the server reported meanwhile, which may be older
+let scheduled_group: string | null = null;
+export function arrange(change: Partial<Arrangement>, group = '') {
   set(s => ({ arrangement: { ...s.arrangement, ...change } }));
-  window.clearTimeout(keeping);
-  keeping = window.setTimeout(() => {
-    const { doc, arrangement } = useStore.getState();
-    if (doc && !doc.read_only) void post('/api/arrange', { arrangement });
-  }, 300);
+  const first = scheduled_group === null;
+  scheduled_group = group;
+  if (!first) return;
+  ++keeping;
+  setTimeout(async () => {
+    const group = scheduled_group!;
+    scheduled_group = null;
+    await post('/api/arrange', { arrangement: useStore.getState().arrangement, group: group && groupOf(group) });
+    if (--keeping || !missed) return;
+    set({ arrangement: missed });
+    missed = null;
+  });
+}
+
+function arrangementOf(reported: Arrangement): { arrangement?: Arrangement } {
+  if (!keeping) return { arrangement: reported };
+  missed = reported;
+  return {};
 }
 
 export const priceText = (p: Price) => {
