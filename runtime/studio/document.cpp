@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostUndoBytes = 64 << 20;
 
-std::string read(const fs::path& file) {
+std::string text_of(const fs::path& file) {
   Diagnostics found;
   const auto text = read_graph_text(file, found);
   if (!text) throw Error(found.front());
@@ -36,13 +36,18 @@ void check(const std::string& text) {
 Document::Document(fs::path file, bool read_only)
     : file_(fs::absolute(file).lexically_normal()),
       beside_(file_.parent_path() / ("." + file_.filename().string() + ".unsaved")),
-      now_{shared(read(file_)), shared(read_arrangement(file_).value_or(""))},
+      now_{shared(text_of(file_)), shared(read_arrangement(file_).value_or(""))},
       disk_(text()),
       arrangement_on_disk_(arrangement()),
       read_only_(read_only) {
   if (read_only_) return;
   if (const auto left = read_file(beside_); left && *left != text() && left->size() <= max_graph_bytes)
     recovered_ = *left;
+}
+
+const ReadGraph& Document::read() const {
+  if (!read_) read_ = read_graph(text(), file_);
+  return *read_;
 }
 
 std::string Document::trouble() const {
@@ -82,7 +87,7 @@ void Document::show(Version v) {
   now_ = std::move(v);
   keep_arrangement();
   if (same) return;
-  ++revision_;
+  ++revision_, read_.reset();
   keep_beside();
 }
 
@@ -108,13 +113,16 @@ void Document::step(std::string text, std::string arrangement, const std::string
 }
 
 void Document::edit(const std::vector<Edit>& edits, const std::string& group, const Places& places) {
-  std::string text = this->text(), arrangement = this->arrangement();
+  if (edits.empty()) return;
+  std::string arrangement = this->arrangement();
+  ReadGraph now;
   for (const auto& e : edits) {
-    text = edit_document(text, file_, e);
+    now = edit_document(&e == &edits.front() ? read() : now, file_, e);
     if (e.kind == Edit::Kind::RenameNode) arrangement = arrangement_renamed(arrangement, e.node, e.to);
   }
-  check(text);
-  step(std::move(text), arrangement_placed(arrangement, places), group);
+  check(now.text);
+  step(now.text, arrangement_placed(arrangement, places), group);
+  read_ = std::move(now);
 }
 
 void Document::replace(std::string text, const Places& places) {
@@ -198,7 +206,7 @@ void Document::save_as(const fs::path& file, const std::string& text) {
   beside_ = file_.parent_path() / ("." + file_.filename().string() + ".unsaved");
   now_.text = shared(text), disk_ = text;
   recovered_.clear(), trouble_.clear(), arrangement_trouble_.clear();
-  read_only_ = false, group_.clear(), ++revision_;
+  read_only_ = false, group_.clear(), ++revision_, read_.reset();
   arrangement_on_disk_ = read_arrangement(file_).value_or("");
   keep_arrangement();
 }
@@ -209,7 +217,7 @@ bool Document::changed_on_disk() const {
 }
 
 void Document::reload() {
-  std::string now = read(file_);
+  std::string now = text_of(file_);
   check(now);
   disk_ = now;
   step(std::move(now), arrangement());

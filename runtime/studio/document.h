@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ class Document {
 
   const std::filesystem::path& file() const { return file_; }
   const std::string& text() const { return *now_.text; }
+  // The text with what it says. Valid until the text changes.
+  const ReadGraph& read() const;
   // Where nodes, notes and frames are, as a text: see arrangement.h. It is written beside the graph with
   // every change, and is no part of what is saved. That of a document that is read only stays in memory.
   const std::string& arrangement() const { return *now_.arrangement; }
@@ -79,6 +82,7 @@ class Document {
   std::vector<Version> undo_, redo_;
   std::string group_;  // of the last step
   std::uint64_t revision_ = 0;
+  mutable std::optional<ReadGraph> read_;
   bool read_only_;
 };
 

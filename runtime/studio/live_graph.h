@@ -24,7 +24,8 @@ class LiveGraph {
   LiveGraph(const Registry&, const ValueTypes&, SessionOptions, Document, Overrides = {}, bool live = true);
   ~LiveGraph();
 
-  // Everything: {number, document, nodes, run}. `number`: the last event that it includes.
+  // Everything: {number, document, nodes, run}. `number`: the last event that it includes. Of a graph with
+  // more nodes than a page can draw, pages get the text, and only nodes that failed or have warnings.
   nlohmann::json state();
   const EventLog& events() const { return events_; }
 
@@ -110,6 +111,7 @@ class LiveGraph {
   NodeStates states_;
   Diagnostics found_;
   bool valid_ = false;         // the session has the document's graph
+  bool large_ = false;         // the graph has more nodes than a page can draw
   bool disk_changed_ = false;  // another program changed the file, and there are unsaved changes
   double seconds_ = 0;         // of the last run that ended
   PastStates past_;

@@ -45,6 +45,7 @@ struct LiveGraph::Watcher : Observer {
     if (!s) return;
     s->state = "running", s->progress = fraction;
     if (!note.empty()) s->note = note;
+    if (owner.large_) return;  // no page shows it
     const auto now = std::chrono::steady_clock::now();
     if (now - s->told < std::chrono::milliseconds(100)) return;
     s->told = now, s->told_state = 0;

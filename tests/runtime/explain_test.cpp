@@ -17,13 +17,16 @@ using Lines = std::vector<std::string>;
 class Explain : public ::testing::Test {
  protected:
   Explain() {
-    registry.add(NodeType("Tint", 1)
-                     .doc_("test")
-                     .parameter(Parameter::color("color", 0, 0, 0).doc_("c"))
-                     .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in").doc_("m"))
-                     .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto").doc_("s"))
-                     .output("out", "Table", "result")
-                     .compute_([](Context& c) { c.output("out", Table{{"value"}, {{1.0}}}); }));
+    registry.add(
+        NodeType("Tint", 1)
+            .doc_("test")
+            .parameter(Parameter::color("color", 0, 0, 0).doc_("c"))
+            .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in").doc_("m"))
+            .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto").doc_("s"))
+            .output("out", "Table", "result")
+            .compute_([](Context& c) {
+              c.output("out", Table{{"value"}, {{1.0}}});
+            }));
   }
   Graph graph(const std::string& parameters) const {
     Diagnostics found;

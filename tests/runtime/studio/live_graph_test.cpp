@@ -410,6 +410,34 @@ TEST_F(LiveGraphTest, AGraphThatAnotherProgramChangesIsReadAgain) {
   EXPECT_EQ(test::code_of([&] { live->change([](Document& d) { d.save(false); }); }), "file-changed");
 }
 
+// More nodes than a page can draw: it gets the text, and what failed.
+TEST_F(LiveGraphTest, OfALargeGraphOnlyFailuresAndTheTextAreReported) {
+  std::string text = "terrazzo: 1\nnodes:\n";
+  for (int k = 0; k < 2100; ++k)
+    text += "  c" + std::to_string(k) + ": {type: Constant, params: {value: 1}}\n";
+  open(text + "  bad: {type: Fail, inputs: {in: c7.out}}\n");
+  json s = settled();
+  EXPECT_EQ(s["document"]["nodes"], json::array());
+  EXPECT_EQ(s["document"]["node_count"], 2101);
+  ASSERT_EQ(s["nodes"].size(), 1u);
+  EXPECT_EQ(s["nodes"]["bad"]["state"], "failed");
+  const auto number = live->events().last();
+  set("c7", "value", "2");
+  settled();
+  const auto events = live->events().after(number, std::chrono::milliseconds(0));
+  ASSERT_TRUE(events);
+  for (const auto& e : *events)
+    EXPECT_TRUE(e.type != "node" || json::parse(e.data)["path"] == "bad") << e.data;
+  // As many errors as nodes: some of them, and how many there are beyond.
+  std::string broken = text;
+  for (std::size_t at = 0; (at = broken.find("value: 1", at)) != std::string::npos; at += 8)
+    broken.replace(at, 8, "value: x");
+  live->change([&](Document& d) { d.replace(broken); });
+  s = live->state();
+  EXPECT_EQ(s["document"]["messages"].size(), 1001u);
+  EXPECT_EQ(s["document"]["messages"].back()["message"], "1100 more messages");
+}
+
 TEST_F(LiveGraphTest, OnlyNodesThatChangeAreReported) {
   open();
   settled();

@@ -13,11 +13,11 @@ export function Bar() {
   const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
   const price = useStore(s => s.price);
-  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
+  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
   const status = !online ? 'not connected'
     : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
-    : run.running ? `${running} running, ${waiting} waiting${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
+    : run.running ? `${running || waiting ? `${running} running, ${waiting} waiting` : `${run.unfinished.toLocaleString('en-US')} unfinished`}${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
     : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
   return (
     <header className="top">

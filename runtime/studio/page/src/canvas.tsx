@@ -68,6 +68,7 @@ function wireAt(x: number, y: number): string | null {
 }
 
 const kMostNodes = 2000; // the layout of more takes minutes
+const countOf = (doc: Doc) => doc.node_count ?? doc.nodes.length;
 
 export function Canvas() {
   const doc = useStore(shownDoc), root = useStore(s => s.doc), scope = useStore(s => s.scope);
@@ -86,7 +87,7 @@ export function Canvas() {
   const [search, setSearch] = useState<SearchAt | null>(null);
 
   const arrangeAll = useCallback((keep: boolean) => {
-    if (!doc || doc.nodes.length > kMostNodes) return;
+    if (!doc || countOf(doc) > kMostNodes) return;
     if (!keep) moved.current = {}, homes.current = {}, keepPlaces(doc.file, {});
     const at = layout(doc, types);
     setNodes(before => {
@@ -150,7 +151,7 @@ export function Canvas() {
 
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc && doc.nodes.length <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
+    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
   }, [doc, types, lit]);
 
   const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
@@ -291,8 +292,8 @@ export function Canvas() {
     };
   }, [flow, arrangeAll, doc, nodes, scope]);
 
-  if (doc && doc.nodes.length > kMostNodes)
-    return <main className="canvas" aria-label="Graph"><p className="none">The graph has {doc.nodes.length.toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
+  if (doc && countOf(doc) > kMostNodes)
+    return <main className="canvas" aria-label="Graph"><p className="none">The graph has {countOf(doc).toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
   const steps = scope ? scope.split('/') : [];
   return (
     <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph" onPointerMove={e => { pointer.current = { x: e.clientX, y: e.clientY }; }} onPointerLeave={() => { pointer.current = null; }}>

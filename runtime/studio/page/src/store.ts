@@ -19,7 +19,7 @@ interface Store {
   online: boolean;
   trouble: Trouble | null;
   drawer: 'none' | 'yaml' | 'messages' | 'history';
-  line: number; // to show in the YAML text; 0: none
+  line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
   starting: boolean; // the start page is shown
   picture: File | null; // to make a graph of
@@ -38,7 +38,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
-  run: { running: false, live: true, seconds: 0, expected: 0, trouble: '' }, drawer: 'none', line: 0,
+  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', line: null,
   start: null, starting: false, picture: null, savingAs: false, tool: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', wide: false,
 }));
@@ -47,7 +47,7 @@ const set = useStore.setState;
 export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '' }));
 // What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
 export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
-export const goToLine = (line: number) => set({ drawer: 'yaml', line });
+export const goToLine = (number: number) => set({ drawer: 'yaml', line: { number } });
 
 export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
 
@@ -130,7 +130,7 @@ export async function connect() {
   });
   on<Doc>('document', doc => {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
-      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
+      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
       ...arrangementOf(doc.arrangement), doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
@@ -223,7 +223,7 @@ export const priceText = (p: Price) => {
 let asked = 0;
 export async function askPrice(edits: Edit[] | null): Promise<void> {
   const number = ++asked;
-  if (!edits || (useStore.getState().doc?.nodes.length ?? 0) > 500) return set({ price: null });
+  if (!edits || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
   const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) }).catch(() => null);
   if (number !== asked) return;
   set({ price: answer?.ok ? await answer.json() as Price : null });

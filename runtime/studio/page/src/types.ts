@@ -25,7 +25,8 @@ export interface GraphParameter {
   name: string; kind: string; doc: string; unit: string; choices: string[]; keywords: string[]; line: number; value: Written;
 }
 export interface Doc {
-  name: string; doc: string; file: string; text: string; nodes: DocNode[];
+  name: string; doc: string; file: string; text: string;
+  nodes: DocNode[]; node_count?: number; // of the document, not of subgraphs; with more than 2,000, `nodes` is empty
   outputs: { name: string; wire: string; line: number }[];
   parameters: GraphParameter[]; messages: Message[];
   saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
@@ -42,7 +43,7 @@ export interface NodeState {
   outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>; metrics: Record<string, number>; warnings: string[]; files: string[];
   error?: Message;
 }
-export interface Run { running: boolean; live: boolean; seconds: number; expected: number; trouble: string }
+export interface Run { running: boolean; live: boolean; seconds: number; expected: number; unfinished: number; trouble: string }
 export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }
 export interface Note { x: number; y: number; width: number; height: number; text: string; frame: boolean }
 export interface Arrangement { places?: Record<string, [number, number]>; notes?: Note[] }
