@@ -49,10 +49,11 @@ fs::path arrangement_file(const fs::path& graph) {
 
 std::string arrangement_text(const json& j) {
   if (!is_arrangement(j)) throw Error("bad-request", "this is no arrangement of a graph");
-  bool empty = true;
-  for (const auto& part : j) empty = empty && part.empty();
-  if (empty) return {};
-  std::string text = json_text(j, 1) + "\n";
+  json kept = json::object();
+  for (const auto& [name, part] : j.items())
+    if (!part.empty()) kept[name] = part;
+  if (kept.empty()) return {};
+  std::string text = json_text(kept, 1) + "\n";
   if (text.size() > kMostArrangement)
     throw Error("too-large", "the notes and places of the graph have more than 1 MiB");
   return text;

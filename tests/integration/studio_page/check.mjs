@@ -108,10 +108,14 @@ try {
 
   // A node is added, wired by dragging, and saved.
   await page.click('.react-flow__pane', { position: { x: 500, y: 40 } });
+  await page.waitForTimeout(100);
+  const still = await placeOf('sheet');
   await page.click('button:has-text("Add node")');
   await page.keyboard.type('Export');
   await page.keyboard.press('Enter');
   await card('export').waitFor();
+  await page.waitForTimeout(150);
+  result.stays_put = near(await placeOf('sheet'), still);
   await page.click('button:has-text("Arrange")');
   await page.click('button:has-text("Fit")');
   await page.waitForTimeout(400);

@@ -12,6 +12,7 @@
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
+using nlohmann::json;
 using studio::Document;
 
 const std::string kDocumentText = "# kept\nterrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}\n";
@@ -117,6 +118,8 @@ TEST_F(StudioDocument, PlacesAndNotesAreUndone) {
   EXPECT_TRUE(d.redo());
   EXPECT_EQ(d.arrangement(), kPlaced);
   EXPECT_EQ(d.revision(), first);
+  d.arrange(studio::arrangement_text({{"places", {{"a", {10, 20}}}}, {"notes", json::array()}}));
+  EXPECT_TRUE(d.can_redo());  // an empty list of notes is no change
   // Texts and places are undone in the order in which they changed.
   d.edit({value("6")});
   d.arrange(moved);

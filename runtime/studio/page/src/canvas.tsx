@@ -124,12 +124,14 @@ export function Canvas() {
       shown.current = doc.file;
       if (!same) homes.current = {}, setNodes([]); // another graph's nodes may have the same names
     }
+    // Nodes that an edit adds come with their places. What else changed in the arrangement follows below.
+    if (!first && !scope) moved.current = { ...readPlaces(doc.file), ...moved.current };
     drawn.current = doc.nodes.map(n => n.name).join('\n');
     const taller = small.current !== thumbnails && !Object.keys(moved.current).length;
     small.current = thumbnails;
     arrangeAll(!taller);
     if (first) setTimeout(() => flow.fitView({ padding: 0.06 }), 60);
-  }, [doc, types, arrangeAll, flow, thumbnails]);
+  }, [doc, types, arrangeAll, flow, thumbnails, scope]);
 
   // Another page moved nodes, or places were undone.
   useEffect(() => {
