@@ -35,15 +35,14 @@ bool refers_to(const RawReference& r, const std::string& node) {
 // Changes text and document in step.
 class Editor {
  public:
-  Editor(const std::string& text, const std::filesystem::path& file) : text_(text), file_(file) {
-    Diagnostics found;
-    doc_ = read_document(text, file, found);
-    if (has_errors(found))
-      throw Error("cannot-edit", "the file has errors: " + found.front().message,
+  Editor(const ReadGraph& graph, const std::filesystem::path& file)
+      : text_(graph.text), file_(file), doc_(graph.document) {
+    if (has_errors(graph.found))
+      throw Error("cannot-edit", "the file has errors: " + graph.found.front().message,
                   "correct the text first; only then can its nodes be edited");
   }
 
-  std::string apply(const Edit& e) {
+  ReadGraph apply(const Edit& e) {
     switch (e.kind) {
       case Kind::SetParameter:
         set(node(e.node).params, {"nodes", e.node, "params", e.name}, e.name,
@@ -87,8 +86,7 @@ class Editor {
         rename_node(e.node, e.to);
         break;
     }
-    check();
-    return std::move(text_);
+    return checked();
   }
 
  private:
@@ -242,13 +240,13 @@ class Editor {
   }
 
   // YAML has many ways to write a document. So the patched text counts only if it reads back as intended.
-  void check() {
-    Diagnostics found;
-    const RawDocument again = read_document(text_, file_, found);
-    if (has_errors(found) || !same_document(again, doc_))
+  ReadGraph checked() {
+    ReadGraph again = read_graph(std::move(text_), file_);
+    if (has_errors(again.found) || !same_document(again.document, doc_))
       throw Error("cannot-edit",
                   "the file says this in a way that cannot be changed without changing something else",
                   "edit the text of the file");
+    return again;
   }
 
   std::string text_;
@@ -258,8 +256,19 @@ class Editor {
 
 }  // namespace
 
+ReadGraph read_graph(std::string text, const std::filesystem::path& file) {
+  ReadGraph out;
+  out.document = read_document(text, file, out.found);
+  out.text = std::move(text);
+  return out;
+}
+
 std::string edit_document(const std::string& text, const std::filesystem::path& file, const Edit& edit) {
-  return Editor(text, file).apply(edit);
+  return edit_document(read_graph(text, file), file, edit).text;
+}
+
+ReadGraph edit_document(const ReadGraph& graph, const std::filesystem::path& file, const Edit& edit) {
+  return Editor(graph, file).apply(edit);
 }
 
 }  // namespace terrazzo

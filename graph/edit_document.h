@@ -32,10 +32,20 @@ struct Edit {
   bool bypass = false;
 };
 
+// The text of a graph file, and what it says.
+struct ReadGraph {
+  std::string text;
+  RawDocument document;
+  Diagnostics found;  // what read_document() reported
+};
+ReadGraph read_graph(std::string text, const std::filesystem::path& file);
+
 // The text after the edit. The result is read again: it differs from the original document in exactly what
 // the edit says. Throws Error "unknown-node", "unknown-item", "name-taken" or "bad-name", and "cannot-edit"
 // if the text has errors or says this in a way that a patch cannot change; such text can only be edited by
 // hand.
 std::string edit_document(const std::string& text, const std::filesystem::path& file, const Edit&);
+// The same, which spares reading the text before and afterwards.
+ReadGraph edit_document(const ReadGraph&, const std::filesystem::path& file, const Edit&);
 
 }  // namespace terrazzo

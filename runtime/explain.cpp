@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <set>
 
 namespace terrazzo {
@@ -14,6 +18,22 @@ std::string at(const GraphNode& node, const std::string& parameter) {
   return it == node.parameters.end() ? "its default" : it->second.place.text();
 }
 
+// A value of a parameter as people write it: a color as "#c7bda8", a list of one as its element.
+std::string shown(const Parameter& p, const std::string& written) {
+  std::array<double, 3> rgb{};
+  if (p.kind == ParameterKind::Color &&
+      std::sscanf(written.c_str(), "[%lf,%lf,%lf]", &rgb[0], &rgb[1], &rgb[2]) == 3) {
+    std::string out = "#";
+    for (double c : rgb) {
+      c = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;  // IEC 61966-2-1
+      out += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(255 * c)), 0, 255));
+    }
+    return out;
+  }
+  const bool one = written.size() > 2 && written.front() == '[' && written.find(',') == std::string::npos;
+  return one ? written.substr(1, written.size() - 2) : written;
+}
+
 void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEntry& now,
              std::vector<std::string>& reasons) {
   if (before.type != now.type)
@@ -22,17 +42,18 @@ void compare(const GraphNode& node, const HistoryEntry& before, const HistoryEnt
     reasons.push_back(fmt::format("{} has a new version: {} → {}", now.type, before.version, now.version));
   for (const auto& p : node.type->parameters) {
     const auto old = before.parameters.find(p.name), fresh = now.parameters.find(p.name);
-    if (p.kind == ParameterKind::InputPath) {
-      const auto old_files = before.files.find(p.name), fresh_files = now.files.find(p.name);
-      const bool same = old_files != before.files.end() && fresh_files != now.files.end() &&
-                        old_files->second == fresh_files->second;
-      if (!same && fresh != now.parameters.end())
-        reasons.push_back(
-            fmt::format("the content of {} changed: '{}' ({})", p.name, fresh->second, at(node, p.name)));
-    } else if (old != before.parameters.end() && fresh != now.parameters.end() &&
-               old->second != fresh->second) {
-      reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, old->second, fresh->second,
-                                    at(node, p.name)));
+    const bool differs =
+        old != before.parameters.end() && fresh != now.parameters.end() && old->second != fresh->second;
+    const auto old_files = before.files.find(p.name), fresh_files = now.files.find(p.name);
+    const bool read_before = old_files != before.files.end(), reads = fresh_files != now.files.end();
+    // Equal content in another place is no reason. A keyword, such as a built-in model, names no file.
+    if ((read_before && reads) ? old_files->second != fresh_files->second
+                               : read_before != reads && !differs) {
+      reasons.push_back(fmt::format("the content of {} changed: '{}' ({})", p.name,
+                                    fresh == now.parameters.end() ? "" : fresh->second, at(node, p.name)));
+    } else if (differs && !(read_before && reads)) {
+      reasons.push_back(fmt::format("parameter {} changed: {} → {} ({})", p.name, shown(p, old->second),
+                                    shown(p, fresh->second), at(node, p.name)));
     } else if ((old == before.parameters.end()) != (fresh == now.parameters.end())) {
       reasons.push_back(fmt::format("parameter {} was added or removed", p.name));
     }
@@ -55,6 +76,12 @@ std::uint64_t bytes_of(const ActionRecord& r) {
   std::uint64_t sum = 0;
   for (const auto& [port, o] : r.outputs) sum += o.bytes;
   return sum;
+}
+
+void last_time(Plan::Node& node, const HistoryEntry& before, Store& store) {
+  Tier tier;
+  if (const auto record = store.find_action(Hash::parse(before.key), tier))
+    node.seconds = record->seconds, node.bytes = bytes_of(*record);
 }
 
 // A cached node runs anyway if the cache has lost its value and a node that runs needs it.
@@ -105,9 +132,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
         now.inputs = before->inputs;
         compare(node, *before, now, out.reasons);
         if (!out.reasons.empty()) out.step = Step::Compute;
-        Tier tier;
-        if (const auto record = store.find_action(Hash::parse(before->key), tier))
-          out.seconds = record->seconds, out.bytes = bytes_of(*record);
+        last_time(out, *before, store);
       } else {
         out.step = Step::Compute;
         out.reasons.push_back("never computed here");
@@ -142,6 +167,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     } else if (!before) {
       out.reasons.push_back("never computed here");
     } else {
+      last_time(out, *before, store);
       compare(node, *before, history_entry(node, results, hashes, key), out.reasons);
       if (out.reasons.empty()) out.reasons.push_back("its record was evicted from the cache");
     }

@@ -63,6 +63,10 @@ Diagnostics Session::open(const fs::path& file, Overrides overrides) {
 Diagnostics Session::open_text(std::string text, const fs::path& file, Overrides overrides) {
   Diagnostics found;
   RawDocument doc = read_document(text, file.lexically_normal(), found);
+  return open_read(std::move(doc), std::move(found), std::move(overrides));
+}
+
+Diagnostics Session::open_read(RawDocument doc, Diagnostics found, Overrides overrides) {
   if (!has_errors(found)) return open_document(std::move(doc), std::move(overrides));
   link_document(std::move(doc), registry_, overrides, found);  // reports the other errors too
   return found;

@@ -71,6 +71,8 @@ class Session {
   // The same for a document that was made or changed in memory. Like an edit, it cancels the nodes of running
   // evaluations that it makes stale.
   Diagnostics open_document(RawDocument, Overrides = {});
+  // The same for what read_document() made of a text, and the messages that it reported.
+  Diagnostics open_read(RawDocument, Diagnostics, Overrides = {});
 
   // Edits: a node's parameter ("pack.seed" = "2"), a graph parameter, an input. If there are errors, nothing
   // changes. Otherwise running evaluations cancel the nodes that the edit makes stale and continue with all

@@ -1,6 +1,7 @@
 #include "runtime/studio/arrangement.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "graph/diagnostic.h"
 #include "runtime/files.h"
@@ -46,29 +47,57 @@ fs::path arrangement_file(const fs::path& graph) {
   return graph.parent_path() / (graph.stem().string() + ".studio.json");
 }
 
-json read_arrangement(const fs::path& graph) {
-  const fs::path file = arrangement_file(graph);
-  std::error_code error;
-  if (fs::file_size(file, error) > kMostArrangement || error) return json::object();
-  const auto text = read_file(file);
-  json j = text ? json::parse(*text, nullptr, false) : json();
+std::string arrangement_text(const json& j) {
+  if (!is_arrangement(j)) throw Error("bad-request", "this is no arrangement of a graph");
+  json kept = json::object();
+  for (const auto& [name, part] : j.items())
+    if (!part.empty()) kept[name] = part;
+  if (kept.empty()) return {};
+  std::string text = json_text(kept, 1) + "\n";
+  if (text.size() > kMostArrangement)
+    throw Error("too-large", "the notes and places of the graph have more than 1 MiB");
+  return text;
+}
+
+json arrangement_json(const std::string& text) {
+  json j = json::parse(text, nullptr, false);
   return is_arrangement(j) ? j : json::object();
 }
 
-void write_arrangement(const fs::path& graph, const json& j) {
-  if (!is_arrangement(j)) throw Error("bad-request", "this is no arrangement of a graph");
-  const std::string text = json_text(j, 1) + "\n";
-  if (text.size() > kMostArrangement)
-    throw Error("too-large", "the notes and places of the graph have more than 1 MiB");
+std::string arrangement_placed(const std::string& text, const Places& places) {
+  if (places.empty()) return text;
+  json j = arrangement_json(text);
+  for (const auto& [node, at] : places) j["places"][node] = at;
+  return arrangement_text(j);
+}
+
+std::string arrangement_renamed(const std::string& text, const std::string& from, const std::string& to) {
+  json j = arrangement_json(text);
+  if (!j.contains("places") || !j["places"].contains(from)) return text;
+  json& places = j["places"];
+  places[to] = places[from];
+  places.erase(from);
+  return arrangement_text(j);
+}
+
+std::optional<std::string> read_arrangement(const fs::path& graph) {
   const fs::path file = arrangement_file(graph);
-  bool empty = true;
-  for (const auto& part : j) empty = empty && part.empty();
   std::error_code error;
-  if (fs::exists(file, error) && !is_arrangement(json::parse(read_file(file).value_or(""), nullptr, false)))
+  if (!fs::exists(fs::symlink_status(file, error))) return "";
+  if (fs::file_size(file, error) > kMostArrangement || error) return {};
+  const json j = json::parse(read_file(file).value_or(""), nullptr, false);
+  if (!is_arrangement(j)) return {};
+  return arrangement_text(j);  // written anew, so that equal arrangements have equal texts
+}
+
+void write_arrangement(const fs::path& graph, const std::string& text) {
+  const fs::path file = arrangement_file(graph);
+  if (!read_arrangement(graph))
     throw Error("file-exists",
                 "'" + file.string() + "' is no arrangement of this graph, so it is left as it is",
                 "rename that file to keep notes and places");
-  if (empty)
+  std::error_code error;
+  if (text.empty())
     fs::remove(file, error);
   else
     write_text_atomically(file, text);

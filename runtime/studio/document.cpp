@@ -14,11 +14,15 @@ namespace {
 
 constexpr std::size_t kMostUndoBytes = 64 << 20;
 
-std::string read(const fs::path& file) {
+std::string text_of(const fs::path& file) {
   Diagnostics found;
   const auto text = read_graph_text(file, found);
   if (!text) throw Error(found.front());
   return *text;
+}
+
+std::shared_ptr<const std::string> shared(std::string text) {
+  return std::make_shared<const std::string>(std::move(text));
 }
 
 void check(const std::string& text) {
@@ -32,12 +36,22 @@ void check(const std::string& text) {
 Document::Document(fs::path file, bool read_only)
     : file_(fs::absolute(file).lexically_normal()),
       beside_(file_.parent_path() / ("." + file_.filename().string() + ".unsaved")),
-      text_(read(file_)),
-      disk_(text_),
+      now_{shared(text_of(file_)), shared(read_arrangement(file_).value_or(""))},
+      disk_(text()),
+      arrangement_on_disk_(arrangement()),
       read_only_(read_only) {
   if (read_only_) return;
-  if (const auto left = read_file(beside_); left && *left != text_ && left->size() <= max_graph_bytes)
+  if (const auto left = read_file(beside_); left && *left != text() && left->size() <= max_graph_bytes)
     recovered_ = *left;
+}
+
+const ReadGraph& Document::read() const {
+  if (!read_) read_ = read_graph(text(), file_);
+  return *read_;
+}
+
+std::string Document::trouble() const {
+  return trouble_ + (trouble_.empty() || arrangement_trouble_.empty() ? "" : "; ") + arrangement_trouble_;
 }
 
 // Keeps unsaved text beside the file, so that a crash loses nothing. Removes the copy once it is saved.
@@ -46,58 +60,113 @@ void Document::keep_beside() {
   std::error_code error;
   if (saved()) {
     fs::remove(beside_, error);
+    trouble_.clear();
     return;
   }
   try {
-    write_text_atomically(beside_, text_);
+    write_text_atomically(beside_, text());
     trouble_.clear();
   } catch (const Error& e) {
     trouble_ = "unsaved changes cannot be kept beside the file: " + e.diagnostic().message;
   }
 }
 
-void Document::step(std::string text, const std::string& group) {
-  if (text == text_) return;
-  if (group.empty() || group != group_ || undo_.empty()) undo_.push_back(text_);
-  group_ = group;
-  redo_.clear();
-  text_ = std::move(text);
-  std::size_t bytes = 0;
-  for (std::size_t k = undo_.size(); k-- > 0;)
-    if ((bytes += undo_[k].size()) > kMostUndoBytes) {
-      undo_.erase(undo_.begin(), undo_.begin() + static_cast<std::ptrdiff_t>(k));
-      break;
-    }
+void Document::keep_arrangement() {
+  if (read_only_ || arrangement() == arrangement_on_disk_) return;
+  try {
+    write_arrangement(file_, arrangement());
+    arrangement_on_disk_ = arrangement();
+    arrangement_trouble_.clear();
+  } catch (const Error& e) {
+    arrangement_trouble_ = "places and notes cannot be kept beside the file: " + e.diagnostic().message;
+  }
+}
+
+void Document::show(Version v) {
+  const bool same = *v.text == text();
+  now_ = std::move(v);
+  keep_arrangement();
+  if (same) return;
+  ++revision_, read_.reset();
   keep_beside();
 }
 
-void Document::edit(const std::vector<Edit>& edits, const std::string& group) {
-  std::string text = text_;
-  for (const auto& e : edits) text = edit_document(text, file_, e);
-  check(text);
-  step(std::move(text), group);
+void Document::step(std::string text, std::string arrangement, const std::string& group) {
+  const auto kept = [](auto& before, std::string& now) {
+    return *before == now ? before : shared(std::move(now));
+  };
+  Version next{kept(now_.text, text), kept(now_.arrangement, arrangement)};
+  if (next.text == now_.text && next.arrangement == now_.arrangement) return;
+  if (group.empty() || group != group_ || undo_.empty()) undo_.push_back(now_);
+  group_ = group;
+  redo_.clear();
+  std::size_t bytes = 0;
+  for (std::size_t k = undo_.size(); k-- > 0;) {
+    const bool last = k + 1 == undo_.size();
+    if (last || undo_[k].text != undo_[k + 1].text) bytes += undo_[k].text->size();
+    if (last || undo_[k].arrangement != undo_[k + 1].arrangement) bytes += undo_[k].arrangement->size();
+    if (bytes <= kMostUndoBytes) continue;
+    undo_.erase(undo_.begin(), undo_.begin() + static_cast<std::ptrdiff_t>(k));
+    break;
+  }
+  show(std::move(next));
 }
 
-void Document::replace(std::string text) {
+void Document::edit(const std::vector<Edit>& edits, const std::string& group, const Places& places) {
+  if (edits.empty()) return;
+  std::string arrangement = this->arrangement();
+  ReadGraph now;
+  for (const auto& e : edits) {
+    now = edit_document(&e == &edits.front() ? read() : now, file_, e);
+    if (e.kind == Edit::Kind::RenameNode) arrangement = arrangement_renamed(arrangement, e.node, e.to);
+  }
+  check(now.text);
+  step(now.text, arrangement_placed(arrangement, places), group);
+  read_ = std::move(now);
+}
+
+void Document::replace(std::string text, const Places& places) {
   check(text);
-  step(std::move(text));
+  step(std::move(text), arrangement_placed(arrangement(), places));
+}
+
+void Document::arrange(std::string arrangement, const std::string& group) {
+  follow_arrangement();  // a step of its own, so that nothing that others wrote is lost
+  if (!read_only_ && arrangement != this->arrangement()) {
+    write_arrangement(file_, arrangement);
+    arrangement_on_disk_ = arrangement;
+    arrangement_trouble_.clear();
+  }
+  step(text(), std::move(arrangement), group);
+}
+
+bool Document::follow_arrangement() {
+  if (read_only_) return false;
+  auto theirs = read_arrangement(file_);
+  if (!theirs || *theirs == arrangement_on_disk_) return false;
+  arrangement_on_disk_ = *theirs;
+  if (*theirs == arrangement()) return false;
+  step(text(), std::move(*theirs));
+  return true;
 }
 
 bool Document::undo() {
   if (undo_.empty()) return false;
-  redo_.push_back(std::exchange(text_, std::move(undo_.back())));
+  redo_.push_back(now_);
+  Version before = std::move(undo_.back());
   undo_.pop_back();
   group_.clear();
-  keep_beside();
+  show(std::move(before));
   return true;
 }
 
 bool Document::redo() {
   if (redo_.empty()) return false;
-  undo_.push_back(std::exchange(text_, std::move(redo_.back())));
+  undo_.push_back(now_);
+  Version after = std::move(redo_.back());
   redo_.pop_back();
   group_.clear();
-  keep_beside();
+  show(std::move(after));
   return true;
 }
 
@@ -105,7 +174,7 @@ void Document::recover(bool use) {
   std::string left = std::exchange(recovered_, {});
   if (left.empty()) return;
   if (use)
-    step(std::move(left));
+    step(std::move(left), arrangement());
   else
     keep_beside();
 }
@@ -117,8 +186,8 @@ void Document::save(bool overwrite) {
   if (!overwrite && changed_on_disk())
     throw Error("file-changed", fmt::format("another program changed '{}'", file_.string()),
                 "reload it, or overwrite it");
-  write_text_atomically(file_, text_);
-  disk_ = text_;
+  write_text_atomically(file_, text());
+  disk_ = text();
   recovered_.clear();
   keep_beside();
 }
@@ -132,12 +201,14 @@ void Document::save_as(const fs::path& file, const std::string& text) {
   SaveFile place = SaveFile::exactly(file, false);
   place.write([&](const fs::path&) { return text; });
   if (!read_only_ && recovered_.empty()) fs::remove(beside_, error);  // its text is in the new file
-  if (text != text_) undo_.clear(), redo_.clear();
+  if (text != this->text()) undo_.clear(), redo_.clear();
   file_ = fs::absolute(place.path()).lexically_normal();
   beside_ = file_.parent_path() / ("." + file_.filename().string() + ".unsaved");
-  text_ = disk_ = text;
-  recovered_.clear(), trouble_.clear();
-  read_only_ = false, group_.clear();
+  now_.text = shared(text), disk_ = text;
+  recovered_.clear(), trouble_.clear(), arrangement_trouble_.clear();
+  read_only_ = false, group_.clear(), ++revision_, read_.reset();
+  arrangement_on_disk_ = read_arrangement(file_).value_or("");
+  keep_arrangement();
 }
 
 bool Document::changed_on_disk() const {
@@ -146,10 +217,10 @@ bool Document::changed_on_disk() const {
 }
 
 void Document::reload() {
-  std::string now = read(file_);
+  std::string now = text_of(file_);
   check(now);
   disk_ = now;
-  step(std::move(now));
+  step(std::move(now), arrangement());
   keep_beside();
 }
 

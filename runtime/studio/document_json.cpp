@@ -69,9 +69,10 @@ void add_bypassed(json& document, const Graph& graph, const std::string& prefix)
   }
 }
 
-json json_of(const RawDocument& doc, const Registry& registry) {
+json json_of(const RawDocument& doc, const Registry& registry, bool drawn) {
   json nodes = json::array(), outputs = json::array(), parameters = json::array();
   for (const auto& node : doc.nodes) {
+    if (!drawn) break;
     json params = json::object(), inputs = json::object();
     for (const auto& [name, value] : node.params) params[name] = value_json(value);
     for (const auto& [port, wires] : node.inputs) {
@@ -86,7 +87,7 @@ json json_of(const RawDocument& doc, const Registry& registry) {
     nodes.push_back(std::move(n));
   }
   for (const auto& [name, wire] : doc.outputs)
-    outputs.push_back({{"name", name}, {"wire", wire.text}, {"line", wire.place.line}});
+    if (drawn) outputs.push_back({{"name", name}, {"wire", wire.text}, {"line", wire.place.line}});
   for (const auto& p : doc.parameters)
     parameters.push_back({{"name", p.declaration.name},
                           {"kind", name_of(p.declaration.kind)},

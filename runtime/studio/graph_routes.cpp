@@ -61,6 +61,8 @@ std::vector<Edit> edits_of(const json& list) {
   return edits;
 }
 
+Places places_of(const json& body) { return body.value("places", Places()); }
+
 void add_graph_routes(LocalServer& server, LiveGraph& live) {
   using In = httplib::Request;
   using Out = httplib::Response;
@@ -69,11 +71,16 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
     LocalServer::answer(out, live.price(edits_of(body.at("edits"))));
   }));
   http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
-    json names = json::object();
+    json names = json::array();
     live.change([&](Document& d) {
       Pasted p = paste_nodes(d.text(), d.file(), body.at("text").get<std::string>());
-      d.replace(std::move(p.text));
-      for (const auto& [copied, now] : p.names) names[copied] = now;
+      const Places given = places_of(body);
+      Places places;
+      for (const auto& [copied, now] : p.names) {
+        names.push_back(now);
+        if (const auto it = given.find(copied); it != given.end()) places[now] = it->second;
+      }
+      d.replace(std::move(p.text), places);
     });
     LocalServer::answer(out, {{"number", live.events().last()}, {"names", names}});
   }));
@@ -94,7 +101,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
     LocalServer::answer(out, live.files());
   }));
   http.Post("/api/arrange", server.handler([&live](const In&, const json& body, Out& out) {
-    live.arrange(body.at("arrangement"));
+    live.arrange(body.at("arrangement"), body.value("group", ""));
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/edit_document.h"
+#include "runtime/studio/arrangement.h"
 
 namespace terrazzo::studio {
 
@@ -14,6 +15,9 @@ class LocalServer;
 
 // The edits of a request. Throws Error "bad-request".
 std::vector<Edit> edits_of(const nlohmann::json&);
+
+// Where a request puts nodes that it adds, if it says so.
+Places places_of(const nlohmann::json& body);
 
 void add_graph_routes(LocalServer&, LiveGraph&);
 

@@ -18,6 +18,8 @@ struct LiveGraph::Running {
 
 namespace {
 
+constexpr std::size_t kMostDrawn = 2000;  // nodes; the page's layout of more takes minutes
+
 SessionOptions for_editing(SessionOptions options) {
   options.keep_intermediates = true;
   return options;
@@ -52,20 +54,21 @@ LiveGraph::~LiveGraph() {
 json LiveGraph::run_json() const {
   const bool running = !then_.empty() || (!running_.empty() && !running_.back()->evaluation->done());
   double expected = 0;
-  for (const auto& [path, s] : states_)
+  std::size_t waiting = 0;
+  for (const auto& [path, s] : states_) {
     if (s.state == "waiting" || s.state == "running" || s.state == "stale") expected += s.expected;
-  return {{"running", running},
-          {"live", live_},
-          {"seconds", seconds_},
-          {"expected", expected},
-          {"trouble", trouble_}};
+    waiting += s.state == "waiting" || s.state == "running";
+  }
+  return {{"running", running},   {"live", live_},         {"seconds", seconds_},
+          {"expected", expected}, {"unfinished", waiting}, {"trouble", trouble_}};
 }
 
 void LiveGraph::document_changed() {
-  found_ = session_.open_text(document_.text(), document_.file(), overrides_);
+  const ReadGraph& read = document_.read();
+  large_ = read.document.nodes.size() > kMostDrawn;
+  found_ = session_.open_read(read.document, read.found, overrides_);
   valid_ = !has_errors(found_);
-  disk_changed_ = disk_changed_ && !document_.saved();
-  events_.add("document", json_text(document_json()));
+  tell_document();
   if (!valid_) return;
   inputs_.clear();
   for (const auto& node : session_.graph()->nodes)
@@ -242,6 +245,7 @@ void LiveGraph::watch() {
   for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
     note_end();
     if (tick % 20 != 0) continue;  // files: once a second
+    if (document_.follow_arrangement()) tell_arrangement();
     if (document_.changed_on_disk() && !disk_changed_) try {
         if (document_.saved())
           document_.reload();

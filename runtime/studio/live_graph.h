@@ -15,15 +15,17 @@
 
 namespace terrazzo::studio {
 
-// All methods may be called from any thread. Each change of the document starts an evaluation of all nodes
-// that write no files, if `live`; computations that the change does not affect go on. Every change is
-// reported in events(): "document", "node" {path, …}, "run".
+// All methods may be called from any thread. Each change of the document's text starts an evaluation of all
+// nodes that write no files, if `live`; computations that the change does not affect go on. Every change is
+// reported in events(): "document", "arrangement" {arrangement, can_undo, can_redo, trouble}, "node" {path,
+// …}, "run".
 class LiveGraph {
  public:
   LiveGraph(const Registry&, const ValueTypes&, SessionOptions, Document, Overrides = {}, bool live = true);
   ~LiveGraph();
 
-  // Everything: {number, document, nodes, run}. `number`: the last event that it includes.
+  // Everything: {number, document, nodes, run}. `number`: the last event that it includes. Of a graph with
+  // more nodes than a page can draw, pages get the text, and only nodes that failed or have warnings.
   nlohmann::json state();
   const EventLog& events() const { return events_; }
 
@@ -32,8 +34,12 @@ class LiveGraph {
   void change(Change&& apply) {
     const std::lock_guard lock(mutex_);
     note_end();
+    const std::uint64_t before = document_.revision();
     apply(document_);
-    document_changed();
+    if (document_.revision() != before)
+      document_changed();
+    else
+      tell_document();
   }
 
   // Shows another document, and evaluates it if `live`, by default as before. Throws Error "unsaved-changes",
@@ -67,8 +73,8 @@ class LiveGraph {
   nlohmann::json subgraph(const std::string& path);
   // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
   nlohmann::json files();
-  // Keeps where nodes and notes are, beside the graph: see arrangement.h. Throws Error "read-only".
-  void arrange(const nlohmann::json&);
+  // Keeps where nodes and notes are: see arrangement.h and Document::arrange().
+  void arrange(const nlohmann::json&, const std::string& group = {});
 
   // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
   // "lost-value".
@@ -81,6 +87,8 @@ class LiveGraph {
   struct Watcher;
 
   void document_changed();  // with mutex_ held, as all that follow
+  void tell_document();
+  void tell_arrangement();
   // Evaluates what is shown first, if `shown_first`; then_ follows.
   void start(const std::vector<std::string>& targets, bool shown_first = false);
   void begin(const std::vector<std::string>& targets, bool continues);
@@ -103,6 +111,7 @@ class LiveGraph {
   NodeStates states_;
   Diagnostics found_;
   bool valid_ = false;         // the session has the document's graph
+  bool large_ = false;         // the graph has more nodes than a page can draw
   bool disk_changed_ = false;  // another program changed the file, and there are unsaved changes
   double seconds_ = 0;         // of the last run that ended
   PastStates past_;

@@ -100,13 +100,10 @@ json LiveGraph::files() {
   return {{"files", list}, {"more", more}};
 }
 
-void LiveGraph::arrange(const json& arrangement) {
+void LiveGraph::arrange(const json& arrangement, const std::string& group) {
   const std::lock_guard lock(mutex_);
-  if (document_.read_only())
-    throw Error("read-only", "the graph belongs to the program, so its notes are not kept",
-                "save it as a file of your own");
-  write_arrangement(document_.file(), arrangement);
-  events_.add("arrangement", json_text(arrangement));
+  document_.arrange(arrangement_text(arrangement), group);
+  tell_arrangement();
 }
 
 }  // namespace terrazzo::studio

@@ -45,9 +45,10 @@ struct LiveGraph::Watcher : Observer {
     if (!s) return;
     s->state = "running", s->progress = fraction;
     if (!note.empty()) s->note = note;
+    if (owner.large_) return;  // no page shows it
     const auto now = std::chrono::steady_clock::now();
     if (now - s->told < std::chrono::milliseconds(100)) return;
-    s->told = now;
+    s->told = now, s->told_state = 0;
     owner.events_.add("progress",
                       json_text({{"path", path(node)}, {"progress", s->progress}, {"note", s->note}}));
   }

@@ -43,6 +43,10 @@ LocalServer::LocalServer(std::string command, std::string stream, std::size_t bo
         "default-src 'self'; img-src 'self' data: blob:; frame-ancestors 'none'; base-uri 'none'"},
        {"Cache-Control", "no-store"}});
   http_.set_pre_routing_handler([this](const httplib::Request& in, httplib::Response& out) {
+    // Otherwise the library packs text with Brotli's best level, which takes longer than everything else:
+    // half a second for the node types. There is no other way to turn it off; the request is a variable of
+    // the library's.
+    const_cast<httplib::Request&>(in).headers.erase("Accept-Encoding");
     const auto refusal = access_.refusal(in);
     if (!refusal) return httplib::Server::HandlerResponse::Unhandled;
     refuse(out, refusal->status, refusal->why);

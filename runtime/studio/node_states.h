@@ -29,6 +29,7 @@ struct NodeState {
   // By port. While the node waits and runs; the last ones of an earlier run stay until there are new ones.
   std::map<std::string, Preview> previews = {};
   std::chrono::steady_clock::time_point told{};  // when progress was last reported
+  std::size_t told_state = 0;  // hash of what was last reported otherwise; 0: something else
 };
 
 // By path, as in Graph::nodes.

@@ -5,10 +5,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "graph/utf8.h"
 #include "runtime/files.h"
 #include "runtime/studio/live_graph.h"
 #include "runtime/studio/materials.h"
 #include "runtime/studio/new_material.h"
+#include "runtime/studio/own_graphs.h"
 #include "runtime/studio/studio_server.h"
 
 #include "runtime/studio/local_server.h"  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
@@ -46,16 +48,25 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     json list = json::array();
     for (const auto& m : materials())
       list.push_back({{"name", m.name}, {"title", m.title}, {"doc", m.doc}, {"picture", !m.picture.empty()}});
-    LocalServer::answer(
-        out,
-        {{"welcome", welcome->load()}, {"folder", start.workspace.folder().string()}, {"materials", list}});
+    json own = json::array();
+    for (const auto& g : own_graphs(start.workspace))
+      if (find_invalid_utf8(g.file) == std::string::npos)
+        own.push_back({{"file", g.file}, {"changed", g.changed}});
+    LocalServer::answer(out, {{"welcome", welcome->load()},
+                              {"folder", start.workspace.folder().string()},
+                              {"materials", list},
+                              {"graphs", own}});
   }));
   http.Get("/api/picture/([a-z0-9_]{1,80})", server.handler([](const In& in, const json&, Out& out) {
     const auto bytes = read_file(material(in.matches[1]).picture);
     if (!bytes) throw Error("no-file", "the material has no picture");
     out.set_content(*bytes, "image/jpeg");
   }));
-  http.Post("/api/open", server.handler([open](const In&, const json& body, Out& out) {
+  http.Post("/api/open", server.handler([&start, open](const In&, const json& body, Out& out) {
+    if (body.contains("graph")) {
+      const fs::path file = start.workspace.resolve(body["graph"].get<std::string>());
+      return open(Document(file), body.value("discard", false), out);
+    }
     const Material m = material(body.at("material").get<std::string>());
     open(Document(m.file, true), body.value("discard", false), out);
   }));

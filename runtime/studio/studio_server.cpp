@@ -164,7 +164,7 @@ struct StudioServer::Impl {
       post(path, [this, act](const json& body) { live.change([&](Document& d) { act(d, body); }); });
     };
     change("/api/edit", [](Document& d, const json& body) {
-      d.edit(edits_of(body.at("edits")), body.value("group", ""));
+      d.edit(edits_of(body.at("edits")), body.value("group", ""), places_of(body));
     });
     change("/api/text", [](Document& d, const json& body) { d.replace(body.at("text").get<std::string>()); });
     change("/api/undo", [](Document& d, const json&) {

@@ -22,10 +22,9 @@ struct StudioStart {
 // GET /: the page. GET /api/types: the node types. GET /api/state: everything. GET /api/events: server-sent
 // events, starting with the state, or after the number in Last-Event-ID. GET /api/value/HASH?as=…: a value
 // (value_views.h), with an ETag. GET /api/preview/NUMBER?as=…: a preliminary value, or status 204 if it has
-// given way to a newer one. POST /api/edit {edits,
-// group}, /api/text {text}, /api/undo, /api/redo, /api/save {overwrite}, /api/reload, /api/recover {use},
-// /api/run {targets}, /api/cancel {node}, /api/view {node}, /api/live {live}. The page's start:
-// start_routes.h. Errors are {code, message, hint}.
+// given way to a newer one. POST /api/edit {edits, group, places}, /api/text {text}, /api/undo, /api/redo,
+// /api/save {overwrite}, /api/reload, /api/recover {use}, /api/run {targets}, /api/cancel {node}, /api/view
+// {node}, /api/live {live}. The page's start: start_routes.h. Errors are {code, message, hint}.
 class StudioServer {
  public:
   StudioServer(LiveGraph&, const Registry&, StudioStart = {});

@@ -88,6 +88,19 @@ std::uint32_t color_of(std::int32_t id) {
 
 namespace {
 
+// A color for each profile of a section, by its first pixel: it stays when other profiles get other numbers.
+std::vector<std::uint32_t> profile_colors(const Labels& labels, int section) {
+  std::vector<std::uint32_t> out(static_cast<std::size_t>(labels.count()) + 1, 0);
+  out[0] = color_of(0);
+  const std::size_t begin = labels.index(0, 0, section), end = labels.index(0, 0, section + 1);
+  for (std::size_t k = begin; k < end; ++k) {
+    const auto id = static_cast<std::size_t>(std::max(labels.ids[k], 0));
+    if (id < out.size() && out[id] == 0)
+      out[id] = color_of(static_cast<std::int32_t>((k - begin) * 2654435761u % 1000003) + 1);
+  }
+  return out;
+}
+
 ValueView json_view(const json& j) {
   std::string text = json_text(j);
   if (text.size() > kMostJson)
@@ -136,9 +149,12 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
   if ((as == "pixels" || as == "ids") && value.is<Labels>()) {
     const auto& labels = value.as<Labels>();
     const Raster r(labels.width, labels.height, labels.sections, section, most);
+    const auto id = [&](int x, int y) { return std::max(labels.ids[labels.index(x, y, r.section)], 0); };
+    if (as == "ids") return r.view([&](int x, int y) { return static_cast<std::uint32_t>(id(x, y)); });
+    const auto colors = profile_colors(labels, r.section);
     return r.view([&](int x, int y) {
-      const std::int32_t id = labels.ids[labels.index(x, y, r.section)];
-      return as == "ids" ? static_cast<std::uint32_t>(id) : color_of(id);
+      const auto k = static_cast<std::size_t>(id(x, y));
+      return k < colors.size() ? colors[k] : colors[0];
     });
   }
   if (as == "outlines" && value.is<Profiles>()) return json_view(outlines(value.as<Profiles>(), section));

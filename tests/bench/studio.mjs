@@ -17,7 +17,8 @@ cpSync(join(repository, 'graphs'), join(folder, 'graphs'), { recursive: true });
 const median = list => [...list].sort((a, b) => a - b)[list.length >> 1];
 const ms = x => String(Math.round(x)).padStart(7);
 
-// Each case: the node that is shown, the node and the parameter that change, its values, the nodes that run.
+// Each case: the node that is shown, the node and the parameter that change, its values, the nodes that run. The graphs share a cache, so
+// no value may come twice.
 const cases = {
   'materials/terrazzo.yaml': [
     ['block', 'block', 'azimuth', [-30, -20, -10, -50, -60], ['block']],
@@ -29,9 +30,9 @@ const cases = {
     ['section', 'detail', 'seed', [2, 3], ['detail', 'section']],
   ],
   'library/aggregate.yaml': [
-    ['section', 'section', 'seed', [2, 3, 4, 5, 6], ['section']],
-    ['section', 'colorize', 'seed', [7, 8, 9, 10, 11], ['colorize', 'section']],
-    ['section', 'detail', 'seed', [2, 3], ['detail', 'section']],
+    ['section', 'section', 'seed', [12, 13, 14, 15, 16], ['section']],
+    ['section', 'colorize', 'seed', [17, 18, 19, 20, 21], ['colorize', 'section']],
+    ['section', 'detail', 'seed', [4, 5], ['detail', 'section']],
   ],
 };
 

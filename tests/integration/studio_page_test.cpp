@@ -61,6 +61,9 @@ TEST_F(StudioPage, LooksEditsWiresUndoesAndSaves) {
   EXPECT_EQ(r["broken_status"], "1 error in the graph");
   EXPECT_NE(r["message"].get<std::string>().find("ContactSheat"), std::string::npos);
   EXPECT_EQ(r["undone"], true);
+  for (const char* step : {"note_undone", "move_undone", "move_redone", "stays_put"})
+    EXPECT_EQ(r[step], true) << step;
+  EXPECT_EQ(r["arrangement"], nlohmann::json::object());
   EXPECT_EQ(r["saved"], text + "  export:\n    type: Export\n    inputs: {image: sheet.image}\n");
   EXPECT_EQ(r["offered"], "Add a node that accepts Image");
   EXPECT_EQ(r["removed"], true);

@@ -78,12 +78,44 @@ try {
   for (let k = 0; k < 4; ++k) await page.click('button:has-text("Undo")'), await settled();
   result.undone = (await text()) === before;
 
+  // A node that is moved, and a note, are steps of undo.
+  const placeOf = async name => { const b = await card(name).boundingBox(); return [Math.round(b.x), Math.round(b.y)]; };
+  const near = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]) < 3;
+  const places = () => page.evaluate(async () => (await (await fetch('/api/state')).json()).document.arrangement);
+  const home = await placeOf('sheet'), at = await card('sheet').locator('header').boundingBox();
+  await page.mouse.move(at.x + 40, at.y + 10);
+  await page.mouse.down();
+  await page.mouse.move(at.x + 100, at.y + 70, { steps: 6 });
+  await page.mouse.up();
+  await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.arrangement.places?.sheet);
+  const away = await placeOf('sheet');
+  await page.click('.tools button:has-text("Note")');
+  await page.locator('.note').waitFor();
+  await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.arrangement.notes?.length === 1);
+  await page.click('button:has-text("Undo")');
+  await page.locator('.note').waitFor({ state: 'detached' });
+  result.note_undone = near(await placeOf('sheet'), away) && !near(home, away);
+  await page.click('button:has-text("Undo")');
+  await page.waitForFunction(async () => !(await (await fetch('/api/state')).json()).document.arrangement.places);
+  await page.waitForTimeout(100);
+  result.move_undone = near(await placeOf('sheet'), home);
+  await page.click('button:has-text("Redo")');
+  await page.waitForTimeout(300);
+  result.move_redone = near(await placeOf('sheet'), away);
+  await page.click('button:has-text("Undo")');
+  await page.waitForTimeout(300);
+  result.arrangement = await places();
+
   // A node is added, wired by dragging, and saved.
   await page.click('.react-flow__pane', { position: { x: 500, y: 40 } });
+  await page.waitForTimeout(100);
+  const still = await placeOf('sheet');
   await page.click('button:has-text("Add node")');
   await page.keyboard.type('Export');
   await page.keyboard.press('Enter');
   await card('export').waitFor();
+  await page.waitForTimeout(150);
+  result.stays_put = near(await placeOf('sheet'), still);
   await page.click('button:has-text("Arrange")');
   await page.click('button:has-text("Fit")');
   await page.waitForTimeout(400);

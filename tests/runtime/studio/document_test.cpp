@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "runtime/files.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -10,6 +12,7 @@
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
+using nlohmann::json;
 using studio::Document;
 
 const std::string kDocumentText = "# kept\nterrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}\n";
@@ -94,6 +97,104 @@ TEST_F(StudioDocument, AnEditBeforeTheQuestionIsAnsweredLosesNothing) {
   EXPECT_EQ(beside(), left);
   d.recover(false);
   EXPECT_EQ(beside(), d.text());
+}
+
+const std::string kPlaced = studio::arrangement_text({{"places", {{"a", {10, 20}}}}});
+
+TEST_F(StudioDocument, PlacesAndNotesAreUndone) {
+  const fs::path kept = studio::arrangement_file(file);
+  const std::string moved = studio::arrangement_text({{"places", {{"a", {30, 20}}}}});
+  Document d(file);
+  const auto first = d.revision();
+  d.arrange(kPlaced);
+  d.arrange(moved);
+  EXPECT_EQ(read_file(kept), moved);
+  EXPECT_TRUE(d.saved());  // it is no part of the graph
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(read_file(kept), kPlaced);
+  EXPECT_TRUE(d.undo());
+  EXPECT_FALSE(fs::exists(kept));
+  EXPECT_FALSE(d.undo());
+  EXPECT_TRUE(d.redo());
+  EXPECT_EQ(d.arrangement(), kPlaced);
+  EXPECT_EQ(d.revision(), first);
+  d.arrange(studio::arrangement_text({{"places", {{"a", {10, 20}}}}, {"notes", json::array()}}));
+  EXPECT_TRUE(d.can_redo());  // an empty list of notes is no change
+  // Texts and places are undone in the order in which they changed.
+  d.edit({value("6")});
+  d.arrange(moved);
+  EXPECT_TRUE(d.undo());
+  EXPECT_NE(d.text(), kDocumentText);
+  EXPECT_EQ(d.arrangement(), kPlaced);
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.text(), kDocumentText);
+  EXPECT_EQ(d.arrangement(), kPlaced);
+}
+
+TEST_F(StudioDocument, APlaceBelongsToTheEditThatMakesOrRenamesTheNode) {
+  Document d(file);
+  Edit add{Edit::Kind::AddNode, "b"};
+  add.type = "Constant";
+  d.edit({add}, {}, {{"b", {1, 2}}});
+  Edit rename{Edit::Kind::RenameNode, "b"};
+  rename.to = "c";
+  d.edit({rename});
+  EXPECT_EQ(d.arrangement(), studio::arrangement_text({{"places", {{"c", {1.0, 2.0}}}}}));
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.arrangement(), studio::arrangement_text({{"places", {{"b", {1.0, 2.0}}}}}));
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.text(), kDocumentText);
+  EXPECT_EQ(d.arrangement(), "");
+}
+
+TEST_F(StudioDocument, AnArrangementThatAnotherProgramChangesComesBackWithUndo) {
+  Document d(file);
+  d.arrange(kPlaced);
+  EXPECT_FALSE(d.follow_arrangement());
+  const std::string theirs = studio::arrangement_text({{"places", {{"a", {5, 5}}}}});
+  write_text_atomically(studio::arrangement_file(file), theirs);
+  d.arrange("");  // before anybody looked at the file
+  EXPECT_EQ(d.arrangement(), "");
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.arrangement(), theirs);
+  EXPECT_TRUE(d.undo());
+  EXPECT_EQ(d.arrangement(), kPlaced);
+}
+
+TEST_F(StudioDocument, AnArrangementFollowsTheGraphToAnotherName) {
+  Document d(file, true);
+  d.arrange(kPlaced);
+  EXPECT_FALSE(fs::exists(studio::arrangement_file(file)));  // nothing is written beside what is read only
+  const fs::path mine = file.parent_path() / "mine.yaml";
+  d.save_as(mine, d.text());
+  EXPECT_EQ(read_file(studio::arrangement_file(mine)), kPlaced);
+}
+
+// Folders in the places of files refuse every write, as a full disk does.
+TEST_F(StudioDocument, WhatCannotBeWrittenIsReportedAndStaysInMemory) {
+  const auto block = [](const fs::path& p) { fs::create_directories(p / "full"); };
+  Document d(file);
+  block(file.parent_path() / ".graph.yaml.unsaved");
+  d.edit({value("6")});
+  EXPECT_NE(d.text().find("value: 6"), std::string::npos);
+  EXPECT_NE(d.trouble().find("unsaved changes cannot be kept"), std::string::npos) << d.trouble();
+  fs::remove(file);
+  block(file);
+  EXPECT_EQ(test::code_of([&] { d.save(true); }), "write-failed");
+  EXPECT_FALSE(d.saved());
+  fs::remove_all(file);
+  fs::remove_all(file.parent_path() / ".graph.yaml.unsaved");
+  d.save(true);
+  EXPECT_EQ(*read_file(file), d.text());
+  EXPECT_EQ(d.trouble(), "");
+  d.arrange(kPlaced);
+  const fs::path kept = studio::arrangement_file(file);
+  fs::remove(kept);
+  block(kept);
+  EXPECT_EQ(test::code_of([&] { d.arrange(""); }), "file-exists");
+  EXPECT_EQ(d.arrangement(), kPlaced);
+  EXPECT_TRUE(d.undo());
+  EXPECT_NE(d.trouble().find("places and notes cannot be kept"), std::string::npos) << d.trouble();
 }
 
 TEST_F(StudioDocument, AFileThatChangedOnDiskIsNotOverwritten) {

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "nodes/data/table.h"
 #include "runtime/files.h"
@@ -222,9 +224,10 @@ TEST_F(LiveGraphTest, ABypassedNodeDoesNotRunAndShowsWhatPasses) {
   EXPECT_NO_THROW(live->evaluate({"clamp"}));
   settled();
   // What the file says, `terrazzo run` does too.
-  write_text_atomically(file, s["document"]["text"].get<std::string>());
+  const fs::path copy = folder / "copy.yaml";  // not the file itself, which would be read again
+  write_text_atomically(copy, s["document"]["text"].get<std::string>());
   Session fresh(test::arithmetic(), test::value_types(), {});
-  EXPECT_FALSE(has_errors(fresh.open(file)));
+  EXPECT_FALSE(has_errors(fresh.open(copy)));
   EXPECT_EQ(test::number_of(fresh.value("sum.out")), 7);
   bypass("b", true);  // nothing can take its place
   s = settled();
@@ -334,6 +337,12 @@ TEST_F(LiveGraphTest, PricesAreThoseOfTheNodesThatAnEditRuns) {
   for (const auto& n : price["nodes"]) paths.push_back(n["path"]);
   EXPECT_EQ(paths, (std::vector<std::string>{"b", "sum"}));  // not the node that writes a file
   EXPECT_NE(price["nodes"][0]["reason"].get<std::string>().find("2 → 7"), std::string::npos);
+  double sum = 0;
+  for (const auto& n : price["nodes"]) {
+    EXPECT_GT(n["seconds"], 0) << n["path"];
+    sum += n["seconds"].get<double>();
+  }
+  EXPECT_DOUBLE_EQ(price["seconds"], sum);
   EXPECT_EQ(live->state()["document"]["text"], kLiveText);
   EXPECT_EQ(live->price({})["nodes"], json::array());
   const Edit bad{Edit::Kind::SetParameter, "b", "value", {false, {"much"}, {}}};
@@ -400,6 +409,74 @@ TEST_F(LiveGraphTest, AGraphThatAnotherProgramChangesIsReadAgain) {
   const json s = when([](const json& s) { return s["document"]["disk_changed"] == true; });
   EXPECT_NE(s["document"]["text"].get<std::string>().find("value: 7"), std::string::npos);
   EXPECT_EQ(test::code_of([&] { live->change([](Document& d) { d.save(false); }); }), "file-changed");
+}
+
+// More nodes than a page can draw: it gets the text, and what failed.
+TEST_F(LiveGraphTest, OfALargeGraphOnlyFailuresAndTheTextAreReported) {
+  std::string text = "terrazzo: 1\nnodes:\n";
+  for (int k = 0; k < 2100; ++k)
+    text += "  c" + std::to_string(k) + ": {type: Constant, params: {value: 1}}\n";
+  open(text + "  bad: {type: Fail, inputs: {in: c7.out}}\n");
+  json s = settled();
+  EXPECT_EQ(s["document"]["nodes"], json::array());
+  EXPECT_EQ(s["document"]["node_count"], 2101);
+  ASSERT_EQ(s["nodes"].size(), 1u);
+  EXPECT_EQ(s["nodes"]["bad"]["state"], "failed");
+  const auto number = live->events().last();
+  set("c7", "value", "2");
+  settled();
+  const auto events = live->events().after(number, std::chrono::milliseconds(0));
+  ASSERT_TRUE(events);
+  for (const auto& e : *events)
+    EXPECT_TRUE(e.type != "node" || json::parse(e.data)["path"] == "bad") << e.data;
+  // As many errors as nodes: some of them, and how many there are beyond.
+  std::string broken = text;
+  for (std::size_t at = 0; (at = broken.find("value: 1", at)) != std::string::npos; at += 8)
+    broken.replace(at, 8, "value: x");
+  live->change([&](Document& d) { d.replace(broken); });
+  s = live->state();
+  EXPECT_EQ(s["document"]["messages"].size(), 1001u);
+  EXPECT_EQ(s["document"]["messages"].back()["message"], "1100 more messages");
+}
+
+TEST_F(LiveGraphTest, OnlyNodesThatChangeAreReported) {
+  open();
+  settled();
+  const auto number = live->events().last();
+  set("b", "value", "7");
+  settled();
+  std::set<std::string> told;
+  const auto events = live->events().after(number, std::chrono::milliseconds(0));
+  for (const auto& e : *events)
+    if (e.type == "node") told.insert(json::parse(e.data)["path"]);
+  EXPECT_EQ(told.count("sum"), 1u);
+  EXPECT_EQ(told.count("write"), 0u);  // it waits for somebody who wants files, as before
+}
+
+TEST_F(LiveGraphTest, SavingAndMovingNodesStartNoEvaluation) {
+  open();
+  settled();
+  set("b", "value", "7");
+  settled();
+  const auto started = [&](std::uint64_t after) {
+    const auto events = live->events().after(after, std::chrono::milliseconds(0));
+    return std::ranges::any_of(*events, [](const auto& e) { return e.type == "node"; });
+  };
+  auto number = live->events().last();
+  live->change([](Document& d) { d.save(false); });
+  EXPECT_TRUE(live->state()["document"]["saved"]);
+  const json places = {{"places", {{"a", {1, 2}}}}};
+  live->arrange(places);
+  EXPECT_EQ(live->state()["document"]["arrangement"], places);
+  live->change([](Document& d) { d.undo(); });
+  EXPECT_EQ(live->state()["document"]["arrangement"], json::object());
+  EXPECT_FALSE(started(number));
+  number = live->events().last();
+  live->change([](Document& d) { d.undo(); });
+  EXPECT_TRUE(started(number));
+  // Another program moves a node.
+  write_text_atomically(folder / "live.studio.json", places.dump());
+  when([&](const json& s) { return s["document"]["arrangement"] == places; });
 }
 
 TEST_F(LiveGraphTest, TenMegabytesOfTextOpenAndAreEdited) {

@@ -1,6 +1,8 @@
 // How the Studio opens and creates graphs: from photographs, from materials, and under other names.
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -122,6 +124,32 @@ TEST_F(StudioStarts, UnsavedChangesAreNotLeftWithoutAsking) {
   EXPECT_EQ(document()["read_only"], true);
   EXPECT_TRUE(fs::exists(folder / ".graph.yaml.unsaved"));  // the other graph's changes
   EXPECT_EQ(post("/api/save", json::object())["code"], "read-only");
+}
+
+TEST_F(StudioStarts, GraphsBelowTheFolderAreListedAndOpened) {
+  const auto put = [&](const char* name, const std::string& text) {
+    fs::create_directories((folder / name).parent_path());
+    write_text_atomically(folder / name, text);
+  };
+  put("sub/mine.yaml", "# a comment first\n" + kStartText);
+  put("other.yaml", "name: no graph\nabout: \"terrazzo: 1\"\n");
+  put(".hidden/x.yaml", kStartText);
+  put("a/b/c/d/e/deep.yaml", kStartText);
+  ASSERT_EQ(::mkfifo((folder / "pipe.yaml").c_str(), 0600), 0);
+  fs::create_symlink("/proc/self/environ", folder / "away.yaml");
+  const auto now = fs::last_write_time(folder / "sub/mine.yaml");
+  fs::last_write_time(folder / "graph.yaml", now - std::chrono::hours(1));
+  json files = json::array();
+  const json start = json::parse(client().Get("/api/start")->body);
+  for (const auto& g : start["graphs"]) files.push_back(g["file"]);
+  EXPECT_EQ(files, (json{"sub/mine.yaml", "graph.yaml"}));  // newest first
+  EXPECT_EQ(post("/api/open", {{"graph", "sub/mine.yaml"}})["file"], (folder / "sub/mine.yaml").string());
+  EXPECT_EQ(document()["read_only"], false);
+  EXPECT_EQ(post("/api/open", {{"graph", "../x.yaml"}})["code"], "outside-folder");
+  EXPECT_EQ(post("/api/open", {{"graph", "away.yaml"}})["code"], "outside-folder");
+  EXPECT_EQ(post("/api/open", {{"graph", "none.yaml"}})["code"], "no-file");
+  live->change([](studio::Document& d) { d.replace(kStartText + "# more\n"); });
+  EXPECT_EQ(post("/api/open", {{"graph", "graph.yaml"}})["code"], "unsaved-changes");
 }
 
 TEST_F(StudioStarts, AGraphIsSavedUnderAnotherName) {

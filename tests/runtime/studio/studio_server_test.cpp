@@ -125,6 +125,15 @@ TEST_F(Studio, ValuesHaveAnETag) {
   EXPECT_EQ(client().Get("/api/value/0123456789abcdef?as=json")->status, 400);
 }
 
+// Compressing takes much longer than sending to this machine.
+TEST_F(Studio, NothingIsCompressedOnTheWay) {
+  for (const char* path : {"/", "/events.js", "/api/types", "/api/state"}) {
+    const auto r = client().Get(path, {{"Accept-Encoding", "gzip, deflate, br"}});
+    EXPECT_EQ(r->status, 200) << path;
+    EXPECT_FALSE(r->has_header("Content-Encoding")) << path << " " << r->get_header_value("Content-Encoding");
+  }
+}
+
 TEST_F(Studio, PreviewsAreServedUntilTheyAreReplaced) {
   EXPECT_EQ(
       post("/api/text", {{"text", "terrazzo: 1\nnodes: {a: {type: Sketch, params: {value: 8, wait: 1}}}\n"}}),

@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/dense_grid.h"
 #include "nodes/data/image.h"
+#include "nodes/data/labels.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
@@ -42,6 +43,23 @@ TEST(StudioViews, PicturesAreReducedByAWholeFactor) {
   EXPECT_EQ(view.body.substr(20, 8), std::string("\xff\x00\x00\xff\x00\xff\x00\xff", 8));
   EXPECT_EQ(test::code_of([] { studio::view_of(Value::of(Image{}), "pixels"); }), "empty-image");
   EXPECT_EQ(test::code_of([&] { studio::view_of(Value::of(image), "ids"); }), "bad-request");
+}
+
+// When one profile is split, the others keep their colors, though they get other numbers.
+TEST(StudioViews, ProfilesKeepTheirColors) {
+  const auto pixels = [](std::vector<std::int32_t> ids, int count) {
+    Labels l;
+    l.width = 4, l.height = 2, l.ids = std::move(ids), l.classes.assign(count, 0);
+    const std::string body = studio::view_of(Value::of(std::move(l)), "pixels", {}).body;
+    std::vector<std::uint32_t> out((body.size() - 20) / 4);
+    std::memcpy(out.data(), body.data() + 20, 4 * out.size());
+    return out;
+  };
+  const auto before = pixels({1, 1, 0, 2, 1, 1, 0, 2}, 2), after = pixels({1, 2, 0, 3, 1, 2, 0, 3}, 3);
+  EXPECT_EQ(after[0], before[0]);
+  EXPECT_EQ(after[2], before[2]);
+  EXPECT_EQ(after[7], before[7]);
+  EXPECT_NE(after[1], before[1]);
 }
 
 TEST(StudioViews, ParticlesAreRowsOfNumbers) {

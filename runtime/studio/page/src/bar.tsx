@@ -1,6 +1,6 @@
 import { secondsText } from './format';
 import { SaveAs } from './start';
-import { post, priceText, save, useStore } from './store';
+import { post, priceText, save, showStart, useStore } from './store';
 
 export function Bar() {
   const doc = useStore(s => s.doc);
@@ -13,17 +13,17 @@ export function Bar() {
   const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
   const price = useStore(s => s.price);
-  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: 0 });
+  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
   const status = !online ? 'not connected'
     : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
-    : run.running ? `${running} running, ${waiting} waiting${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
+    : run.running ? `${running || waiting ? `${running} running, ${waiting} waiting` : `${run.unfinished.toLocaleString('en-US')} unfinished`}${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
     : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
   return (
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
       <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
-      <button onClick={() => useStore.setState({ starting: true, picture: null })} title="Open a material, or make one from a photograph">New or open…</button>
+      <button onClick={() => void showStart()} title="Open a graph or a material, or make one from a photograph">New or open…</button>
       <div className="group">
         <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
         <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>

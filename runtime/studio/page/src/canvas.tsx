@@ -8,7 +8,7 @@ import { typeColor } from './format';
 import { layout, nodeSize } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
-import { forgetPlaces, keepPlaces, readPlaces, type Places } from './places';
+import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
 import { Search, type SearchAt } from './search';
 import { bypass, declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
@@ -68,6 +68,7 @@ function wireAt(x: number, y: number): string | null {
 }
 
 const kMostNodes = 2000; // the layout of more takes minutes
+const countOf = (doc: Doc) => doc.node_count ?? doc.nodes.length;
 
 export function Canvas() {
   const doc = useStore(shownDoc), root = useStore(s => s.doc), scope = useStore(s => s.scope);
@@ -78,21 +79,25 @@ export function Canvas() {
   const notes = useStore(s => s.arrangement.notes), arranged = useStore(s => s.arrangement.places), thumbnails = useStore(s => s.thumbnails);
   const flow = useReactFlow<AnyNode>();
   const far = useFlow(s => s.transform[2] < 0.6);
-  const moved = useRef<Places>({});
+  const moved = useRef<Places>({}), homes = useRef<Places>({}); // where a person put nodes, and where these were before
+  const dragging = useRef(false); // with the pointer, not with keys
   const shown = useRef(''), drawn = useRef(''), small = useRef(thumbnails); // the file; the names of its nodes; as they were laid out
   const pointer = useRef<{ x: number; y: number } | null>(null); // over the canvas, if that is where the user works
   const [nodes, setNodes] = useState<AnyNode[]>([]);
   const [search, setSearch] = useState<SearchAt | null>(null);
 
   const arrangeAll = useCallback((keep: boolean) => {
-    if (!doc || doc.nodes.length > kMostNodes) return;
-    if (!keep) moved.current = {}, forgetPlaces(doc.file);
+    if (!doc || countOf(doc) > kMostNodes) return;
+    if (!keep) moved.current = {}, homes.current = {}, keepPlaces(doc.file, {});
     const at = layout(doc, types);
     setNodes(before => {
-      // Nodes stay where they are, so that a new one may have to move out of their way.
-      const taken = keep ? before.filter(b => doc.nodes.some(n => n.name === b.id)).map(b => ({ ...(moved.current[b.id] ?? b.position), w: b.measured?.width ?? 172, h: b.measured?.height ?? 80 })) : [];
+      // Nodes stay where they are, and others move out of their way.
+      // As long as nobody moved anything, nodes that come in between rearrange all.
+      const grown = before.length > 0 && doc.nodes.some(n => !before.some(b => b.id === n.name)), free = !Object.keys(moved.current).length;
+      const placed = (n: DocNode) => moved.current[n.name] ?? (keep && !(grown && free) ? before.find(b => b.id === n.name)?.position : undefined);
+      const taken = doc.nodes.filter(placed).map(n => { const { width: w, height: h } = nodeSize(n, types); return { ...placed(n)!, w, h }; });
       for (const n of doc.nodes) {
-        if (!taken.length || moved.current[n.name] || before.some(b => b.id === n.name)) continue;
+        if (!taken.length || placed(n)) continue;
         const place = at[n.name], { width: w, height: h } = nodeSize(n, types);
         for (let k = 0; k < 60 && taken.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
         taken.push({ ...place, w, h });
@@ -101,7 +106,7 @@ export function Canvas() {
         const size = nodeSize(n, types);
         const old = before.find(b => b.id === n.name) as GraphNode | undefined;
         return {
-          ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: moved.current[n.name] ?? (keep && old ? old.position : at[n.name]), // nodes stay where they are
+          ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: placed(n) ?? at[n.name],
           selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
           ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
         };
@@ -115,23 +120,27 @@ export function Canvas() {
     if (first) {
       // Saved under another name, the graph has the same nodes, and they stay where they are.
       const names = doc.nodes.map(n => n.name).join('\n'), same = shown.current && names === drawn.current;
-      moved.current = { ...(same ? moved.current : {}), ...readPlaces(doc.file) };
+      moved.current = readPlaces(doc.file);
       shown.current = doc.file;
-      if (same) keepPlaces(doc.file, moved.current);
-      else setNodes([]); // another graph's nodes may have the same names
+      if (!same) homes.current = {}, setNodes([]); // another graph's nodes may have the same names
     }
+    // Nodes that an edit adds come with their places. What else changed in the arrangement follows below.
+    if (!first && !scope) moved.current = { ...readPlaces(doc.file), ...moved.current };
     drawn.current = doc.nodes.map(n => n.name).join('\n');
     const taller = small.current !== thumbnails && !Object.keys(moved.current).length;
     small.current = thumbnails;
     arrangeAll(!taller);
     if (first) setTimeout(() => flow.fitView({ padding: 0.06 }), 60);
-  }, [doc, types, arrangeAll, flow, thumbnails]);
+  }, [doc, types, arrangeAll, flow, thumbnails, scope]);
 
-  // Another page moved nodes.
+  // Another page moved nodes, or places were undone.
   useEffect(() => {
-    if (!arranged || scope || JSON.stringify(arranged) === JSON.stringify(Object.fromEntries(Object.entries(moved.current).map(([n, p]) => [n, [Math.round(p.x), Math.round(p.y)]])))) return;
-    moved.current = Object.fromEntries(Object.entries(arranged).map(([n, [x, y]]) => [n, { x, y }]));
-    setNodes(all => all.map(n => (moved.current[n.id] ? { ...n, position: moved.current[n.id] } : n)));
+    if (scope || !doc) return;
+    const before = moved.current, now = placesOf(arranged), same = (a: Places, b: Places) => Object.entries(writtenPlaces(a)).every(([n, [x, y]]) => b[n] && Math.round(b[n].x) === x && Math.round(b[n].y) === y);
+    if (same(before, now) && same(now, before)) return;
+    const home = { ...layout(doc, types), ...homes.current };
+    moved.current = now;
+    setNodes(all => all.map(n => (now[n.id] ? { ...n, position: now[n.id] } : before[n.id] && home[n.id] ? { ...n, position: home[n.id] } : n)));
   }, [arranged, scope]);
 
   useEffect(() => setNodes(all => all.map(n => (n.type === 'note' || n.selected === (n.id === selected) ? n : { ...n, selected: n.id === selected }))), [selected]);
@@ -144,7 +153,7 @@ export function Canvas() {
 
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc && doc.nodes.length <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
+    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
   }, [doc, types, lit]);
 
   const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
@@ -158,16 +167,19 @@ export function Canvas() {
       if (isNote(c)) changeNote(Number(c.id.slice(5)), { x: c.position.x, y: c.position.y });
       else moved.current[c.id] = c.position, places = true;
     }
-    if (places) keepPlaces(shown.current, moved.current);
+    if (places) keepPlaces(shown.current, moved.current, dragging.current ? '' : 'keys');
   }, []);
 
   // A frame takes the nodes in it along.
   const held = useRef<{ from: { x: number; y: number }; nodes: Record<string, { x: number; y: number }> } | null>(null);
-  const onNodeDragStart = (_: unknown, n: AnyNode) => {
+  const onNodeDragStart = (_: unknown, n: AnyNode, all: AnyNode[]) => {
+    dragging.current = true;
+    for (const m of all) if (!moved.current[m.id]) homes.current[m.id] = m.position;
     held.current = null;
     if (n.type !== 'note' || !n.data.note.frame) return;
     const { x, y } = n.position, w = n.width ?? 0, h = n.height ?? 0;
     const within = nodes.filter(m => m.position.x >= x && m.position.y >= y && m.position.x + (m.measured?.width ?? 0) <= x + w && m.position.y + (m.measured?.height ?? 0) <= y + h);
+    for (const m of within) if (!moved.current[m.id]) homes.current[m.id] = m.position;
     held.current = { from: n.position, nodes: Object.fromEntries(within.map(m => [m.id, m.position])) };
   };
   const onNodeDrag = (_: unknown, n: AnyNode) => {
@@ -175,6 +187,7 @@ export function Canvas() {
     if (h) setNodes(all => all.map(m => (h.nodes[m.id] ? { ...m, position: { x: h.nodes[m.id].x + n.position.x - h.from.x, y: h.nodes[m.id].y + n.position.y - h.from.y } } : m)));
   };
   const onNodeDragStop = (e: MouseEvent | TouchEvent, n: AnyNode) => {
+    dragging.current = false;
     if (held.current) {
       for (const m of nodes) if (held.current.nodes[m.id]) moved.current[m.id] = m.position;
       held.current = null;
@@ -233,13 +246,9 @@ export function Canvas() {
 
   useEffect(() => {
     const chosen = nodes.filter(n => n.selected).map(n => n.id);
-    const place = (names: Map<string, string>) => {
-      for (const [from, to] of names) {
-        const at = nodes.find(n => n.id === from)?.position;
-        if (at) moved.current[to] = { x: at.x + 40, y: at.y + 40 };
-      }
-      keepPlaces(shown.current, moved.current);
-      const first = [...names.values()][0];
+    // Copies are beside what they are copies of.
+    const put = async (text: string) => {
+      const first = await paste(text, writtenPlaces(Object.fromEntries(nodes.filter(n => n.type === 'node').map(n => [n.id, { x: n.position.x + 40, y: n.position.y + 40 }]))));
       if (first) setTimeout(() => select(first), 80);
     };
     const elsewhere = (e: Event) => e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]');
@@ -252,14 +261,14 @@ export function Canvas() {
     const pasted = (e: ClipboardEvent) => {
       const text = e.clipboardData?.getData('text/plain');
       if (elsewhere(e) || scope || !text?.trim()) return;
-      void paste(text).then(place);
+      void put(text);
       e.preventDefault();
     };
     const key = (e: KeyboardEvent) => {
       if (elsewhere(e)) return;
       if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
         if (e.key === 'b' && chosen.length && !scope) bypass(chosen);
-        else if (e.key === 'd' && chosen.length && !scope) void paste(textOf(doc, chosen)).then(place);
+        else if (e.key === 'd' && chosen.length && !scope) void put(textOf(doc, chosen));
         else return;
         return e.preventDefault();
       }
@@ -285,8 +294,8 @@ export function Canvas() {
     };
   }, [flow, arrangeAll, doc, nodes, scope]);
 
-  if (doc && doc.nodes.length > kMostNodes)
-    return <main className="canvas" aria-label="Graph"><p className="none">The graph has {doc.nodes.length.toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
+  if (doc && countOf(doc) > kMostNodes)
+    return <main className="canvas" aria-label="Graph"><p className="none">The graph has {countOf(doc).toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
   const steps = scope ? scope.split('/') : [];
   return (
     <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph" onPointerMove={e => { pointer.current = { x: e.clientX, y: e.clientY }; }} onPointerLeave={() => { pointer.current = null; }}>
@@ -321,17 +330,14 @@ export function Canvas() {
         ) : <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
         <button onClick={() => arrangeAll(false)} title="Arrange all nodes (L)">Arrange</button>
         <button onClick={() => void flow.fitView({ padding: 0.06, duration: 150 })} title="Show all nodes (F)">Fit</button>
-        {!scope && !root?.read_only && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
-        {!scope && !root?.read_only && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
+        {!scope && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
+        {!scope && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
         <button aria-pressed={thumbnails} title="Show pictures in the nodes" onClick={() => {
           localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
           useStore.setState({ thumbnails: !thumbnails });
         }}>Pictures</button>
       </div>
-      {search && <Search at={search} close={() => setSearch(null)} place={(name) => {
-        moved.current[name] = flow.screenToFlowPosition({ x: search.x, y: search.y });
-        keepPlaces(shown.current, moved.current);
-      }} />}
+      {search && <Search at={search} close={() => setSearch(null)} place={flow.screenToFlowPosition({ x: search.x, y: search.y })} />}
     </main>
   );
 }

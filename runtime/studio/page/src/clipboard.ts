@@ -1,5 +1,5 @@
 import { useStore } from './store';
-import type { Doc, DocNode } from './types';
+import type { Arrangement, Doc, DocNode } from './types';
 
 // Nodes are copied as their lines in the graph file, so that other windows, and text editors, can give and take them.
 
@@ -15,11 +15,12 @@ export function textOf(doc: Doc, names: string[]): string {
   return doc.nodes.filter(n => names.includes(n.name)).map(n => linesOf(lines, n) + '\n').join('');
 }
 
-// Adds nodes under free names, as one step of undo. Returns their new names, by the old ones.
-export async function paste(text: string): Promise<Map<string, string>> {
-  const answer = await fetch('/api/paste', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ text }) }).catch(() => null);
-  const body = await answer?.json() as { names: Record<string, string>; message: string; hint: string; code: string } | undefined;
-  if (answer?.ok) return new Map(Object.entries(body!.names));
+// Adds nodes under free names, as one step of undo. `places`: where copies of nodes go, by the names of these. Returns the first node's
+// new name, or "".
+export async function paste(text: string, places: Arrangement['places']): Promise<string> {
+  const answer = await fetch('/api/paste', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ text, places }) }).catch(() => null);
+  const body = await answer?.json() as { names: string[]; message: string; hint: string; code: string } | undefined;
+  if (answer?.ok) return body!.names[0] ?? '';
   useStore.setState({ trouble: body ?? { message: 'the server does not answer', hint: 'is terrazzo studio still running?', code: 'offline' } });
-  return new Map();
+  return '';
 }

@@ -24,7 +24,7 @@ export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
         const go = (w: string) => <button className="reset" title={`Select ${splitWire(w, doc, types).node}`} aria-label={`Select ${splitWire(w, doc, types).node}`} onClick={() => select(splitWire(w, doc, types).node)}>→</button>;
         if (p.many) return (
           <div key={p.name} className={`field${wires.length ? ' own' : ''}`}>
-            <label htmlFor={id} title={p.doc}>{p.name}</label>
+            <label htmlFor={id} title={`${p.name}: ${p.doc}`}>{p.name}</label>
             <span className="wires">
               {wires.map((w, k) => <span key={k}>{w}{go(w)}<button className="reset" title="Disconnect" aria-label={`Disconnect ${w}`} onClick={() => set(p.name, wires.filter((_, i) => i !== k))}>×</button></span>)}
               <select id={id} value="" onChange={e => set(p.name, [...wires, e.target.value])}><option value="">add…</option>{choices.map(c => <option key={c}>{c}</option>)}</select>
@@ -34,9 +34,9 @@ export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
         const now = wires[0] ? full(wires[0]) : '';
         return (
           <div key={p.name} className={`field${now ? ' own' : ''}`}>
-            <label htmlFor={id} title={p.doc}>{p.name}{p.optional && !now && <small> optional</small>}</label>
+            <label htmlFor={id} title={`${p.name}: ${p.doc}`}>{p.name}</label>
             <select id={id} value={now} onChange={e => set(p.name, e.target.value ? [e.target.value] : [])}>
-              <option value="">not connected</option>{[...choices, ...(now && !choices.includes(now) ? [now] : [])].map(c => <option key={c}>{c}</option>)}
+              <option value="">{p.optional ? 'none (optional)' : 'not connected'}</option>{[...choices, ...(now && !choices.includes(now) ? [now] : [])].map(c => <option key={c}>{c}</option>)}
             </select>
             {wires[0] ? go(wires[0]) : <span />}
           </div>

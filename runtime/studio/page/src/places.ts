@@ -1,6 +1,6 @@
-// Where nodes are: in the arrangement beside the graph. Of graphs that belong to the program, and of insides of subgraphs, the browser
-// remembers it.
+// Where nodes are: in the arrangement beside the graph. Of the insides of subgraphs, the browser remembers it.
 import { arrange, useStore } from './store';
+import type { Arrangement } from './types';
 
 export type Places = Record<string, { x: number; y: number }>;
 
@@ -14,23 +14,16 @@ function stored(file: string): Places {
   }
 }
 
-const beside = (file: string) => {
-  const { doc } = useStore.getState();
-  return doc && doc.file === file && !doc.read_only;
-};
+const own = (file: string) => useStore.getState().doc?.file === file;
 
-export function readPlaces(file: string): Places {
-  const own = beside(file) ? useStore.getState().arrangement.places : undefined;
-  return own ? Object.fromEntries(Object.entries(own).map(([n, [x, y]]) => [n, { x, y }])) : stored(file);
-}
+export const writtenPlaces = (at: Places): NonNullable<Arrangement['places']> =>
+  Object.fromEntries(Object.entries(at).map(([n, { x, y }]) => [n, [Math.round(x), Math.round(y)]]));
+export const placesOf = (written: Arrangement['places'] = {}): Places => Object.fromEntries(Object.entries(written).map(([n, [x, y]]) => [n, { x, y }]));
 
-export function keepPlaces(file: string, at: Places) {
-  if (!beside(file)) return localStorage.setItem(key(file), JSON.stringify(at));
-  localStorage.removeItem(key(file));
-  arrange({ places: Object.fromEntries(Object.entries(at).map(([n, { x, y }]) => [n, [Math.round(x), Math.round(y)]])) });
-}
+export const readPlaces = (file: string): Places => (own(file) ? placesOf(useStore.getState().arrangement.places) : stored(file));
 
-export function forgetPlaces(file: string) {
-  localStorage.removeItem(key(file));
-  if (beside(file)) arrange({ places: {} });
+// `group`: see arrange().
+export function keepPlaces(file: string, at: Places, group = '') {
+  if (own(file)) arrange({ places: writtenPlaces(at) }, group);
+  else localStorage.setItem(key(file), JSON.stringify(at));
 }

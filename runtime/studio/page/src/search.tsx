@@ -1,5 +1,6 @@
 import { useMemo, useState } from 'react';
 
+import { writtenPlaces } from './places';
 import { edit, select, useStore, type Edit } from './store';
 import type { NodeType } from './types';
 
@@ -10,7 +11,7 @@ export interface SearchAt { x: number; y: number; from?: End; to?: End }
 interface Props {
   at: SearchAt;
   close: () => void;
-  place: (name: string) => void;
+  place: { x: number; y: number }; // of the new node
 }
 
 const accepts = (types: string[], type: string) => !types.length || types.includes(type);
@@ -42,9 +43,8 @@ export function Search({ at, close, place }: Props) {
     const before = at.to?.many ? useStore.getState().doc?.nodes.find(n => n.name === at.to!.node)?.inputs[at.to.port] ?? [] : [];
     if (output) edits.push({ op: 'connect', node: at.to!.node, name: at.to!.port, wires: [...before, `${name}.${output.name}`] });
     if (input) edits.push({ op: 'connect', node: name, name: input.name, wires: [`${at.from!.node}.${at.from!.port}`] });
-    place(name);
     close();
-    void edit(edits).then(done => done && setTimeout(() => select(name), 50));
+    void edit(edits, false, writtenPlaces({ [name]: place })).then(done => done && setTimeout(() => select(name), 50));
   };
 
   return (

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { openMaterial, post, upload, useStore } from './store';
+import { openGraph, openMaterial, post, upload, useStore } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 
@@ -57,7 +57,13 @@ export function Start() {
             }} />
           </div>
         )}
-        <h2>Materials</h2>
+        {!!info?.graphs.length && <>
+          <h2>Graphs in {info.folder}</h2>
+          <ul className="graphs" aria-label="Graphs">
+            {info.graphs.map(g => <li key={g.file}><button onClick={() => void openGraph(g.file)}><b>{g.file}</b><time>{new Date(g.changed * 1000).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' })}</time></button></li>)}
+          </ul>
+        </>}
+        <h2>Materials that come with Terrazzo</h2>
         <ul className="materials">
           {info?.materials.map(m => (
             <li key={m.name}><button onClick={() => void openMaterial(m.name)} title={m.doc}>

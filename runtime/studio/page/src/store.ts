@@ -19,7 +19,7 @@ interface Store {
   online: boolean;
   trouble: Trouble | null;
   drawer: 'none' | 'yaml' | 'messages' | 'history';
-  line: number; // to show in the YAML text; 0: none
+  line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
   starting: boolean; // the start page is shown
   picture: File | null; // to make a graph of
@@ -38,7 +38,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
-  run: { running: false, live: true, seconds: 0, expected: 0, trouble: '' }, drawer: 'none', line: 0,
+  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', line: null,
   start: null, starting: false, picture: null, savingAs: false, tool: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', wide: false,
 }));
@@ -47,7 +47,7 @@ const set = useStore.setState;
 export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '' }));
 // What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
 export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
-export const goToLine = (line: number) => set({ drawer: 'yaml', line });
+export const goToLine = (number: number) => set({ drawer: 'yaml', line: { number } });
 
 export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
 
@@ -71,6 +71,14 @@ const opened = (done: boolean) => {
 };
 export const openMaterial = async (material: string, discard = false): Promise<void> =>
   opened(await post('/api/open', { material, discard }, () => void openMaterial(material, true)));
+export const openGraph = async (graph: string, discard = false): Promise<void> =>
+  opened(await post('/api/open', { graph, discard }, () => void openGraph(graph, true)));
+// Shows the start page, with the graphs that are there now.
+export async function showStart(): Promise<void> {
+  useStore.setState({ starting: true, picture: null });
+  const answer = await fetch('/api/start').catch(() => null);
+  if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
+}
 export async function upload(picture: File, folder: string, pixelSize: string, discard = false): Promise<void> {
   const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, discard: String(discard) });
   opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, true)));
@@ -78,14 +86,15 @@ export async function upload(picture: File, folder: string, pixelSize: string, d
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
 export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; bypass?: boolean };
-// `merge`: one of many edits while a control moves. Those within a second are one step of undo.
+// Changes with the same name are one step of undo if less than a second is between them.
 let moving = { what: '', group: 0, at: 0 };
-export function edit(edits: Edit[], merge = false): Promise<boolean> {
-  if (!merge) return post('/api/edit', { edits });
-  const what = edits.map(e => `${e.node}.${e.name}`).join(' ');
+function groupOf(what: string): string {
   moving = { what, group: moving.group + (what !== moving.what || performance.now() - moving.at > 1000 ? 1 : 0), at: performance.now() };
-  return post('/api/edit', { edits, group: `${what} ${moving.group}` });
+  return `${what} ${moving.group}`;
 }
+// `merge`: one of many edits while a control moves. `places`: where nodes go that the edits add.
+export const edit = (edits: Edit[], merge = false, places: Arrangement['places'] = {}): Promise<boolean> =>
+  post('/api/edit', { edits, places, group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' });
 
 // --- events
 
@@ -113,15 +122,17 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, arrangement: s.document.arrangement });
+    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, ...arrangementOf(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
-  on<Arrangement>('arrangement', arrangement => set({ arrangement }));
+  on<{ arrangement: Arrangement; can_undo: boolean; can_redo: boolean; trouble: string }>('arrangement', ({ arrangement, ...rest }) => {
+    set(s => ({ doc: s.doc && { ...s.doc, ...rest, arrangement }, ...arrangementOf(arrangement) }));
+  });
   on<Doc>('document', doc => {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
-      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: 0, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
+      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
-      doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      ...arrangementOf(doc.arrangement), doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
     }));
     void enter(useStore.getState().scope);
@@ -176,15 +187,31 @@ export async function enter(scope: string): Promise<void> {
   set(s => ({ scope, inside: { ...doc, nodes, messages: [], arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
 }
 
-// Keeps where nodes and notes are, soon; several changes at once are one request.
-let keeping: number | undefined;
-export function arrange(change: Partial<Arrangement>) {
+// Keeps where nodes and notes are, as a step of undo. Several changes at once are one request. Changes that name the same `group` are
+// one step if less than a second is between them.
+let keeping = 0; // requests that are under way
+let missed: Arrangement | null = null; // what the server reported meanwhile, which may be older
+let scheduled_group: string | null = null;
+export function arrange(change: Partial<Arrangement>, group = '') {
   set(s => ({ arrangement: { ...s.arrangement, ...change } }));
-  window.clearTimeout(keeping);
-  keeping = window.setTimeout(() => {
-    const { doc, arrangement } = useStore.getState();
-    if (doc && !doc.read_only) void post('/api/arrange', { arrangement });
-  }, 300);
+  const first = scheduled_group === null;
+  scheduled_group = group;
+  if (!first) return;
+  ++keeping;
+  setTimeout(async () => {
+    const group = scheduled_group!;
+    scheduled_group = null;
+    await post('/api/arrange', { arrangement: useStore.getState().arrangement, group: group && groupOf(group) });
+    if (--keeping || !missed) return;
+    set({ arrangement: missed });
+    missed = null;
+  });
+}
+
+function arrangementOf(reported: Arrangement): { arrangement?: Arrangement } {
+  if (!keeping) return { arrangement: reported };
+  missed = reported;
+  return {};
 }
 
 export const priceText = (p: Price) => {
@@ -196,7 +223,7 @@ export const priceText = (p: Price) => {
 let asked = 0;
 export async function askPrice(edits: Edit[] | null): Promise<void> {
   const number = ++asked;
-  if (!edits || (useStore.getState().doc?.nodes.length ?? 0) > 500) return set({ price: null });
+  if (!edits || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
   const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) }).catch(() => null);
   if (number !== asked) return;
   set({ price: answer?.ok ? await answer.json() as Price : null });

@@ -25,13 +25,17 @@ export interface GraphParameter {
   name: string; kind: string; doc: string; unit: string; choices: string[]; keywords: string[]; line: number; value: Written;
 }
 export interface Doc {
-  name: string; doc: string; file: string; text: string; nodes: DocNode[];
+  name: string; doc: string; file: string; text: string;
+  nodes: DocNode[]; node_count?: number; // of the document, not of subgraphs; with more than 2,000, `nodes` is empty
   outputs: { name: string; wire: string; line: number }[];
   parameters: GraphParameter[]; messages: Message[];
   saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
   disk_changed: boolean; valid: boolean; arrangement: Arrangement;
 }
-export interface StartInfo { welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[] }
+export interface StartInfo {
+  welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[];
+  graphs: { file: string; changed: number }[]; // below the folder, newest first
+}
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled' | 'bypassed';
 export interface NodeState {
@@ -39,7 +43,7 @@ export interface NodeState {
   outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>; metrics: Record<string, number>; warnings: string[]; files: string[];
   error?: Message;
 }
-export interface Run { running: boolean; live: boolean; seconds: number; expected: number; trouble: string }
+export interface Run { running: boolean; live: boolean; seconds: number; expected: number; unfinished: number; trouble: string }
 export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }
 export interface Note { x: number; y: number; width: number; height: number; text: string; frame: boolean }
 export interface Arrangement { places?: Record<string, [number, number]>; notes?: Note[] }

@@ -35,7 +35,7 @@ export function Viewer() {
   const state = node && stateOf(node, nodes);
   const old = value && !preview && state && !['cached', 'computed', 'bypassed'].includes(state.state);
   return (
-    <section className="viewer" aria-label="Viewer">
+    <section className={`viewer${extra ? ' tall' : ''}`} aria-label="Viewer">
       <div className="tabs">
         <b>{name?.split('/').pop() ?? 'Viewer'}</b>
         <span className="ports">

@@ -1,27 +1,49 @@
-import { useEffect, useRef, useState } from 'react';
+import { useEffect, useMemo, useRef, useState } from 'react';
+import { flushSync } from 'react-dom';
 
 import { goToLine, post, select, useStore } from './store';
 
 const lineHeight = 18;
+
+function countLines(text: string): number {
+  let n = 1;
+  for (let at = text.indexOf('\n'); at >= 0; at = text.indexOf('\n', at + 1)) ++n;
+  return n;
+}
+
+// Where a line begins.
+function startOf(text: string, line: number): number {
+  let at = 0;
+  for (let k = 1; k < line; ++k) {
+    const end = text.indexOf('\n', at);
+    if (end < 0) break;
+    at = end + 1;
+  }
+  return at;
+}
 
 export function Yaml() {
   const text = useStore(s => s.doc?.text ?? '');
   const messages = useStore(s => s.doc?.messages);
   const file = useStore(s => s.doc?.file);
   const line = useStore(s => s.line);
-  const [draft, setDraft] = useState<string | null>(null);
+  const [draft, setDraft] = useState<string | null>(null), [base, setBase] = useState(''); // base: the text that the draft began with
   const area = useRef<HTMLTextAreaElement>(null), gutter = useRef<HTMLPreElement>(null);
+  const [top, setTop] = useState(0); // the first line in view
   const shown = draft ?? text;
-  const bad = new Map(messages?.filter(m => m.file === file).map(m => [m.line, m]));
+  const bad = useMemo(() => new Map(messages?.filter(m => m.file === file).map(m => [m.line, m])), [messages, file]);
+  const lines = useMemo(() => countLines(shown), [shown]);
+  // Only the numbers in view are drawn: a text may have a hundred thousand lines.
+  const first = Math.max(0, top - 20), numbers = Array.from({ length: Math.max(0, Math.min(lines, first + 100) - first) }, (_, k) => first + k + 1);
 
   useEffect(() => {
     const at = area.current;
     if (!line || !at) return;
-    const start = at.value.split('\n').slice(0, line - 1).reduce((n, l) => n + l.length + 1, 0);
+    const start = startOf(at.value, line.number);
     const end = at.value.indexOf('\n', start);
     at.focus();
     at.setSelectionRange(start, end < 0 ? at.value.length : end);
-    at.scrollTop = Math.max(0, (line - 5) * lineHeight);
+    at.scrollTop = Math.max(0, (line.number - 5) * lineHeight);
   }, [line]);
 
   const apply = async () => {
@@ -30,16 +52,25 @@ export function Yaml() {
   return (
     <section className="drawer" aria-label="YAML text">
       <div className="yaml">
-        <pre ref={gutter} aria-hidden="true">
-          {shown.split('\n').map((_, k) => <div key={k} className={bad.has(k + 1) ? bad.get(k + 1)!.severity : ''} title={bad.get(k + 1)?.message}>{k + 1}</div>)}
+        <pre ref={gutter} aria-hidden="true" style={{ minWidth: `calc(${String(lines).length}ch + 18px)` }}>
+          <div style={{ height: first * lineHeight }} />
+          {numbers.map(n => <div key={n} className={bad.get(n)?.severity ?? ''} title={bad.get(n)?.message}>{n}</div>)}
+          <div style={{ height: (lines - first - numbers.length) * lineHeight }} />
         </pre>
         <textarea ref={area} value={shown} spellCheck={false} wrap="off" aria-label="Text of the graph file"
-          onScroll={e => { if (gutter.current) gutter.current.scrollTop = e.currentTarget.scrollTop; }}
-          onChange={e => setDraft(e.target.value)}
+          onScroll={e => {
+            const y = e.currentTarget.scrollTop;
+            flushSync(() => setTop(Math.floor(y / lineHeight)));
+            if (gutter.current) gutter.current.scrollTop = y;
+          }}
+          onChange={e => {
+            if (draft === null) setBase(text);
+            setDraft(e.target.value);
+          }}
           onKeyDown={e => { if (e.key === 'Enter' && (e.ctrlKey || e.metaKey)) void apply(); }} />
       </div>
       {draft !== null && draft !== text && (
-        <p className="actions"><button className="primary" onClick={() => void apply()} title="Ctrl+Enter">Apply</button>
+        <p className="actions">{base !== text && <span className="warning" role="status">The graph has changed since you began to type; Apply replaces that.</span>}<button className="primary" onClick={() => void apply()} title="Ctrl+Enter">Apply</button>
           <button onClick={() => setDraft(null)}>Discard</button></p>
       )}
     </section>
