@@ -195,6 +195,15 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
 
 }  // namespace
 
+std::string color_text(const std::array<double, 3>& linear) {
+  std::string out = "#";
+  for (const double c : linear) {
+    const double e = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;  // IEC 61966-2-1
+    out += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(255 * e)), 0, 255));
+  }
+  return out;
+}
+
 std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenValue& w, std::string& why) {
   const std::string word = w.is_list ? "" : w.text();
   if (!w.is_list && std::find(p.keywords.begin(), p.keywords.end(), word) != p.keywords.end()) return word;

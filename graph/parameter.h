@@ -1,6 +1,7 @@
 // Parameters: declarations, values, and parsing of written values.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -103,5 +104,7 @@ std::optional<ParameterValue> read_parameter(const Parameter&, const WrittenValu
 std::string canonical(const ParameterValue&);
 // The value as a person would write it in a graph file.
 std::string written(const ParameterValue&);
+// The nearest sRGB color to a scene-linear one, as "#rrggbb".
+std::string color_text(const std::array<double, 3>& linear);
 
 }  // namespace terrazzo

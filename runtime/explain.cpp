@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <set>
 
@@ -22,14 +20,8 @@ std::string at(const GraphNode& node, const std::string& parameter) {
 std::string shown(const Parameter& p, const std::string& written) {
   std::array<double, 3> rgb{};
   if (p.kind == ParameterKind::Color &&
-      std::sscanf(written.c_str(), "[%lf,%lf,%lf]", &rgb[0], &rgb[1], &rgb[2]) == 3) {
-    std::string out = "#";
-    for (double c : rgb) {
-      c = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;  // IEC 61966-2-1
-      out += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(255 * c)), 0, 255));
-    }
-    return out;
-  }
+      std::sscanf(written.c_str(), "[%lf,%lf,%lf]", &rgb[0], &rgb[1], &rgb[2]) == 3)
+    return color_text(rgb);
   const bool one = written.size() > 2 && written.front() == '[' && written.find(',') == std::string::npos;
   return one ? written.substr(1, written.size() - 2) : written;
 }

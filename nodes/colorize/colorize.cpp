@@ -78,12 +78,14 @@ struct Group {
   }
 };
 
-// In proportion to the density of profiles like each member of the group among particles of these sizes. A
-// plane meets a particle in proportion to its size, and the likelihood is that of a range in proportion to
-// the size, so the factors cancel.
-std::vector<double> profiles_expected(const Source& s, const Group& group, const std::vector<double>& sizes,
-                                      const Work& work) {
-  std::vector<double> expected(s.count(), 0);
+// In proportion to the density of profiles like each member of the group among the particles of a class (−1:
+// all). A plane meets a particle in proportion to its size, and the likelihood is that of a range in
+// proportion to the size, so the factors cancel.
+std::vector<double> profiles_expected(const Source& s, const Group& group, const Particles& particles,
+                                      int cls, const Work& work) {
+  std::vector<double> sizes, expected(s.count(), 0);
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    if (!particles.is_void(i) && (cls < 0 || particles.cls[i] == cls)) sizes.push_back(particles.size[i]);
   work.parallel(group.members.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       for (const double size : sizes)
@@ -162,12 +164,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
     }
     std::map<int, std::vector<double>> expected;
-    for (const auto& [c, group] : groups) {
-      std::vector<double> sizes;
-      for (std::size_t i = 0; i < n; ++i)
-        if (!particles.is_void(i) && (!own || particles.cls[i] == c)) sizes.push_back(particles.size[i]);
-      expected.emplace(c, profiles_expected(source, group, sizes, work));
-    }
+    for (const auto& [c, group] : groups)
+      expected.emplace(c, profiles_expected(source, group, particles, c, work));
     pick_all([&](std::size_t i, double u) {
       const int c = own ? particles.cls[i] : -1;
       return draw_by_size(source, groups.at(c), expected.at(c), particles.size[i]).pick(u);
@@ -186,10 +184,7 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       report.clusters = found.k, report.silhouette = found.silhouette;
       source.cls = std::move(found.of);
     }
-    std::vector<double> sizes;
-    for (std::size_t i = 0; i < n; ++i)
-      if (!particles.is_void(i)) sizes.push_back(particles.size[i]);
-    const std::vector<double> expected = profiles_expected(source, all, sizes, work);
+    const std::vector<double> expected = profiles_expected(source, all, particles, -1, work);
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (!particles.is_void(i))

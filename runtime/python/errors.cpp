@@ -1,6 +1,4 @@
 // Messages and exceptions.
-#include <fmt/format.h>
-
 #include <exception>
 
 #include "runtime/python/bind.h"
@@ -67,7 +65,7 @@ std::string utf8(const py::handle& text) {
   if (data) return {data, static_cast<std::size_t>(size)};
   PyErr_Clear();
   const auto shown = py::reinterpret_steal<py::object>(PyObject_ASCII(text.ptr()));
-  throw Error("bad-value", fmt::format("the text {} is not UTF-8", shown ? utf8(shown) : "of a value"),
+  throw Error("bad-value", (shown ? utf8(shown) : "a string") + " is not UTF-8",
               "rename files whose names are not UTF-8");
 }
 
