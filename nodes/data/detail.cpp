@@ -11,14 +11,16 @@ namespace {
 
 void encode(const Detail& v, Writer& w) {
   w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
-  w.raw_array(v.profile_color), w.array(v.profile_size), w.raw_array(v.profile_contrast);
+  w.raw_array(v.profile_color), w.array(v.profile_size), w.array(v.profile_group),
+      w.raw_array(v.profile_contrast);
+  w.raw_array(v.profile_broad);
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
     w.pod(p.slope);
     w.pod<std::uint64_t>(p.rims.size());
     for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset);
-    w.array(p.gain), w.raw_array(p.tile);
+    w.array(p.gain), w.raw_array(p.tile), w.raw_array(p.broad);
   }
 }
 
@@ -26,11 +28,17 @@ Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
   v.gray = r.pod<std::uint8_t>() != 0;
-  v.profile_color = r.raw_array<Vec3f>(), v.profile_size = r.array<float>();
-  v.profile_contrast = r.raw_array<Eigen::Vector2f>();
-  if (v.profile_color.size() != v.profile_contrast.size() || v.profile_color.size() != v.profile_size.size())
+  v.profile_color = r.raw_array<Vec3f>(), v.profile_size = r.array<float>(),
+  v.profile_group = r.array<std::int32_t>();
+  v.profile_contrast = r.raw_array<Eigen::Vector2f>(), v.profile_broad = r.raw_array<Eigen::Vector2f>();
+  const std::size_t profiles = v.profile_color.size();
+  if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
+      v.profile_size.size() != profiles || v.profile_group.size() != profiles)
     throw Error("damaged", "the stored detail has lists of different length");
   v.phases.resize(r.count(40));
+  for (const std::int32_t group : v.profile_group)
+    if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
+      throw Error("damaged", "the stored detail has a profile of an unknown group");
   const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
   for (auto& p : v.phases) {
     r.bytes(p.color.data(), sizeof(float) * 3);
@@ -41,8 +49,8 @@ Detail decode_detail(Reader& r) {
       if (!(rim.size > 0) || rim.offset.empty()) throw Error("damaged", "the stored detail has an empty rim");
     }
     p.gain = r.array<float>();
-    p.tile = r.raw_array<Vec3f>();
-    if (v.size < 1 || p.tile.size() != n * n * n)
+    p.tile = r.raw_array<Vec3f>(), p.broad = r.raw_array<Vec3f>();
+    if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
       throw Error("damaged", "the stored detail has a tile of the wrong size");
   }
   return v;
@@ -61,7 +69,8 @@ nlohmann::json describe(const Detail& v) {
   nlohmann::json phases = nlohmann::json::array();
   for (const auto& p : v.phases) {
     double sum = 0;
-    for (const Vec3f& o : p.tile) sum += o.squaredNorm();
+    for (std::size_t i = 0; i < p.tile.size(); ++i)
+      sum += (p.broad.empty() ? p.tile[i] : Vec3f(p.tile[i] + p.broad[i])).squaredNorm();
     phases.push_back(
         {{"color", json_of(p.color)},
          {"slope", p.slope},

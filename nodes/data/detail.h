@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "nodes/data/linear.h"
@@ -45,7 +46,8 @@ struct Detail {
     std::vector<Rim> rims;
     // Factors of the tile at i + ½ pixels from the nearest outline. The last one holds beyond; 1 if empty.
     std::vector<float> gain;
-    std::vector<Vec3f> tile;  // size³ offsets, x fastest; tiles
+    std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
+    std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
@@ -55,9 +57,11 @@ struct Detail {
   // particle has the contrast of the profile that is most like it in color and size.
   std::vector<Vec3f> profile_color;
   std::vector<float> profile_size;
-  std::vector<Eigen::Vector2f> profile_contrast;
-  bool gray = false;    // the photograph has no color, and neither have the offsets
-  double softness = 0;  // standard deviation of the blur of outlines, pixels
+  std::vector<std::int32_t> profile_group;        // index of its group in `phases`
+  std::vector<Eigen::Vector2f> profile_contrast;  // of the grain
+  std::vector<Eigen::Vector2f> profile_broad;     // of the broad part
+  bool gray = false;                              // the photograph has no color, and neither have the offsets
+  double softness = 0;                            // standard deviation of the blur of outlines, pixels
 };
 
 template <>

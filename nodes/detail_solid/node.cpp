@@ -30,9 +30,8 @@ void make_tiles(Context& c, const Phases& phases, const std::vector<Vec3f>& broa
     auto values = phase_tile(exemplars.back(), detail.size, seed, part.part(0.05, 0.9));
     match_phase(values, phases, phases.offset, static_cast<int>(p), work.quiet());
     match_spectrum(values, detail.size, phases, static_cast<int>(p), work.quiet());
-    const auto wide = broad_field(fit_broad(broad, phases, labels, static_cast<int>(p), seed), detail.size,
-                                  seed, part.part(0.9, 1));
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] += wide[i];
+    detail.phases[p].broad = broad_field(fit_broad(broad, phases, labels, static_cast<int>(p), seed),
+                                         detail.size, seed, part.part(0.9, 1));
     detail.phases[p].tile = std::move(values);
   }
 }
@@ -51,11 +50,14 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
     for (int y = 0; y < e.height; ++y)
       for (int x = 0; x < e.width; ++x)
         out.at(left + x, y) = shown(e.value[static_cast<std::size_t>(y) * e.width + x]);
-    const Vec3f* slice = &detail.phases[n].tile[static_cast<std::size_t>(size / 2) * size * size];
+    const std::size_t first = static_cast<std::size_t>(size / 2) * size * size;
+    const auto slice = [&](std::size_t i) {
+      return Vec3f(detail.phases[n].tile[first + i] + detail.phases[n].broad[first + i]);
+    };
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x)
         out.at(left + x, 2 * side - 1 - y) =
-            shown(slice[static_cast<std::size_t>(y % size) * size + x % size]);
+            shown(slice(static_cast<std::size_t>(y % size) * size + x % size));
   }
   return out;
 }
@@ -89,7 +91,7 @@ void compute(Context& c) {
     detail.phases[g + 1].slope = static_cast<float>(slopes[g]);
   }
   split_gains(phases, labels, detail);
-  split_contrasts(phases, image, labels, detail);
+  split_contrasts(phases, image, labels, detail, c.work());
   keep_deep_pixels(phases, labels);
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
   const bool apply = c.has("volume");
@@ -106,7 +108,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType detail_solid_node() {
-  return NodeType("DetailSolid", 6)
+  return NodeType("DetailSolid", 7)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/detail_solid/broad.h"
 #include "nodes/residual/outline_depth.h"
 
 namespace terrazzo::detail_solid {
@@ -24,7 +25,9 @@ constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and con
 constexpr int kDeep = 4;              // pixels from the outline
 constexpr std::size_t kEnoughDeep = 4000;
 constexpr double kLeastContrast = 0.03;
-constexpr int kStep = 8;  // pixels on each side of an outline
+constexpr double kGrainArea = 10, kBroadArea = 200;  // pixels that count as one sample of a deviation
+constexpr double kPrior = 4;                         // samples of the group that are added to a profile's
+constexpr int kStep = 8;                             // pixels on each side of an outline
 
 struct Bins {
   std::vector<Vec3> sum;
@@ -153,41 +156,57 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
   }
 }
 
-void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail) {
+void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail, const Work& work) {
   struct Sum {
     double count = 0;
-    Vec2 square = Vec2::Zero();  // of the mean of the channels, and of the rest
+    Vec2 grain = Vec2::Zero(), broad = Vec2::Zero();  // squares of the mean of the channels, and of the rest
     std::size_t group = 0;
   };
+  const auto squares = [](const Vec3f& offset) {
+    const double mean = offset.mean();
+    return Vec2(3 * mean * mean, std::max(0.0, offset.squaredNorm() - 3 * mean * mean));
+  };
+  Phases grain = p;
+  const std::vector<Vec3f> broad = split_broad(grain, labels, work.quiet());
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
   const std::vector<float> size = residual::sizes_of_particles(labels.ids, image.pixel_size);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] <= 0) continue;
     Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
-    Sum& g = group[static_cast<std::size_t>(p.phase[i]) - 1];
-    const double mean = p.offset[i].mean();
-    const Vec2 v(3 * mean * mean, std::max(0.0, p.offset[i].squaredNorm() - 3 * mean * mean));
     s.group = static_cast<std::size_t>(p.phase[i]) - 1;
-    ++s.count, s.square += v;
-    ++g.count, g.square += v;
+    for (Sum* sum : {&s, &group[s.group]})
+      ++sum->count, sum->grain += squares(grain.offset[i]), sum->broad += squares(broad[i]);
   }
-  std::vector<Eigen::Vector2f> contrast(profile.size(), Eigen::Vector2f(1, 1));
+  // A profile counts as `samples` independent ones; those of a group's mean deviation are added to them.
+  const auto relative = [](const Vec2& own, double count, const Vec2& all, double of_all, double samples) {
+    Eigen::Vector2f out(1, 1);
+    for (int a = 0; a < 2; ++a)
+      if (all[a] > 1e-9 * all.sum()) {
+        const double ratio = own[a] / count / (all[a] / of_all);
+        out[a] = static_cast<float>(
+            std::clamp(std::sqrt((samples * ratio + kPrior) / (samples + kPrior)), kLeastContrast, 3.0));
+      }
+    return out;
+  };
+  std::vector<Eigen::Vector2f> of_grain(profile.size(), Eigen::Vector2f(1, 1)), of_broad = of_grain;
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const Sum &s = profile[k], &g = group[s.group];
-    if (s.count < kLeastProfile || !(g.square.sum() > 0)) continue;
-    for (int a = 0; a < 2; ++a)
-      if (g.square[a] > 1e-9 * g.square.sum())
-        contrast[k][a] = static_cast<float>(
-            std::clamp(std::sqrt(s.square[a] / s.count / (g.square[a] / g.count)), kLeastContrast, 3.0));
+    if (s.count < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
+    if (g.grain.sum() > 0) of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
+    if (g.broad.sum() > 0) of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
     detail.profile_color.push_back(p.profile_color[k]);
-    detail.profile_contrast.push_back(contrast[k]);
+    detail.profile_group.push_back(static_cast<std::int32_t>(s.group) + 1);
+    detail.profile_contrast.push_back(of_grain[k]), detail.profile_broad.push_back(of_broad[k]);
     detail.profile_size.push_back(size[k + 1]);
   }
+  const auto divided = [](const Vec3f& offset, const Eigen::Vector2f& by) {
+    const Vec3f gray = Vec3f::Constant(offset.mean());
+    return Vec3f(gray / by.x() + (offset - gray) / by.y());
+  };
   for (std::size_t i = 0; i < p.phase.size(); ++i)
     if (p.phase[i] > 0) {
-      const Eigen::Vector2f& by = contrast[static_cast<std::size_t>(labels.ids[i]) - 1];
-      const Vec3f gray = Vec3f::Constant(p.offset[i].mean());
-      p.offset[i] = gray / by.x() + (p.offset[i] - gray) / by.y();
+      const std::size_t k = static_cast<std::size_t>(labels.ids[i]) - 1;
+      p.offset[i] = divided(grain.offset[i], of_grain[k]) + divided(broad[i], of_broad[k]);
     }
 }
 

@@ -19,10 +19,11 @@ void split_rims(Phases&, const Labels&, Detail&);
 // offsets by them and stores them in the detail.
 void split_gains(Phases&, const Labels&, Detail&);
 
-// Deviation of each profile's offsets relative to its group's, of gray and of chroma. Divides the offsets by
-// it and stores it with the profile's color in the detail. `image`: the photograph. Small profiles are left
-// as they are.
-void split_contrasts(Phases&, const Image&, const Labels&, Detail&);
+// Deviations of each profile's grain and of its broad part relative to its group's, of gray and of chroma.
+// Divides both by them and stores them with the profile's color in the detail: stones with strong zones need
+// not have strong grain. `image`: the photograph. Small profiles are left as they are, and contrasts from few
+// pixels are moved towards those of the group.
+void split_contrasts(Phases&, const Image&, const Labels&, Detail&, const Work& = {});
 
 // Leaves out what is close to outlines, where blur, sharpening and compression change the grain: of each
 // phase, the pixels within as many as 4 pixels of an outline, as long as 4,000 others remain.

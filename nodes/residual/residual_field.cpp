@@ -19,8 +19,7 @@ namespace {
 constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332, layer_stream = 0x72657333,
                         turn_stream = 0x72657334, cell_stream = 0x72657335, seed_stream = 0x72657336,
                         slope_stream = 0x72657337;
-constexpr float kCell = 0.7f;   // edge of the binder's cells, in tiles
-constexpr float kShown = 0.8f;  // mean size of a sphere's profiles, relative to its own
+constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
 constexpr float kSteepest = 1;  // limit of what slopes add, in their standard deviations
@@ -96,7 +95,10 @@ void ResidualField::add_tile(std::vector<Vec3f> values, const Vec3i& size, doubl
   Vec3 sum = Vec3::Zero();
   for (const Vec3f& v : values) sum += v.cast<double>();
   const auto mean = (sum / static_cast<double>(values.size())).cast<float>();
-  tiles_.push_back({SplineTile(std::move(values), size, keep, work.quiet()), mean, {}, {}, 0});
+  Tile tile;
+  tile.spline = SplineTile(std::move(values), size, keep, work.quiet());
+  tile.mean = mean;
+  tiles_.push_back(std::move(tile));
 }
 
 ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& work)
@@ -130,7 +132,18 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     throw Error("bad-detail", "the detail is empty", "connect DetailSolid.detail");
   voxels_per_mm_.setConstant(static_cast<float>(1 / detail.pixel_size));
   for (const Detail::Phase& phase : detail.phases) {
-    add_tile(phase.tile, Vec3i::Constant(detail.size), footprint / detail.pixel_size, keep, work);
+    const Vec3i size = Vec3i::Constant(detail.size);
+    const double voxels = footprint / detail.pixel_size;
+    std::vector<Vec3f> values = phase.tile, broad = phase.broad;
+    const bool zones = !tiles_.empty() && !broad.empty();
+    if (!zones)
+      for (std::size_t i = 0; i < broad.size(); ++i) values[i] += broad[i];
+    add_tile(std::move(values), size, voxels, keep, work);
+    if (zones) {
+      if (voxels > 1) widen_footprint(broad, size, voxels, work.quiet());
+      tiles_.back().broad = SplineTile(std::move(broad), size, keep, work.quiet());
+      tiles_.back().zones = true;
+    }
     tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
     tiles_.back().limit = kSteepest * phase.slope;
   }
@@ -149,7 +162,7 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     std::size_t best = 0;
     for (std::size_t g = 1; g < colors.size(); ++g)
       if ((colors[g] - color).squaredNorm() < (colors[best] - color).squaredNorm()) best = g;
-    const float shown = kShown * static_cast<float>(particles.size[p]);
+    const float shown = kShownSize * static_cast<float>(particles.size[p]);
     shown_.push_back(shown);
     const auto unlike = [&](std::size_t k) {
       const float size = shown > 0 ? std::log(detail.profile_size[k] / shown) / kSizeSpread : 0;
@@ -158,9 +171,14 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     std::size_t nearest = 0;
     for (std::size_t k = 1; k < samples.size(); ++k)
       if (unlike(k) < unlike(nearest)) nearest = k;
-    contrast_.push_back(samples.empty() ? Eigen::Vector2f(1, 1) : detail.profile_contrast[nearest]);
+    const Eigen::Vector2f own = samples.empty() ? Eigen::Vector2f(1, 1) : detail.profile_contrast[nearest];
+    contrast_.push_back(own);
+    broad_contrast_.push_back(nearest < detail.profile_broad.size() ? detail.profile_broad[nearest] : own);
     // Without groups, particles have no detail of their own; they show the binder's.
-    group_.push_back(colors.empty() ? 0 : static_cast<int>(best) + 1);
+    // Contrasts are relative to the group of their profile.
+    group_.push_back(nearest < detail.profile_group.size() ? detail.profile_group[nearest]
+                     : colors.empty()                      ? 0
+                                                           : static_cast<int>(best) + 1);
     Place place = random_place(particle_stream, p, particles.position[p].cast<float>());
     Random random(1, slope_stream, p);
     const double radius = particles.size[p] / 2;
@@ -212,9 +230,8 @@ Vec3f ResidualField::nearest_image(Vec3f offset) const {
   return offset;
 }
 
-Vec3f ResidualField::placed(const Tile& tile, const Place& place, const Vec3f& mm) const {
-  const Vec3f offset = nearest_image(mm - place.center).cwiseProduct(voxels_per_mm_);
-  return tile.spline.at(place.turn * offset + place.shift);
+Vec3f ResidualField::in_tile(const Place& place, const Vec3f& mm) const {
+  return place.turn * nearest_image(mm - place.center).cwiseProduct(voxels_per_mm_) + place.shift;
 }
 
 Vec3f ResidualField::moved(std::uint64_t stream, std::uint64_t item) const {
@@ -255,7 +272,7 @@ Vec3f ResidualField::binder(const Vec3f& mm) const {
     float w = 1 - (std::sqrt(squared[n]) * voxels_per_mm_.x() - nearest) / kBlend;
     if (w <= 0) continue;
     w = w * w * (3 - 2 * w);
-    sum += w * (placed(tile, cell_[index[n]], mm) - tile.mean);
+    sum += w * (tile.spline.at(in_tile(cell_[index[n]], mm)) - tile.mean);
     squares += w * w;
   }
   return tile.mean + sum / std::sqrt(squares);
@@ -310,10 +327,14 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0) return gain * binder(mm) + rim;
   const float slope = limited(places_[p].slope.dot(nearest_image(mm - places_[p].center)), tile.limit);
-  const Vec3f offset = gain * placed(tile, places_[p], mm), gray = Vec3f::Constant(offset.mean());
-  const Vec3f relative =
-      contrast_[p].x() * gray + contrast_[p].y() * (offset - gray) + rim + Vec3f::Constant(slope);
-  return scales_[p] * relative;
+  const auto scaled = [](const Vec3f& offset, const Eigen::Vector2f& contrast) {
+    const Vec3f gray = Vec3f::Constant(offset.mean());
+    return Vec3f(contrast.x() * gray + contrast.y() * (offset - gray));
+  };
+  const Vec3f at = in_tile(places_[p], mm);
+  Vec3f offset = scaled(tile.spline.at(at), contrast_[p]);
+  if (tile.zones) offset += scaled(tile.broad.at(at), broad_contrast_[p]);
+  return scales_[p] * (gain * offset + rim + Vec3f::Constant(slope));
 }
 
 }  // namespace terrazzo::residual

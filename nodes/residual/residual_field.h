@@ -16,6 +16,8 @@ struct Volume;
 
 namespace terrazzo::residual {
 
+constexpr float kShownSize = 0.8f;  // mean size of a sphere's profiles, relative to its own
+
 class ResidualField {
  public:
   // ResidualSynth's grid `residual` (Vec3SGrid, offsets of sRGB-encoded colors), scaled so that a whole
@@ -54,7 +56,8 @@ class ResidualField {
     Vec3f slope = Vec3f::Zero();  // offset per mm
   };
   struct Tile {
-    SplineTile spline;
+    SplineTile spline, broad;  // the binder's broad part is in its spline
+    bool zones = false;        // whether there is a broad part
     Vec3f mean = Vec3f::Zero();
     std::vector<Detail::Rim> rims;
     std::vector<float> gain;
@@ -69,7 +72,7 @@ class ResidualField {
   void place_particles(const Detail&, const Particles&);
   void place_cells(int size, double voxel);
   Place random_place(std::uint64_t stream, std::uint64_t item, const Vec3f& center) const;
-  Vec3f placed(const Tile&, const Place&, const Vec3f& mm) const;
+  Vec3f in_tile(const Place&, const Vec3f& mm) const;  // voxels
   Vec3f nearest_image(Vec3f offset) const;
 
   Vec3i periods_ = Vec3i::Ones();
@@ -77,11 +80,11 @@ class ResidualField {
   Vec3f box_, voxels_per_mm_;
   std::vector<Tile> tiles_;  // the binder's, then the groups'
   bool phases_ = false, gray_ = false;
-  std::vector<int> group_;                 // tile of each particle
-  std::vector<Place> places_;              // of each particle
-  std::vector<float> shown_;               // mean size of the profiles of each particle, mm
-  std::vector<float> scales_;              // of the offsets of each particle
-  std::vector<Eigen::Vector2f> contrast_;  // of each particle, as in Detail
+  std::vector<int> group_;                                  // tile of each particle
+  std::vector<Place> places_;                               // of each particle
+  std::vector<float> shown_;                                // mean size of the profiles of each particle, mm
+  std::vector<float> scales_;                               // of the offsets of each particle
+  std::vector<Eigen::Vector2f> contrast_, broad_contrast_;  // of each particle, as in Detail
   Vec3i cells_ = Vec3i::Ones();
   std::vector<Place> cell_;     // of each of the binder's cells, x fastest
   std::vector<Vec3f> centers_;  // theirs

@@ -258,6 +258,25 @@ TEST(DetailRims, ChromaAndGrayHaveContrastsOfTheirOwn) {
   EXPECT_NEAR(d.profile_size[0], 60 * 0.1, 0.05);
 }
 
+TEST(DetailRims, ZonesDoNotCountAsGrain) {
+  // The same grain in all disks, and in odd ones zones that are wider than grain.
+  const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
+    if (id == 0) return Vec3f(0.5f, 0.5f, 0.5f);
+    const float zone = id % 2 ? 0.06f * std::sin(0.1f * static_cast<float>(x)) : 0;
+    return Vec3f(Vec3f::Constant(0.4f + zone + 0.02f * noise(x, y, 5)));
+  });
+  PhaseChoice choice;
+  choice.groups = 1;
+  Phases p = find_phases(drawn.image, drawn.labels, choice);
+  Detail d;
+  split_contrasts(p, drawn.image, drawn.labels, d);
+  ASSERT_EQ(d.profile_contrast.size(), 16u);
+  ASSERT_EQ(d.profile_broad.size(), 16u);
+  EXPECT_EQ(d.profile_group, std::vector<std::int32_t>(16, 1));
+  EXPECT_NEAR(d.profile_contrast[0].x() / d.profile_contrast[1].x(), 1, 0.12);
+  EXPECT_GT(d.profile_broad[0].x() / d.profile_broad[1].x(), 2.5);
+}
+
 TEST(DetailRims, GrayPicturesHaveNoChromaToDivideBy) {
   const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
     return Vec3f(Vec3f::Constant((id ? 0.4f : 0.7f) + 0.02f * noise(x, y, 5)));

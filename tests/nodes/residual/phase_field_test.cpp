@@ -179,6 +179,34 @@ TEST(PhaseField, ChromaHasAContrastOfItsOwn) {
   }
 }
 
+TEST(PhaseField, ZonesHaveAContrastOfTheirOwn) {
+  const Particles p = two_particles();
+  Detail d = noise_detail(), zones = noise_detail();
+  for (std::size_t k = 0; k < d.phases.size(); ++k) {
+    d.phases[k].broad = noise_detail().phases[2 - k].tile;
+    zones.phases[k].tile = d.phases[k].broad;
+  }
+  d.profile_color = {p.color[0]}, d.profile_size = {8}, d.profile_contrast = {{0.5f, 0.5f}},
+  d.profile_broad = {{2, 2}};
+  const ResidualField field(d, p, 0), grain(noise_detail(), p, 0), only(zones, p, 0);
+  for (int k = 0; k < 20; ++k) {
+    const Vec3f in = (p.position[0] + Vec3(0.1 * k, 0.3, 0)).cast<float>(),
+                out(11, 12, 13 + 0.1f * static_cast<float>(k));
+    EXPECT_NEAR(field.at(in, 0).x(), 0.5f * grain.at(in, 0).x() + 2 * only.at(in, 0).x(), 2e-4f);
+    EXPECT_NEAR(field.at(out, -1).x(), grain.at(out, -1).x() + only.at(out, -1).x(),
+                2e-4f);  // the binder has no contrast
+  }
+}
+
+TEST(PhaseField, AParticleShowsTheGroupOfItsProfile) {
+  const Particles p = two_particles();  // the first one's color is near to that of the dark group
+  Detail d = noise_detail();
+  d.profile_color = {p.color[0]}, d.profile_size = {8}, d.profile_contrast = {{1, 1}}, d.profile_group = {2};
+  EXPECT_NEAR(deviation(ResidualField(d, p, 0), 0, p.position[0]) /
+                  deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]),
+              2, 0.2);
+}
+
 TEST(PhaseField, ASimilarProfileHasTheSizeToo) {
   Particles p = two_particles();
   Detail d = noise_detail();

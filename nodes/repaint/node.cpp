@@ -1,0 +1,25 @@
+#include "graph/node_type.h"
+#include "nodes/repaint/repaint.h"
+#include "runtime/context.h"
+
+namespace terrazzo {
+namespace {
+
+void compute(Context& c) {
+  c.output("image", repaint::repaint(c.input<Image>("image"), c.input<Labels>("labels"), c.optional<Detail>("detail"), c.seed(), c.work()));
+}
+
+}  // namespace
+
+NodeType repaint_node() {
+  return NodeType("Repaint", 1)
+      .doc_("Paints a photograph's own profiles and binder in flat colors with synthesized detail")
+      .input("image", "Image", "Photograph with one or more sections")
+      .input("labels", "Labels", "Profiles of image")
+      .optional_input("detail", {"Detail"}, "From DetailSolid. Without it, colors are flat and outlines hard")
+      .output("image", "Image", "The repainted photograph, of the same size")
+      .parameter(Parameter::seed())
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
