@@ -11,6 +11,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/geometry_views.h"
+#include "runtime/studio/solid_picture.h"
 #include "runtime/studio/view_bytes.h"
 
 namespace terrazzo::studio {
@@ -109,6 +110,11 @@ ValueView json_view(const json& j) {
   return {"application/json", std::move(text)};
 }
 
+ValueView pixels(const Image& image, int section, int most) {
+  const Raster r(image.width, image.height, image.sections, section, most);
+  return r.view([&](int x, int y) { return rgba(image.at(x, y, r.section)); });
+}
+
 json outlines(const Profiles& p, int section) {
   json list = json::array();
   for (std::size_t k = 0; k < p.profiles.size(); ++k) {
@@ -141,11 +147,8 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
     reduce(j);
     return json_view(j);
   }
-  if (as == "pixels" && value.is<Image>()) {
-    const auto& image = value.as<Image>();
-    const Raster r(image.width, image.height, image.sections, section, most);
-    return r.view([&](int x, int y) { return rgba(image.at(x, y, r.section)); });
-  }
+  if (as == "pixels" && value.is<Image>()) return pixels(value.as<Image>(), section, most);
+  if (as == "picture") return pixels(solid_picture(value, choice.shapes, choice.azimuth), 0, most);
   if ((as == "pixels" || as == "ids") && value.is<Labels>()) {
     const auto& labels = value.as<Labels>();
     const Raster r(labels.width, labels.height, labels.sections, section, most);
