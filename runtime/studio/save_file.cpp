@@ -58,8 +58,9 @@ void save_text(const fs::path& file, const std::string& text) {
     if (!out)
       throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), std::strerror(errno)));
     std::error_code error;
-    if (const fs::file_status before = fs::status(final, error); fs::is_regular_file(before))
-      fs::permissions(temporary, before.permissions(), error);
+    const fs::file_status before = fs::status(final, error);
+    if (!fs::is_regular_file(before)) return;
+    fs::permissions(temporary, before.permissions(), error);
     if (error)
       throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), error.message()));
   });

@@ -51,11 +51,11 @@ export async function takePictures(repository) {
     await page.goto(String(first).trim());
     const state = () => page.evaluate(async () => (await fetch('/api/state')).json());
     const until = async holds => {
-      for (;;) {
+      for (const end = Date.now() + 120000; Date.now() < end; await page.waitForTimeout(100)) {
         const s = await state();
         if (holds(s)) return s;
-        await page.waitForTimeout(100);
       }
+      throw new Error(`waited in vain until ${holds}`);
     };
     return {
       page, until,
@@ -125,12 +125,12 @@ export async function takePictures(repository) {
     let s = await until(s => s.document.text.includes('binder: {type: color, default: "#') && s.nodes.segment.state === 'computed');
 
     // The largest stones are split from top to bottom.
+    await page.click('button:has-text("Split")');
     for (const first of [true, false]) {
-      await page.click('button:has-text("Split")');
       const node = first ? 'segment' : 'edit_labels';
       const found = await page.evaluate(async hash => (await fetch(`/api/value/${hash}?as=outlines`)).json(), s.nodes[first ? 'segment' : 'measure'].outputs.profiles.hash);
       const size = found.window[0] / 480, inside = found.profiles.filter(p => p.points.length && p.points.every(([x, y]) => x > 2 * size && y > 2 * size && x < found.window[0] - 2 * size && y < found.window[1] - 2 * size));
-      const stone = inside.sort((a, b) => b.area - a.area)[first ? 0 : 3], ys = stone.points.map(p => p[1]), x = stone.center[0] / size;
+      const stone = inside.sort((a, b) => b.area - a.area)[first ? 0 : 3], ys = stone.points.map(p => found.window[1] - p[1]), x = stone.center[0] / size;
       await page.waitForFunction(name => document.querySelector('.tabs b')?.textContent === name, node);
       await page.mouse.move(...await at(x, Math.min(...ys) / size - 4));
       await page.mouse.down();
@@ -141,6 +141,7 @@ export async function takePictures(repository) {
       s = await until(s => done(s)('measure') && (s.document.text.match(/split \d/g) ?? []).length >= splits);
     }
     await page.keyboard.press('Escape');
+    await idle();
 
     // The price of another size, and then the size.
     await page.click('.react-flow__pane', { position: { x: 400, y: 700 } });
