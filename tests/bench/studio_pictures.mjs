@@ -142,6 +142,7 @@ export async function takePictures(repository) {
     }
     await page.keyboard.press('Escape');
     await idle();
+    await page.click('button:text-is("Fit")'); // the corrections added two nodes
 
     // The price of another size, and then the size.
     await page.click('.react-flow__pane', { position: { x: 400, y: 700 } });
