@@ -186,7 +186,7 @@ void Document::save(bool overwrite) {
   if (!overwrite && changed_on_disk())
     throw Error("file-changed", fmt::format("another program changed '{}'", file_.string()),
                 "reload it, or overwrite it");
-  write_text_atomically(file_, text());
+  save_text(file_, text());
   disk_ = text();
   recovered_.clear();
   keep_beside();

@@ -51,8 +51,8 @@ class Document {
   // Uses the recovered text, as a step of undo, or discards it.
   void recover(bool use);
 
-  // Throws Error "read-only", "write-failed", and "file-changed" if another program changed the file, unless
-  // `overwrite`.
+  // A symbolic link stays one, and the file that it refers to is replaced. Throws Error "read-only",
+  // "write-failed", and "file-changed" if another program changed the file, unless `overwrite`.
   void save(bool overwrite);
   // Writes `text`, the document for its new place, to a file that does not exist yet, and continues with that
   // file. Undo goes back beyond this only if the text is unchanged. Throws Error "file-exists" or

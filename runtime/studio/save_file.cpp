@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -32,7 +33,38 @@ fs::path with_number(const fs::path& name, int number) {
   return out;
 }
 
+// Where the links of a path lead, whether or not a file is there.
+fs::path without_links(fs::path path) {
+  constexpr int kMostLinks = 40;  // as many as Linux follows
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+    const fs::path to = fs::read_symlink(path, error);
+    if (error || links == kMostLinks)
+      throw Error("write-failed", fmt::format("cannot follow the link '{}'", path.string()),
+                  "choose a file in a folder that you can write to");
+    path = path.parent_path() / to;  // `to` alone if it is absolute
+  }
+  return path;
+}
+
 }  // namespace
+
+void save_text(const fs::path& file, const std::string& text) {
+  const fs::path final = without_links(file);
+  write_atomically(final, [&](const fs::path& temporary) {
+    std::ofstream out(temporary, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out)
+      throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), std::strerror(errno)));
+    std::error_code error;
+    const fs::file_status before = fs::status(final, error);
+    if (!fs::is_regular_file(before)) return;
+    fs::permissions(temporary, before.permissions(), error);
+    if (error)
+      throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), error.message()));
+  });
+}
 
 SaveFile SaveFile::numbered(const fs::path& name) {
   SaveFile out(name);
@@ -82,7 +114,7 @@ bool SaveFile::write(const std::function<std::string(const fs::path&)>& text) {
   const bool changed = read_file(path_) != left_;
   if (changed) take_next_number();
   std::string now = text(path_);
-  write_text_atomically(path_, now);
+  save_text(path_, now);
   left_ = std::move(now), claimed_ = false;
   return changed;
 }

@@ -1,4 +1,4 @@
-// The file that a paint session saves to. A session replaces only content that it wrote or was allowed to
+// Saving what a person edits: through links, and only over content that the session wrote or was allowed to
 // overwrite.
 #pragma once
 
@@ -8,6 +8,12 @@
 
 namespace terrazzo::studio {
 
+// Writes the text beside the file and renames it into place, with the permissions of the file that it
+// replaces. A symbolic link stays a link: what it refers to is replaced, or created. Throws Error
+// "write-failed", and then the file is as it was.
+void save_text(const std::filesystem::path&, const std::string& text);
+
+// The file that a paint session saves to.
 // Reserves a name: creates an empty file, so that no other session chooses the same name, and removes it at
 // the end if nothing was saved.
 class SaveFile {

@@ -82,7 +82,7 @@ struct StudioServer::Impl {
         });
   }
 
-  static ValueView view(const httplib::Request& in, const Value& v) {
+  ValueView view(const httplib::Request& in, const Value& v) {
     const auto real = [&](const char* name, double otherwise) {
       const std::string text = in.get_param_value(name);
       double out = otherwise;
@@ -92,18 +92,21 @@ struct StudioServer::Impl {
         throw Error("bad-request", std::string("'") + name + "' is not a number");
       return out;
     };
+    const std::string shapes = in.get_param_value("shapes");
     return view_of(v, in.get_param_value("as"),
                    {.most = number_in(in, "most", 2048, 16, 8192),
                     .slice = {.grid = in.get_param_value("grid"),
                               .axis = number_in(in, "axis", 2, 0, 2),
                               .index = number_in(in, "section", 0, 0, 1 << 20),
                               .lo = real("lo", 0),
-                              .hi = real("hi", 1)}});
+                              .hi = real("hi", 1)},
+                    .shapes = shapes.empty() ? Value() : live.value(shapes),
+                    .azimuth = real("azimuth", -41)});
   }
 
   void value(const httplib::Request& in, httplib::Response& out) {
     std::string tag = "\"" + in.matches[1].str();
-    for (const char* name : {"as", "section", "most", "grid", "axis", "lo", "hi"})
+    for (const char* name : {"as", "section", "most", "grid", "axis", "lo", "hi", "shapes", "azimuth"})
       tag += "." + in.get_param_value(name);
     tag += "\"";
     const auto set_cached = [&] {

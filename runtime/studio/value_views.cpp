@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "nodes/common/texture/color.h"
@@ -11,6 +12,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/geometry_views.h"
+#include "runtime/studio/solid_picture.h"
 #include "runtime/studio/view_bytes.h"
 
 namespace terrazzo::studio {
@@ -62,15 +64,46 @@ struct Raster {
   }
 };
 
+// The byte of a channel, as lround(255 · linear_to_srgb()) gives it, from a table: pictures have a million
+// of them, and a power takes longer than all else that a picture needs.
+class Bytes {
+ public:
+  Bytes() {
+    for (int k = 1; k < 256; ++k) {  // the smallest value that is encoded as k or more, by bisection
+      float below = 0, from = 1;
+      while (std::nextafter(below, 1.0f) < from) {
+        const float middle = below + (from - below) / 2;
+        (encoded(middle) < k ? below : from) = middle;
+      }
+      from_[k] = from;
+    }
+    for (int k = 0; k < kCells; ++k)
+      start_[k] = static_cast<std::uint8_t>(encoded(static_cast<float>(k) / kCells));
+  }
+  std::uint32_t at(float linear) const {
+    if (!(linear > 0)) return 0;  // also NaN
+    if (linear >= 1) return std::isfinite(linear) ? 255 : 0;
+    int k = start_[static_cast<std::size_t>(linear * kCells)];
+    while (k < 255 && linear >= from_[k + 1]) ++k;
+    return static_cast<std::uint32_t>(k);
+  }
+
+ private:
+  static constexpr int kCells = 4096;
+  static int encoded(float linear) {
+    return static_cast<int>(
+        std::lround(255 * std::clamp(linear_to_srgb(Vec3f::Constant(linear))[0], 0.0f, 1.0f)));
+  }
+  std::array<float, 257> from_{};
+  std::array<std::uint8_t, kCells> start_{};
+};
+
 }  // namespace
 
 std::uint32_t rgba(const Vec3f& linear) {
-  const Vec3f c = linear_to_srgb(linear);
+  static const Bytes bytes;
   std::uint32_t out = 0xff000000u;
-  for (int k = 0; k < 3; ++k) {
-    const float v = std::isfinite(c[k]) ? std::clamp(c[k], 0.0f, 1.0f) : 0.0f;
-    out |= static_cast<std::uint32_t>(std::lround(255 * v)) << (8 * k);
-  }
+  for (int k = 0; k < 3; ++k) out |= bytes.at(linear[k]) << (8 * k);
   return out;
 }
 
@@ -109,6 +142,11 @@ ValueView json_view(const json& j) {
   return {"application/json", std::move(text)};
 }
 
+ValueView pixels(const Image& image, int section, int most) {
+  const Raster r(image.width, image.height, image.sections, section, most);
+  return r.view([&](int x, int y) { return rgba(image.at(x, y, r.section)); });
+}
+
 json outlines(const Profiles& p, int section) {
   json list = json::array();
   for (std::size_t k = 0; k < p.profiles.size(); ++k) {
@@ -141,11 +179,8 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
     reduce(j);
     return json_view(j);
   }
-  if (as == "pixels" && value.is<Image>()) {
-    const auto& image = value.as<Image>();
-    const Raster r(image.width, image.height, image.sections, section, most);
-    return r.view([&](int x, int y) { return rgba(image.at(x, y, r.section)); });
-  }
+  if (as == "pixels" && value.is<Image>()) return pixels(value.as<Image>(), section, most);
+  if (as == "picture") return pixels(solid_picture(value, choice.shapes, choice.azimuth), 0, most);
   if ((as == "pixels" || as == "ids") && value.is<Labels>()) {
     const auto& labels = value.as<Labels>();
     const Raster r(labels.width, labels.height, labels.sections, section, most);

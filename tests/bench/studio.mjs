@@ -1,4 +1,4 @@
-// node studio.mjs REPOSITORY [GRAPH | response]: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
+// node studio.mjs REPOSITORY [GRAPH | response | pictures]: how soon the Studio's page shows an edit, in Chromium. For each edit: the first new picture, the
 // final one, and how long the nodes compute that a page without previews and kept geometry waits for.
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
@@ -7,6 +7,7 @@ import { createRequire } from 'node:module';
 import { loadavg, tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+import { takePictures } from './studio_pictures.mjs';
 import { measureResponse } from './studio_response.mjs';
 
 const [, , repository, only = ''] = process.argv;
@@ -89,6 +90,7 @@ async function measure(graph, list) {
 }
 
 try {
+  if (only === 'pictures') await takePictures(repository);
   for (const [graph, list] of Object.entries(cases)) if (graph.includes(only)) await measure(graph, list);
   if ('response'.includes(only)) await measureResponse(repository, { graphs: join(folder, 'graphs'), cache: join(folder, 'cache') });
 } finally {

@@ -45,6 +45,11 @@ export async function measureResponse(repository, { graphs, cache }) {
     const server = spawn(join(repository, 'build/release/terrazzo'), ['studio', graph, '--no-browser', '--cache', cache, ...extra], { cwd: folder, stdio: ['ignore', 'pipe', 'ignore'] });
     const [first] = await once(server.stdout, 'data');
     const context = await browser.newContext({ viewport: { width: 1360, height: 850 } }), page = await context.newPage();
+    await page.addInitScript(() => {
+      window.painted = 0;
+      const put = CanvasRenderingContext2D.prototype.putImageData;
+      CanvasRenderingContext2D.prototype.putImageData = function (...a) { put.apply(this, a); window.painted = performance.now(); };
+    });
     page.setDefaultTimeout(300000);
     const start = Date.now();
     await page.goto(String(first).trim());
@@ -86,7 +91,8 @@ export async function measureResponse(repository, { graphs, cache }) {
         for (;;) {
           await new Promise(requestAnimationFrame);
           const title = document.querySelector('.tabs b')?.textContent, stage = document.querySelector('.stage');
-          if (title === node && stage.querySelector('canvas, table, .plot, .summary dl')) return performance.now() - start;
+          // A picture of the node before stays until the new one is drawn.
+          if (title === node && (stage.querySelector('table, .plot, .summary dl') || (stage.querySelector('canvas') && window.painted > start))) return performance.now() - start;
           if (performance.now() - start > 20000 || (title === node && /no outputs/.test(stage.textContent))) return NaN;
         }
       }, node);

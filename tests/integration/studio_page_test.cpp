@@ -207,8 +207,12 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   EXPECT_EQ(r["peek"].get<std::string>().rfind("Image", 0), 0u);
   EXPECT_EQ(r["nib"], true);
   EXPECT_EQ(r["pages"], 8);
-  for (const char* view : {"without", "linked_without", "plane_without"})
-    EXPECT_NE(r[view].get<std::string>().find("no WebGL"), std::string::npos) << view;
+  for (const char* view : {"particles", "shapes", "linked", "plane", "block"}) {
+    const auto& shown = r["without"][view];
+    EXPECT_NE(shown["says"].get<std::string>().find("no WebGL"), std::string::npos) << view;
+    EXPECT_GT(shown["colors"], 6) << view;  // gray solids have few
+  }
+  EXPECT_EQ(r["turned_without"], true);
 }
 
 }  // namespace

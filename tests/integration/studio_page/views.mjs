@@ -43,17 +43,17 @@ try {
     throw new Error(`waited too long until ${what}`);
   };
   const idle = () => until('all is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
-  const check = async where => {
-    await page.evaluate(axe);
-    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
+  const check = async (where, p = page) => {
+    await p.evaluate(axe);
+    const found = await p.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
     for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
   };
-  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const shot = async (name, p = page) => process.env.SHOTS && p.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
   // Colors of a screenshot of the drawing: how many differ, coarsely.
-  const colors = async where => {
-    await page.waitForTimeout(300);
-    const png = (await page.locator(where).screenshot()).toString('base64');
-    return page.evaluate(async data => {
+  const colors = async (where, p = page) => {
+    await p.waitForTimeout(300);
+    const png = (await p.locator(where).screenshot()).toString('base64');
+    return p.evaluate(async data => {
       const image = new Image();
       image.src = 'data:image/png;base64,' + data;
       await image.decode();
@@ -243,22 +243,42 @@ try {
   result.pages = pages.length;
   await browser.close();
 
-  // Without WebGL, the page says so and shows a picture.
+  // Without WebGL, the page says so and shows pictures that the server renders.
   browser = await launch(['--disable-gpu', '--disable-3d-apis']);
   const plain = await browser.newPage({ viewport: { width: 1360, height: 860 } });
+  plain.setDefaultTimeout(60000);
   plain.on('pageerror', e => result.errors.push(e.message));
+  plain.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
   await plain.goto(address);
-  await plain.locator('.react-flow__node[data-id="pack"]').click();
-  await plain.waitForSelector('.both canvas');
-  result.without = await plain.textContent('.both figcaption');
-  await plain.click('.ports button:has-text("Linked")');
+  const rendered = async where => {
+    await plain.waitForSelector(`${where}.rendered canvas`);
+    return { says: await plain.textContent(`${where}.rendered figcaption`), colors: await colors(`${where}.rendered canvas`, plain) };
+  };
+  const open = async (node, tab) => {
+    await plain.locator(`.react-flow__node[data-id="${node}"]`).click();
+    if (tab) await plain.click(`.ports button:has-text("${tab}")`);
+    await plain.waitForFunction(name => document.querySelector('.tabs b')?.textContent === name, node);
+  };
+  await open('pack');
+  result.without = { particles: await rendered('.both ') };
+  const seen = await plain.locator('.rendered canvas').screenshot();
+  await plain.focus('.rendered input[type=range]');
+  await plain.keyboard.press('End');
+  for (let k = 0; k < 200 && (await plain.locator('.rendered canvas').screenshot()).equals(seen); ++k) await plain.waitForTimeout(100);
+  result.turned_without = !(await plain.locator('.rendered canvas').screenshot()).equals(seen);
+  await check('without WebGL', plain);
+  await shot('without_webgl', plain);
+  await open('shape');
+  result.without.shapes = await rendered('.both ');
+  await open('pack', 'Linked');
+  result.without.linked = await rendered('.linked ');
   await plain.waitForSelector('.linked .plot');
-  result.linked_without = await plain.textContent('.linked');
-  await plain.locator('.react-flow__node[data-id="section"]').click();
-  await plain.click('.ports button:has-text("Plane in 3D")');
-  await plain.waitForSelector('.cutting canvas');
-  result.plane_without = await plain.textContent('.cutting');
-  await plain.locator('.react-flow__node[data-id="voxels"]').click();
+  await open('section', 'Plane in 3D');
+  result.without.plane = await rendered('.cutting ');
+  await shot('without_webgl_plane', plain);
+  await open('voxels');
+  result.without.block = await rendered('');
+  await plain.click('button:has-text("Slices")');
   await plain.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
 } catch (e) {
   result.errors.push(String(e));

@@ -213,6 +213,40 @@ TEST_F(StudioDocument, AFileThatChangedOnDiskIsNotOverwritten) {
   EXPECT_EQ(*read_file(file), mine);
 }
 
+TEST_F(StudioDocument, SavingThroughLinksReplacesWhatTheyReferTo) {
+  const fs::path shelf = test::temporary_folder(), link = shelf / "link.yaml";
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink(file, shelf / "other.yaml");
+  fs::create_symlink("other.yaml", link);
+  Document d(link);
+  d.edit({value("6")});
+  d.save(false);
+  EXPECT_EQ(*read_file(file), d.text());
+  EXPECT_EQ(fs::read_symlink(link), "other.yaml");
+  EXPECT_EQ(fs::read_symlink(shelf / "other.yaml"), file);
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(std::distance(fs::directory_iterator(shelf), {}), 2);  // nothing else is left beside the link
+  // Another program's change of the target counts.
+  write_text_atomically(file, kDocumentText);
+  d.edit({value("7")});
+  EXPECT_EQ(test::code_of([&] { d.save(false); }), "file-changed");
+  // A write that fails leaves link and target as they were; a target that is gone is made again.
+  fs::remove(file);
+  fs::create_directories(file / "full");
+  EXPECT_EQ(test::code_of([&] { d.save(true); }), "write-failed");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_TRUE(fs::exists(file / "full"));
+  fs::remove_all(file);
+  d.save(true);
+  EXPECT_EQ(*read_file(file), d.text());
+  EXPECT_TRUE(fs::is_symlink(link));
+  // Links that refer to each other lead nowhere.
+  fs::remove(shelf / "other.yaml");
+  fs::create_symlink("link.yaml", shelf / "other.yaml");
+  EXPECT_EQ(test::code_of([&] { d.save(true); }), "write-failed");
+  EXPECT_TRUE(fs::is_symlink(link));
+}
+
 TEST_F(StudioDocument, BadTextAndBadFilesAreRefused) {
   Document d(file);
   EXPECT_EQ(test::code_of([&] { d.replace("\xff"); }), "not-utf8");

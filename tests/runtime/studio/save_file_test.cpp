@@ -47,6 +47,17 @@ TEST(SaveFile, ReplacesAFileOnlyWhenToldTo) {
   EXPECT_EQ(text_of(name), "new");
 }
 
+TEST(SaveFile, ReplacesWhatALinkRefersTo) {
+  const fs::path folder = test::temporary_folder(), link = folder / "link.yaml";
+  put(folder / "target.yaml", "precious");
+  fs::create_symlink("target.yaml", link);
+  SaveFile file = SaveFile::exactly(link, true);
+  EXPECT_FALSE(save(file, "new"));
+  EXPECT_FALSE(save(file, "newer"));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(text_of(folder / "target.yaml"), "newer");
+}
+
 TEST(SaveFile, KeepsWhatSomebodyElseWroteMeanwhile) {
   const fs::path folder = test::temporary_folder(), name = folder / "c.yaml";
   SaveFile file = SaveFile::exactly(name, false);

@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/texture/color.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/particles.h"
@@ -43,6 +47,23 @@ TEST(StudioViews, PicturesAreReducedByAWholeFactor) {
   EXPECT_EQ(view.body.substr(20, 8), std::string("\xff\x00\x00\xff\x00\xff\x00\xff", 8));
   EXPECT_EQ(test::code_of([] { studio::view_of(Value::of(Image{}), "pixels"); }), "empty-image");
   EXPECT_EQ(test::code_of([&] { studio::view_of(Value::of(image), "ids"); }), "bad-request");
+}
+
+// The bytes come from a table.
+TEST(StudioViews, PixelsAreThoseOfTheEncoding) {
+  Image image(1000, 300, 1, 1);
+  std::uint32_t bits = 0;
+  for (std::size_t k = 0; k < image.pixels.size(); ++k)
+    for (int c = 0; c < 3; ++c, bits += 1187)  // from 0 to 1.1, dense near 0
+      image.pixels[k][c] = std::bit_cast<float>(bits);
+  image.pixels[0] = Vec3f(-1, std::nanf(""), 1e30f), image.pixels[1] = Vec3f(1, 0.5f, INFINITY);
+  const std::string bytes = view_of(Value::of(image), "pixels").body.substr(20);
+  for (std::size_t k = 0; k < image.pixels.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      const float v = linear_to_srgb(image.pixels[k])[c];
+      const long expected = std::isfinite(v) ? std::lround(255 * std::clamp(v, 0.0f, 1.0f)) : 0;
+      ASSERT_EQ(static_cast<unsigned char>(bytes[4 * k + c]), expected) << image.pixels[k][c];
+    }
 }
 
 // When one profile is split, the others keep their colors, though they get other numbers.

@@ -79,6 +79,7 @@ export function Canvas() {
   const notes = useStore(s => s.arrangement.notes), arranged = useStore(s => s.arrangement.places), thumbnails = useStore(s => s.thumbnails);
   const flow = useReactFlow<AnyNode>();
   const far = useFlow(s => s.transform[2] < 0.6);
+  const narrow = useFlow(s => s.width < 500 || s.height < 500); // the overview would cover much of the graph
   const moved = useRef<Places>({}), homes = useRef<Places>({}); // where a person put nodes, and where these were before
   const dragging = useRef(false); // with the pointer, not with keys
   const shown = useRef(''), drawn = useRef(''), small = useRef(thumbnails); // the file; the names of its nodes; as they were laid out
@@ -319,7 +320,7 @@ export function Canvas() {
           }
         }}>
         <Background variant={BackgroundVariant.Dots} gap={22} size={1} />
-        <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />
+        {!narrow && <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />}
         <Controls showInteractive={false} aria-label="Zoom" />
       </ReactFlow>
       <div className="tools" role="toolbar" aria-label="Graph">

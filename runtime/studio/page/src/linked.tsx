@@ -5,7 +5,8 @@ import { fetchJson, useLoaded } from './load';
 import type { Kernel } from './matrix';
 import { OutlinesPane, useOutlines, type Outlines } from './profiles';
 import { fetchRaster } from './raster';
-import { loadParticles, noWebGL, StageView, useShapesOf, webGL } from './solids';
+import { RenderedView } from './rendered';
+import { loadParticles, StageView, useShapesOf, webGL } from './solids';
 import { declarationOf, nearest, shownDoc, useStore, valueOf, type Target } from './store';
 import type { DocNode, OutputValue } from './types';
 
@@ -102,10 +103,10 @@ export function LinkedView({ node }: { node: DocNode }) {
           : <p className="none">There are no outlines of profiles here.</p>}</div>
         <div className="pane">{distribution ? <DistributionPlot data={distribution} weights={weights.classes} choose={(c, more) => setBrush(b => ({ kind: 'classes', items: more && b?.kind === 'classes' ? [...b.items, c] : [c] }))} />
           : <p className="none">There is no size distribution here.</p>}</div>
-        <div className="pane">{solid.data ? <StageView solid={solid.data} label="Particles" onPick={hit => {
+        <div className="pane">{!webGL && bodies ? <RenderedView value={bodies.value} shapes={shapes} /> : solid.data ? <StageView solid={solid.data} label="Particles" onPick={hit => {
           const i = hit && solid.data?.bodies ? solid.data.bodies.particleOf(hit.object, hit.instance) : -1;
           setBrush(i >= 0 ? { kind: 'particles', items: [i] } : null);
-        }} /> : <p className="none">{solid.error || (!bodies ? 'There are no particles here.' : webGL ? 'Loading…' : noWebGL)}</p>}</div>
+        }} /> : <p className="none">{solid.error || (!bodies ? 'There are no particles here.' : 'Loading…')}</p>}</div>
       </div>
       <div className="options"><span>{said}</span>{brush && brush.items.length > 0 && <button onClick={() => setBrush(null)}>Show all</button>}</div>
     </>

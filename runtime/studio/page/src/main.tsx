@@ -3,6 +3,7 @@ import flowStyle from '@xyflow/react/dist/style.css';
 import { useEffect } from 'react';
 import { createRoot } from 'react-dom/client';
 
+import { loadAhead } from './ahead';
 import { Bar, Notices } from './bar';
 import { Canvas } from './canvas';
 import { Inspector } from './inspector';
@@ -27,6 +28,7 @@ function App() {
   useEffect(() => { if (title) document.title = `${title} – Terrazzo Studio`; }, [title]);
   useEffect(() => {
     void connect();
+    const stop = loadAhead();
     if (location.search) history.replaceState(null, '', '/'); // the token is in the cookie now
     const key = (e: KeyboardEvent) => {
       if (!(e.ctrlKey || e.metaKey)) return;
@@ -48,6 +50,7 @@ function App() {
     window.addEventListener('dragover', over);
     window.addEventListener('drop', drop);
     return () => {
+      stop();
       window.removeEventListener('keydown', key);
       window.removeEventListener('dragover', over);
       window.removeEventListener('drop', drop);

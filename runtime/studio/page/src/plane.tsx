@@ -5,7 +5,8 @@ import { numberText } from './format';
 import { fetchJson, useLoaded, useNearest } from './load';
 import type { View } from './pen';
 import { fetchRaster, PanZoom, Picture } from './raster';
-import { loadParticles, loadVolume, StageView, useHead, useShapesOf, webGL, noWebGL } from './solids';
+import { RenderedView } from './rendered';
+import { loadParticles, loadVolume, StageView, useHead, useShapesOf, webGL } from './solids';
 import { declarationOf, edit, previewOf, shownDoc, splitWire, steadily, useStore, valueOf, type Edit } from './store';
 import type { DocNode, OutputValue } from './types';
 
@@ -160,7 +161,7 @@ export function PlaneView({ node }: { node: DocNode }) {
   return (
     <>
       <div className="cutting">
-        <div className="pane">{!webGL ? <p className="none">{noWebGL}</p> : solid ? <StageView solid={solid} plane={p.plane} onPlane={editable && p.plane ? p.drag : undefined} label="Block with its plane; drag the blue handle" />
+        <div className="pane">{!webGL && (volume ?? cut) ? <RenderedView value={volume ?? cut!.value} shapes={shapes} /> : solid ? <StageView solid={solid} plane={p.plane} onPlane={editable && p.plane ? p.drag : undefined} label="Block with its plane; drag the blue handle" />
           : <p className="none">{block.error || bodies.error || (cut ? 'Loading…' : 'There is nothing to cut yet.')}</p>}</div>
         <div className="pictures"><Scaled value={section} title={`${node.name}.image`} view={view} set={setView} /><Scaled value={photo?.value} title={photo ? `${photo.target.node}.${photo.target.port}` : 'no photograph'} view={view} set={setView} /></div>
         <Figures node={node} />

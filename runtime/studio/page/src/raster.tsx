@@ -7,13 +7,28 @@ export interface Raster { width: number; height: number; sections: number; fullW
 export const isPreview = (hash: string) => hash.startsWith('preview/');
 export const urlOf = (hash: string) => (isPreview(hash) ? `/api/${hash}` : `/api/value/${hash}`);
 
-export async function fetchRaster(hash: string, as: string, section: number, most = 2048): Promise<Raster> {
-  const answer = await fetch(`${urlOf(hash)}?as=${as}&section=${section}&most=${most}`);
+async function load(url: string): Promise<Raster> {
+  const answer = await fetch(url);
   if (answer.status === 204) throw new Error('there is a newer preview');
   if (!answer.ok) throw new Error((await answer.json()).message);
   const bytes = await answer.arrayBuffer();
   const head = new Uint32Array(bytes, 0, 5);
   return { width: head[0], height: head[1], sections: head[2], fullWidth: head[3], fullHeight: head[4], data: bytes.slice(20) };
+}
+
+// The last pictures stay, so that going back and forth between nodes loads nothing. Nothing writes into them.
+const kept = new Map<string, Promise<Raster>>();
+const mostKept = 12; // of at most 16 MB each
+
+export function fetchRaster(hash: string, as: string, section: number, most = 2048): Promise<Raster> {
+  const url = `${urlOf(hash)}?as=${as}&section=${section}&most=${most}`;
+  if (isPreview(hash)) return load(url);
+  const raster = kept.get(url) ?? load(url);
+  kept.delete(url); // the newest is last
+  kept.set(url, raster);
+  raster.catch(() => kept.delete(url));
+  if (kept.size > mostKept) kept.delete(kept.keys().next().value!);
+  return raster;
 }
 
 export function Picture({ raster, opacity }: { raster: Raster; opacity?: number }) {

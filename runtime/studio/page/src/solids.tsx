@@ -11,7 +11,7 @@ import { hasWebGL, Stage, type Content } from './stage';
 import type { DocNode, OutputValue } from './types';
 
 export const webGL = hasWebGL();
-export const noWebGL = 'This browser has no WebGL, so there is no view in three dimensions.';
+export const noWebGL = 'This browser has no WebGL, so the program renders a picture.';
 
 export interface VolumeHead { size: [number, number, number]; spacing: [number, number, number]; grids: { name: string; type: string; range?: [number, number] }[] }
 

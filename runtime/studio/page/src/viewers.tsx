@@ -1,27 +1,19 @@
-import { previewOf, useStore } from './store';
 import { DistributionView } from './distribution';
 import { ImageView } from './images';
 import { LabelsView } from './labels';
-import { useNearest, useNode } from './load';
 import { MatrixView } from './matrix';
 import { ProfilesView } from './profiles';
-import { noWebGL, ParticlesView, ShapesView, webGL } from './solids';
+import { RenderedView } from './rendered';
+import { ParticlesView, ShapesView, useShapesOf, webGL } from './solids';
 import { Summary } from './summary';
 import { TableView } from './tables';
 import { VolumeView } from './volumes';
 import type { DocNode, OutputValue } from './types';
 
-// A value that cannot be drawn here: a picture that the graph has made of it, and a summary.
-function OtherView({ value, node }: { value: OutputValue; node: DocNode }) {
-  const solid = ['Volume', 'Shapes', 'Particles'].includes(value.type), picture = useNearest(node.name, 'Image', 'down');
-  const nodes = useStore(s => s.nodes), from = useNode(picture?.target.node);
-  return (
-    <div className="both">
-      {solid && picture && <figure><ImageView value={(from && previewOf(from, picture.target.port, nodes)) ?? picture.value} node={node} /><figcaption>{noWebGL} This is {picture.target.node}.{picture.target.port}, made from this value.</figcaption></figure>}
-      {solid && !picture && <p className="none">{noWebGL} Nothing in the graph makes a picture of this value; RenderSolid does.</p>}
-      <Summary value={value} />
-    </div>
-  );
+// Particles or shapes as a picture, and what is in them.
+function Plain({ value, node }: { value: OutputValue; node: DocNode }) {
+  const shapes = useShapesOf(node, value);
+  return <div className="both"><RenderedView value={value} shapes={value.type === 'Particles' ? shapes : null} /><Summary value={value} /></div>;
 }
 
 export function View({ value, node }: { value: OutputValue; node: DocNode }) {
@@ -33,8 +25,8 @@ export function View({ value, node }: { value: OutputValue; node: DocNode }) {
     case 'SizeDistribution': return <DistributionView value={value} node={node} />;
     case 'KMatrix': return <MatrixView value={value} />;
     case 'Volume': return <VolumeView value={value} node={node} />;
-    case 'Particles': if (webGL) return <ParticlesView value={value} node={node} />; break;
-    case 'Shapes': if (webGL) return <ShapesView value={value} node={node} />; break;
+    case 'Particles': return webGL ? <ParticlesView value={value} node={node} /> : <Plain value={value} node={node} />;
+    case 'Shapes': return webGL ? <ShapesView value={value} node={node} /> : <Plain value={value} node={node} />;
+    default: return <Summary value={value} />;
   }
-  return <OtherView value={value} node={node} />;
 }

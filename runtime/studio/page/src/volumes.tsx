@@ -4,7 +4,8 @@ import { useEffect, useMemo, useState } from 'react';
 import { numberText } from './format';
 import { useLoaded, useReference } from './load';
 import { fetchRaster, PanZoom, Picture } from './raster';
-import { loadVolume, noWebGL, StageView, useHead, webGL, type VolumeHead } from './solids';
+import { RenderedView } from './rendered';
+import { loadVolume, StageView, useHead, webGL, type VolumeHead } from './solids';
 import type { DocNode, OutputValue } from './types';
 
 const axes = ['x', 'y', 'z'];
@@ -25,9 +26,10 @@ function SlicePane({ value, head, grid, axis, at, set }: { value: OutputValue; h
 // A block of voxels, and three slices across its axes.
 export function VolumeView({ value, node }: { value: OutputValue; node: DocNode }) {
   const { data: head, error } = useHead(value);
-  const [grid, setGrid] = useState(''), [slices, setSlices] = useState(!webGL), [at, setAt] = useState<number[] | null>(null);
+  const [grid, setGrid] = useState(''), [sliced, setSliced] = useState(false), [at, setAt] = useState<number[] | null>(null);
   const [binder, setBinder] = useState(true), [level, setLevel] = useState(0.4), [cut, setCut] = useState(0), [across, setAcross] = useState(1);
   const shown = head?.grids.find(g => g.name === grid) ?? head?.grids.find(g => g.name === 'Cd') ?? head?.grids[0];
+  const rendered = !webGL && shown?.name === 'Cd', slices = sliced || (!webGL && !rendered); // the server renders colors only
   const quantity = !!shown?.range, reference = useReference(node, value);
   const solid = useLoaded(`${value.hash}.${shown?.name}`, async () => (head && shown && webGL ? loadVolume(value, head, shown.name, 192) : null));
   const before = useLoaded(`${reference?.hash}.${shown?.name}`, async () => (reference && head && shown && webGL ? loadVolume(reference, head, shown.name, 192) : null)).data;
@@ -47,15 +49,15 @@ export function VolumeView({ value, node }: { value: OutputValue; node: DocNode 
     <>
       {slices ? (
         <div className="slices">{axes.map((_, k) => <SlicePane key={k} value={value} head={head} grid={shown.name} axis={k} at={places[k]} set={v => setAt(places.map((p, i) => (i === k ? v : p)))} />)}</div>
-      ) : solid.error ? <p className="none">{solid.error}</p> : <StageView solid={solid.data} before={reference ? before : null} plane={plane} label="Block of voxels" />}
+      ) : rendered ? <RenderedView value={value} /> : solid.error ? <p className="none">{solid.error}</p> : <StageView solid={solid.data} before={reference ? before : null} plane={plane} label="Block of voxels" />}
       <div className="options">
-        {webGL ? <button aria-pressed={slices} onClick={() => setSlices(!slices)}>Slices</button> : <span>{noWebGL}</span>}
+        {(webGL || rendered) && <button aria-pressed={slices} onClick={() => setSliced(!sliced)}>Slices</button>}
         {choice}
-        {!slices && coverage && <label><input type="checkbox" checked={binder} onChange={e => setBinder(e.target.checked)} /> Binder</label>}
-        {!slices && quantity && <label>From <input type="range" min={0} max={1} step={0.01} value={level} onChange={e => setLevel(Number(e.target.value))} /> {numberText(shown.range![0] + level * (shown.range![1] - shown.range![0]))}</label>}
-        {!slices && <label>Cut <select value={across} aria-label="Axis of the cut" onChange={e => setAcross(Number(e.target.value))}>{axes.map((a, k) => <option key={a} value={k}>{a}</option>)}</select>
+        {!slices && !rendered && coverage && <label><input type="checkbox" checked={binder} onChange={e => setBinder(e.target.checked)} /> Binder</label>}
+        {!slices && !rendered && quantity && <label>From <input type="range" min={0} max={1} step={0.01} value={level} onChange={e => setLevel(Number(e.target.value))} /> {numberText(shown.range![0] + level * (shown.range![1] - shown.range![0]))}</label>}
+        {!slices && !rendered && <label>Cut <select value={across} aria-label="Axis of the cut" onChange={e => setAcross(Number(e.target.value))}>{axes.map((a, k) => <option key={a} value={k}>{a}</option>)}</select>
           <input type="range" aria-label="Depth of the cut" min={0} max={0.99} step={0.01} value={cut} onChange={e => setCut(Number(e.target.value))} /></label>}
-        <span>{slices ? `${head.size.join(' × ')} voxels of ${numberText(head.spacing[0])} mm` : solid.data?.note ?? 'Loading…'}</span>
+        <span>{slices || rendered ? `${head.size.join(' × ')} voxels of ${numberText(head.spacing[0])} mm` : solid.data?.note ?? 'Loading…'}</span>
       </div>
     </>
   );
