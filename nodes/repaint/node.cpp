@@ -6,7 +6,8 @@ namespace terrazzo {
 namespace {
 
 void compute(Context& c) {
-  c.output("image", repaint::repaint(c.input<Image>("image"), c.input<Labels>("labels"), c.optional<Detail>("detail"), c.seed(), c.work()));
+  c.output("image", repaint::repaint(c.input<Image>("image"), c.input<Labels>("labels"),
+                                     c.optional<Detail>("detail"), c.seed(), c.work()));
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ struct FlatColors {
 };
 
 // Pixels beside outlines have mixed colors; they count only for profiles that have no others.
-FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t count, const std::vector<float>& depth, std::int32_t labels) {
+FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t count,
+                       const std::vector<float>& depth, std::int32_t labels) {
   constexpr float kClear = 1.5f;
   std::vector<std::int64_t> clear(labels, 0), all(labels, 0);
   Vec3 sum = Vec3::Zero(), mixed = Vec3::Zero();
@@ -40,7 +41,9 @@ FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t
   if (binder == 0) sum = mixed, binder = beside;
   for (std::size_t i = 0; i < count; ++i)
     if (ids[i] > 0) ++all[ids[i] - 1], clear[ids[i] - 1] += depth[i] > kClear;
-  const auto counts = [&](std::size_t i) { return ids[i] > 0 && (depth[i] > kClear || clear[ids[i] - 1] == 0); };
+  const auto counts = [&](std::size_t i) {
+    return ids[i] > 0 && (depth[i] > kClear || clear[ids[i] - 1] == 0);
+  };
   std::vector<std::int64_t> used = clear;
   for (std::size_t k = 0; k < used.size(); ++k)
     if (used[k] == 0) used[k] = all[k];
@@ -55,12 +58,16 @@ FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t
 
 }  // namespace
 
-Image repaint(const Image& photograph, const Labels& labels, const Detail* detail, std::uint64_t seed, const Work& work) {
-  if (photograph.pixels.empty()) throw Error("empty-image", "the image has no pixels", "connect a photograph");
-  require_equal_size(photograph, "the image has", labels, "the labels have", "use labels of the same photograph");
+Image repaint(const Image& photograph, const Labels& labels, const Detail* detail, std::uint64_t seed,
+              const Work& work) {
+  if (photograph.pixels.empty())
+    throw Error("empty-image", "the image has no pixels", "connect a photograph");
+  require_equal_size(photograph, "the image has", labels, "the labels have",
+                     "use labels of the same photograph");
   for (const std::int32_t id : labels.ids)
     if (id < 0 || id > labels.count())
-      throw Error("bad-labels", fmt::format("the labels contain profile {}, but there are {}", id, labels.count()));
+      throw Error("bad-labels",
+                  fmt::format("the labels contain profile {}, but there are {}", id, labels.count()));
   Image out = photograph;
   const int width = photograph.width, height = photograph.height;
   const std::size_t plane = static_cast<std::size_t>(width) * height;
@@ -83,13 +90,15 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
       cv::GaussianBlur(picture, picture, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
       cv::GaussianBlur(mask, mask, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
     }
-    // Profiles become particles around a plane that no axis of the tiles lies in, so that it shows them as sections of a solid do.
+    // Profiles become particles around a plane that no axis of the tiles lies in, so that it shows them as
+    // sections of a solid do.
     const std::vector<float> sizes = residual::sizes_of_particles({ids, plane}, pixel);
     Random random(seed, plane_stream, static_cast<std::uint64_t>(s));
     const Quat turn = Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
     const double side = 2 * std::hypot(width, height) * pixel;
     const auto place = [&](double x, double y) {
-      return Vec3(Vec3::Constant(side / 2) + turn * Vec3((x - width / 2.0) * pixel, (height / 2.0 - y) * pixel, 0));
+      return Vec3(Vec3::Constant(side / 2) +
+                  turn * Vec3((x - width / 2.0) * pixel, (height / 2.0 - y) * pixel, 0));
     };
     Particles particles;
     particles.box = Vec3::Constant(side);
@@ -98,7 +107,9 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     std::vector<float> sizes_of(labels.count(), 0);
     for (std::size_t id = 1; id < sizes.size(); ++id) sizes_of[id - 1] = sizes[id];
     for (std::size_t i = 0; i < plane; ++i)
-      if (ids[i] > 0) sum[ids[i] - 1] += Vec3(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5, 1);
+      if (ids[i] > 0)
+        sum[ids[i] - 1] +=
+            Vec3(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5, 1);
     for (std::int32_t k = 0; k < labels.count(); ++k) {
       const double n = std::max(1.0, sum[k].z());
       particles.position[k] = sum[k].z() > 0 ? place(sum[k].x() / n, sum[k].y() / n) : place(0, 0);
@@ -115,7 +126,8 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
           const Vec3f mm = place(x + 0.5, static_cast<double>(y) + 0.5).cast<float>();
           const std::int32_t near = outlines.particle[i];
           const std::int32_t owner = ids[i] > 0 ? ids[i] - 1 : cover[i] > 0 ? near - 1 : -1;
-          const Vec3f offset = field.mixed(mm, owner, cover[i], outlines.depth[i] * static_cast<float>(pixel), sizes[near]);
+          const Vec3f offset =
+              field.mixed(mm, owner, cover[i], outlines.depth[i] * static_cast<float>(pixel), sizes[near]);
           pixels[i] = srgb_to_linear((linear_to_srgb(pixels[i]) + offset).cwiseMax(0.0f));
         }
     });

@@ -30,15 +30,14 @@ bool sprawls(const cv::Mat& stats, double section) {
   return area > kLarge && (area > kShareOfSection * section || area < kShareOfBox * box);
 }
 
-// What the outside cannot reach belongs to the region.
+}  // namespace
+
 void fill_holes_of(cv::Mat& mask) {
   cv::Mat around;
   cv::copyMakeBorder(1 - mask, around, 1, 1, 1, 1, cv::BORDER_CONSTANT, 1);
   cv::floodFill(around, cv::Point(0, 0), 0);
   mask |= around(cv::Rect(1, 1, mask.cols, mask.rows));
 }
-
-}  // namespace
 
 std::vector<std::int32_t> Cutout::pixels(int width) const {
   std::vector<std::int32_t> out;
@@ -48,6 +47,15 @@ std::vector<std::int32_t> Cutout::pixels(int width) const {
       if (row[x]) out.push_back((box.y + y) * width + box.x + x);
   }
   return out;
+}
+
+int Cutout::area() const { return mask.empty() ? 0 : cv::countNonZero(mask); }
+
+double overlap_of(const Cutout& a, const Cutout& b) {
+  const cv::Rect both = a.box & b.box;
+  if (both.empty()) return 0;
+  const double shared = cv::countNonZero(a.mask(both - a.box.tl()) & b.mask(both - b.box.tl()));
+  return shared > 0 ? shared / (a.area() + b.area() - shared) : 0;
 }
 
 std::vector<cv::Rect> boxes_of_labels(const std::vector<std::int32_t>& labels, int width, int count) {

@@ -15,7 +15,11 @@ struct Cutout {
   cv::Mat mask;  // bytes of the box: 1 within the region, 0 elsewhere
 
   std::vector<std::int32_t> pixels(int width) const;  // indices in a section of this width, ascending
+  int area() const;                                   // pixels
 };
+
+// Intersection over union of two regions of one section; 0 if both are empty.
+double overlap_of(const Cutout&, const Cutout&);
 
 // A basin of the maps, or a component of the pixels where inside × (1 − border) exceeds `level`.
 struct Candidate {
@@ -50,6 +54,9 @@ class ScaleView {
   cv::Mat near_border_, within_;  // within: inside × (1 − border)
   std::vector<std::int32_t> basins_;
 };
+
+// Adds to a mask of 0 and 1 what the outside cannot reach.
+void fill_holes_of(cv::Mat& mask);
 
 // The box of each of the labels from 1 to `count`; empty if it has no pixels.
 std::vector<cv::Rect> boxes_of_labels(const std::vector<std::int32_t>& labels, int width, int count);

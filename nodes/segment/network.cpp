@@ -28,16 +28,6 @@ constexpr int kMargin = 64;    // around them, so that the tile's border does no
 
 int up_to_multiple(int n) { return (n + kMultiple - 1) / kMultiple * kMultiple; }
 
-cv::Mat encoded_section(const Image& image, int section) {
-  cv::Mat m(image.height, image.width, CV_32FC3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const Vec3f c = linear_to_srgb(image.at(x, y, section).cwiseMax(0.0f).cwiseMin(1.0f));
-      m.at<cv::Vec3f>(y, x) = cv::Vec3f(c[0], c[1], c[2]);
-    }
-  return m;
-}
-
 struct Tile {
   int view = 0;
   cv::Rect core, seen;
@@ -99,6 +89,16 @@ struct View {
 };
 
 }  // namespace
+
+cv::Mat encoded_section(const Image& image, int section) {
+  cv::Mat m(image.height, image.width, CV_32FC3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Vec3f c = linear_to_srgb(image.at(x, y, section).cwiseMax(0.0f).cwiseMin(1.0f));
+      m.at<cv::Vec3f>(y, x) = cv::Vec3f(c[0], c[1], c[2]);
+    }
+  return m;
+}
 
 std::string built_in_model() { return {terrazzo_segment_model, terrazzo_segment_model_end}; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <opencv2/core.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct NetworkMaps {
   std::vector<float> distance;      // distance to the border / the largest one within the same particle
   std::vector<float> not_material;  // ruler, frame, text
 };
+
+// A section, encoded sRGB from 0 to 1 in three channels.
+cv::Mat encoded_section(const Image&, int section);
 
 class Network {
  public:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/segment/close_look.h"
 #include "nodes/segment/judge.h"
 
 namespace terrazzo::segment {
@@ -22,12 +23,27 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
   return out;
 }
 
+// The best of the candidates that are versions of each other, best first.
+template <class Judged>
+std::vector<Judged> without_versions(std::vector<Judged> all) {
+  constexpr double kSame = 0.5;  // overlap
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Judged& a, const Judged& b) { return a.score > b.score; });
+  std::vector<Judged> kept;
+  for (Judged& one : all)
+    if (std::none_of(kept.begin(), kept.end(),
+                     [&](const Judged& other) { return overlap_of(one.region, other.region) > kSame; }))
+      kept.push_back(std::move(one));
+  return kept;
+}
+
 }  // namespace
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(4.91 - 9.56 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(3.11 - 8.14 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, const Network& network, const Work& work) {
   constexpr std::array<double, 4> scales{1, 0.7, 0.5, 0.35};
+  picture_ = encoded_section(image, section);
   // Below this the network would only see the mirrored margin.
   constexpr double kSmallest = 96;
   std::vector<double> useful;
@@ -56,7 +72,7 @@ std::vector<NetworkView::Place> NetworkView::candidates(double min_area, const W
 
 std::optional<Evidence> NetworkView::look_at(const Place& place, double min_area, Cutout& region) const {
   region = place.view->cut_out(place.candidate);
-  if (cv::countNonZero(region.mask) < std::max(1.0, min_area)) return {};
+  if (region.area() < std::max(1.0, min_area)) return {};
   return evidence_of(region, *place.view, near_border_);
 }
 
@@ -64,33 +80,55 @@ void NetworkView::visit_candidates(double min_area, const Work& work, const Visi
   Cutout region;
   for (const Place& place : candidates(min_area, work)) {
     work.check();
-    if (const auto evidence = look_at(place, min_area, region)) visit(region, *evidence);
+    if (const auto evidence = look_at(place, min_area, region)) visit(region, *evidence, *place.view);
   }
 }
 
-std::vector<Instance> NetworkView::instances(const NetworkOptions& options, const Work& work) const {
+std::vector<NetworkView::Judged> NetworkView::judged(const NetworkOptions& options, const Work& work) const {
   const std::vector<Place> places = candidates(options.min_area, work.quiet());
   constexpr std::size_t kTogether = 64;
-  std::vector<std::vector<Instance>> parts((places.size() + kTogether - 1) / kTogether);
+  std::vector<std::vector<Judged>> parts((places.size() + kTogether - 1) / kTogether);
   work.parallel(places.size(), kTogether, [&](std::size_t begin, std::size_t end) {
-    std::vector<Cutout> regions;
+    std::vector<Judged> part;
     std::vector<Evidence> evidence;
     for (std::size_t i = begin; i < end; ++i) {
-      Cutout region;
-      const auto seen = look_at(places[i], options.min_area, region);
+      Judged one{{}, places[i].view, 0};
+      const auto seen = look_at(places[i], options.min_area, one.region);
       if (!seen) continue;
       evidence.push_back(*seen);
-      regions.push_back(std::move(region));
+      part.push_back(std::move(one));
     }
     const std::vector<float> scores = built_in_judge()(evidence);
-    for (std::size_t k = 0; k < regions.size(); ++k)
-      if (scores[k] >= options.min_score)
-        parts[begin / kTogether].push_back({regions[k].pixels(scales_.front().maps().width), scores[k]});
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      part[k].score = scores[k];
+      if (scores[k] >= options.min_score) parts[begin / kTogether].push_back(std::move(part[k]));
+    }
   });
-  std::vector<Instance> all;
+  std::vector<Judged> all;
   for (auto& part : parts)
-    for (Instance& instance : part) all.push_back(std::move(instance));
+    for (Judged& one : part) all.push_back(std::move(one));
   return all;
+}
+
+std::vector<Instance> NetworkView::instances(const NetworkOptions& options, const Work& work) const {
+  // A candidate is worth less, the more its outline changes: another one shows that particle better.
+  constexpr double kPower = 0.7;
+  const std::vector<Judged> all = without_versions(judged(options, work));
+  std::vector<Instance> looked(all.size());
+  work.parallel(all.size(), kCloseUpsTogether, [&](std::size_t begin, std::size_t end) {
+    std::vector<CloseUp> close_ups;
+    for (std::size_t i = begin; i < end; ++i) close_ups.push_back(look_closely(all[i].region, *all[i].view));
+    const std::vector<cv::Mat> seen = built_in_close_look()(close_ups);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Cutout& before = all[i].region;
+      const Cutout after = redrawn(before, close_ups[i - begin], seen[i - begin], picture_.size());
+      if (after.area() < options.min_area) continue;
+      looked[i] = {after.pixels(picture_.cols), all[i].score * std::pow(overlap_of(before, after), kPower)};
+    }
+  });
+  std::erase_if(looked,
+                [&](const Instance& in) { return in.pixels.empty() || in.score < options.min_score; });
+  return looked;
 }
 
 NetworkView::Found NetworkView::choose(const std::vector<Instance>& instances, const NetworkOptions& options,

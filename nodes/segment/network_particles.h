@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/segment/close_up.h"
 #include "nodes/segment/evidence.h"
 #include "nodes/segment/instances.h"
 #include "nodes/segment/network.h"
@@ -15,7 +16,7 @@ namespace terrazzo::segment {
 
 struct NetworkOptions {
   double min_area = 25;     // pixels; smaller particles are dropped
-  double min_score = 0.45;  // particles below it are dropped
+  double min_score = 0.35;  // particles below it are dropped
 };
 
 // What the network says of one section at several scales, since it knows particles of a few to a few hundred
@@ -24,13 +25,18 @@ class NetworkView {
  public:
   NetworkView(const Image&, int section, const Network&, const Work&);
 
-  // The candidates of all scales with their scores, which is the overlap with a particle that the judge
-  // expects; many cover the same place.
+  // The candidates of all scales with the outlines of the close look and their scores, about the overlap with
+  // a particle to expect: what the judge expects of the candidate, less if its outline changed. Several may
+  // cover the same place.
   std::vector<Instance> instances(const NetworkOptions&, const Work&) const;
 
   // The evidence of each candidate of at least min_area pixels, to learn from; in a fixed order.
-  using Visit = std::function<void(const Cutout&, const Evidence&)>;
+  using Visit = std::function<void(const Cutout&, const Evidence&, const ScaleView&)>;
   void visit_candidates(double min_area, const Work&, const Visit&) const;
+
+  CloseUp look_closely(const Cutout& region, const ScaleView& view) const {
+    return close_up(region, picture_, view, scales_.front());
+  }
 
   // The best ones, by score, among instances of any origin.
   struct Found {
@@ -53,8 +59,16 @@ class NetworkView {
     Candidate candidate;
   };
   std::vector<Place> candidates(double min_area, const Work&) const;
+  // Candidates of at least min_score, in a fixed order.
+  struct Judged {
+    Cutout region;
+    const ScaleView* view;
+    double score;
+  };
+  std::vector<Judged> judged(const NetworkOptions&, const Work&) const;
   std::optional<Evidence> look_at(const Place&, double min_area, Cutout&) const;  // none: too small
 
+  cv::Mat picture_;                // as encoded_section() gives it
   std::vector<ScaleView> scales_;  // the first one is the picture's own
   cv::Mat near_border_;            // the largest of all scales
 };

@@ -16,7 +16,11 @@ using repaint::repaint;
 test::DrawnPicture striped_disks() {
   return test::draw_disks(160, 40, 14, [](int x, int, int id) {
     const float stripe = x % 3 == 0 ? 0.1f : 0;  // a third of the pixels, so that the median is the color
-    return Vec3f((id == 0 ? Vec3f(0.5f, 0.5f, 0.5f) : id % 2 ? Vec3f(0.8f, 0.3f, 0.2f) : Vec3f(0.1f, 0.2f, 0.4f)).array() + stripe);
+    return Vec3f((id == 0  ? Vec3f(0.5f, 0.5f, 0.5f)
+                  : id % 2 ? Vec3f(0.8f, 0.3f, 0.2f)
+                           : Vec3f(0.1f, 0.2f, 0.4f))
+                     .array() +
+                 stripe);
   });
 }
 
@@ -38,9 +42,15 @@ TEST(Repaint, WithoutDetailEveryProfileHasItsMedianColor) {
   for (std::size_t i = 0; i < out.pixels.size(); ++i) {
     const std::int32_t id = drawn.labels.ids[i];
     if (id > 0) {
-      ASSERT_LT((linear_to_srgb(out.pixels[i]) - (id % 2 ? Vec3f(0.8f, 0.3f, 0.2f) : Vec3f(0.1f, 0.2f, 0.4f))).norm(), 1e-4f) << i;
+      ASSERT_LT((linear_to_srgb(out.pixels[i]) - (id % 2 ? Vec3f(0.8f, 0.3f, 0.2f) : Vec3f(0.1f, 0.2f, 0.4f)))
+                    .norm(),
+                1e-4f)
+          << i;
     } else {
-      ASSERT_NEAR(out.pixels[i].x(), (2 * srgb_to_linear(Vec3f::Constant(0.5f)).x() + srgb_to_linear(Vec3f::Constant(0.6f)).x()) / 3, 0.004f);
+      ASSERT_NEAR(
+          out.pixels[i].x(),
+          (2 * srgb_to_linear(Vec3f::Constant(0.5f)).x() + srgb_to_linear(Vec3f::Constant(0.6f)).x()) / 3,
+          0.004f);
     }
   }
 }
@@ -60,10 +70,15 @@ TEST(Repaint, DetailIsAddedByPhase) {
 TEST(Repaint, ThreadsDoNotMatterAndSeedsDo) {
   const auto drawn = striped_disks();
   Detail detail = even_detail(0, 0);
-  for (std::size_t i = 0; i < 64; ++i) detail.phases[0].tile[i] = Vec3f::Constant(0.01f * static_cast<float>(i % 7));
+  for (std::size_t i = 0; i < 64; ++i)
+    detail.phases[0].tile[i] = Vec3f::Constant(0.01f * static_cast<float>(i % 7));
   const auto run = [&](int threads, const char* seed) {
-    return test::run_node("Repaint", {{"image", Value::of(drawn.image)}, {"labels", Value::of(drawn.labels)}, {"detail", Value::of(detail)}},
-                          {{"seed", seed}}, {}, threads).output<Image>("image");
+    return test::run_node("Repaint",
+                          {{"image", Value::of(drawn.image)},
+                           {"labels", Value::of(drawn.labels)},
+                           {"detail", Value::of(detail)}},
+                          {{"seed", seed}}, {}, threads)
+        .output<Image>("image");
   };
   const Image one = run(1, "1");
   EXPECT_EQ(one.pixels, run(7, "1").pixels);
@@ -85,7 +100,9 @@ TEST(Repaint, APictureWithoutParticlesIsBinder) {
   std::fill(none.ids.begin(), none.ids.end(), 0), none.classes.clear();
   const Detail detail = even_detail(0.02f, 0);
   const Image out = repaint(drawn.image, none, &detail, 1);
-  EXPECT_NEAR((linear_to_srgb(out.at(3, 3)) - linear_to_srgb(repaint(drawn.image, none, nullptr, 1).at(3, 3))).mean(), 0.02f, 1e-4f);
+  EXPECT_NEAR(
+      (linear_to_srgb(out.at(3, 3)) - linear_to_srgb(repaint(drawn.image, none, nullptr, 1).at(3, 3))).mean(),
+      0.02f, 1e-4f);
 }
 
 }  // namespace
