@@ -39,8 +39,9 @@ SizeDistribution read_distribution(const std::string& text, const std::string& f
   out.d_max = all.number("d_max", 0);
   out.goodness_of_fit = all.number("goodness_of_fit", 0);
   for (const Json& j : all.list("shapes"))
-    out.shapes.push_back(entry_of(
-        JsonObject(j, source, fmt::format("entry {}: ", out.shapes.size()), "bad-distribution"), out.classes()));
+    out.shapes.push_back(
+        entry_of(JsonObject(j, source, fmt::format("entry {}: ", out.shapes.size()), "bad-distribution"),
+                 out.classes()));
   return out;
 }
 

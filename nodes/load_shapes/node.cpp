@@ -21,7 +21,8 @@ void compute(Context& c) {
 NodeType load_shapes_node() {
   return NodeType("LoadShapes", 1)
       .doc_(
-          "Reads a set of shapes that Export wrote to .json, with probabilities, classes, colors and measures, "
+          "Reads a set of shapes that Export wrote to .json, with probabilities, classes, colors and "
+          "measures, "
           "and every number as it was. LoadMesh reads meshes of other programs.")
       .output("shapes", "Shapes", "The shapes, in the order of the file")
       .parameter(Parameter::input_path("path").doc_("JSON file of shapes"))

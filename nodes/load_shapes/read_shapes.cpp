@@ -19,7 +19,8 @@ Triangle triangle_of(const JsonObject& o, const Json& list, std::size_t vertices
   Triangle out;
   for (std::size_t k = 0; k < 3; ++k) {
     const double i = o.number_in("triangles", list[k], 0, static_cast<double>(vertices) - 1);
-    if (i != std::floor(i)) o.fail(fmt::format("a triangle has the vertex {}, which is not a whole number", i));
+    if (i != std::floor(i))
+      o.fail(fmt::format("a triangle has the vertex {}, which is not a whole number", i));
     out[k] = static_cast<std::int32_t>(i);
   }
   return out;

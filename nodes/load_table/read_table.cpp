@@ -165,8 +165,8 @@ Table read_json(const std::string& text, const std::string& file, const Work& wo
   return out;
 }
 
-// Each cell takes two bytes of text at least, a cell of a table and one of the row as it is read; a row, whose
-// list may grow to twice its length, an end of line.
+// Each cell takes two bytes of text at least, a cell of a table and one of the row as it is read; a row,
+// whose list may grow to twice its length, an end of line.
 double memory_to_read(const std::string& text) {
   double cells = 0, rows = 0;
   for (const char c : text) {

@@ -48,7 +48,8 @@ std::string json_text_in(Context& c) {
   }
 }
 
-JsonObject::JsonObject(const nlohmann::json& json, const JsonSource& source, std::string what, const char* code)
+JsonObject::JsonObject(const nlohmann::json& json, const JsonSource& source, std::string what,
+                       const char* code)
     : json_(json), source_(source), what_(std::move(what)), code_(code) {
   if (!json.is_object()) fail("is not an object");
 }

@@ -15,7 +15,9 @@ SizeDistribution two_entries() {
   return d;
 }
 
-std::string text_of(const SizeDistribution& d) { return json_text(value_type<SizeDistribution>().describe(&d)); }
+std::string text_of(const SizeDistribution& d) {
+  return json_text(value_type<SizeDistribution>().describe(&d));
+}
 
 TEST(LoadDistribution, GivesWhatExportWrote) {
   for (const SizeDistribution& d : {two_entries(), SizeDistribution{}}) {

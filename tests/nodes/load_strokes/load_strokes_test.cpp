@@ -139,7 +139,8 @@ TEST(LoadStrokes, BadFilesAreRefused) {
 TEST(LoadStrokes, GivesWhatExportWroteToJson) {
   Strokes s;
   s.strokes.push_back({{{Vec2(0.1 + 0.2, 1e-300), Vec2(1.0 / 3, -0.0)}}, 1.0 / 7, false});
-  s.strokes.push_back({{{Vec2(0, 0), Vec2(9, 0), Vec2(9, 9)}, {Vec2(1, 1), Vec2(2, 1), Vec2(2, 2)}}, 2.5, true});
+  s.strokes.push_back(
+      {{{Vec2(0, 0), Vec2(9, 0), Vec2(9, 9)}, {Vec2(1, 1), Vec2(2, 1), Vec2(2, 2)}}, 2.5, true});
   s.strokes.push_back({{{Vec2(0, 0), Vec2(9, 0), Vec2(9, 9)}}, 0, true});
   const auto run = test::run_node("LoadStrokes", {}, {{"path", test::exported_json(s)}});
   EXPECT_EQ(test::bytes_of(run.output<Strokes>("strokes")), test::bytes_of(s));

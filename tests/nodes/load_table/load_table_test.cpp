@@ -16,7 +16,8 @@ using Row = std::vector<Cell>;
 Table mixed() {
   Table t;
   t.columns = {"area mm²", "", "a,b"};
-  t.rows = {{0.1 + 0.2, Cell("1.5"), Cell("")}, {-0.0, Cell(" x\n\"y\""), std::nan("")}, {5e-324, 1e300, 3.0}};
+  t.rows = {
+      {0.1 + 0.2, Cell("1.5"), Cell("")}, {-0.0, Cell(" x\n\"y\""), std::nan("")}, {5e-324, 1e300, 3.0}};
   return t;
 }
 
@@ -66,9 +67,7 @@ TEST(LoadTable, MalformedRowsAreNamed) {
 }
 
 TEST(LoadTable, WrongJsonIsNamed) {
-  const auto code = [](const std::string& text) {
-    return test::code_of([&] { read_json(text, "t.json"); });
-  };
+  const auto code = [](const std::string& text) { return test::code_of([&] { read_json(text, "t.json"); }); };
   EXPECT_EQ(code("{\"columns\":[\"a\"],\"rows\":[[1]]}"), "");
   EXPECT_EQ(code("{\"columns\":[\"a\"],\"rows\":[[1]"), "unreadable-file");
   EXPECT_EQ(code("[1]"), "bad-table");
