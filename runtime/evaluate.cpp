@@ -1,16 +1,17 @@
 #include "runtime/evaluate.h"
 
 #include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <chrono>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "graph/write_graph.h"
+#include "runtime/arena.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
 #include "runtime/interrupted.h"
@@ -68,9 +69,9 @@ class Run {
     // TBB's default limit is the number of cores, but the user may ask for more threads.
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(std::max(threads, 1)));
-    arena_.initialize(std::max(threads, 1));
+    arena_.emplace(std::max(threads, 1));
     mark_.before();
-    arena_.execute([&] {
+    (*arena_)->execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
       group_.wait();
     });
@@ -196,7 +197,7 @@ class Run {
     const NodeResult& r = result(i);
     const auto later = [&]() -> std::function<void()> {
       auto handle = std::make_shared<tbb::task_handle>(group_.defer([this, i] { visit(i); }));
-      return [this, handle] { arena_.enqueue(std::move(*handle)); };
+      return [this, handle] { (*arena_)->enqueue(std::move(*handle)); };
     };
     if (!e_.begin(r.record, later)) return Outcome::Elsewhere;
     struct End {
@@ -437,7 +438,7 @@ class Run {
   std::vector<State> states_;
   RunResult result_;
   tbb::task_group group_;
-  tbb::task_arena arena_;
+  std::optional<Arena> arena_;
   ThreadMark mark_;
   std::mutex observer_mutex_;
 };
