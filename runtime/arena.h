@@ -7,9 +7,9 @@
 
 namespace terrazzo {
 
-// Takes an arena of `threads` threads (at least 1) that no other evaluation uses, and leaves it to later ones.
-// TBB 2021.8 never frees some 8 kB of an arena in which its workers ran, so an arena for each evaluation would
-// make a process grow without limit.
+// Takes an arena of `threads` threads (at least 1) that no other evaluation uses, and leaves it to later
+// ones. TBB 2021.8 never frees some 8 kB of an arena in which its workers ran, so an arena for each
+// evaluation would make a process grow without limit.
 class Arena {
  public:
   explicit Arena(int threads);

@@ -64,12 +64,10 @@ class Run {
       if (sources == 0) ready.push_back(static_cast<int>(i));
     }
     for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
-    const int threads =
-        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
     // TBB's default limit is the number of cores, but the user may ask for more threads.
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(std::max(threads, 1)));
-    arena_.emplace(std::max(threads, 1));
+                                    static_cast<std::size_t>(threads()));
+    arena_.emplace(threads());
     mark_.before();
     (*arena_)->execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
@@ -88,7 +86,10 @@ class Run {
                      const RunOptions& options) {
     Run again(e, graph, options);
     again.result_ = result;
-    return again.value_of(wire);
+    again.arena_.emplace(again.threads());
+    Value v;
+    (*again.arena_)->execute([&] { v = again.value_of(wire); });  // computes it again if it was lost
+    return v;
   }
 
  private:
@@ -102,6 +103,10 @@ class Run {
     InputFiles files;
   };
 
+  int threads() const {
+    return std::max(
+        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency()), 1);
+  }
   NodeResult& result(int i) { return result_.nodes[static_cast<std::size_t>(i)]; }
   State& state(int i) { return states_[static_cast<std::size_t>(i)]; }
   const GraphNode& node(int i) const { return graph_.nodes[static_cast<std::size_t>(i)]; }
