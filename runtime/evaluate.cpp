@@ -1,16 +1,17 @@
 #include "runtime/evaluate.h"
 
 #include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <chrono>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "graph/write_graph.h"
+#include "runtime/arena.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
 #include "runtime/interrupted.h"
@@ -63,14 +64,12 @@ class Run {
       if (sources == 0) ready.push_back(static_cast<int>(i));
     }
     for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
-    const int threads =
-        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency());
     // TBB's default limit is the number of cores, but the user may ask for more threads.
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(std::max(threads, 1)));
-    arena_.initialize(std::max(threads, 1));
+                                    static_cast<std::size_t>(threads()));
+    arena_.emplace(threads());
     mark_.before();
-    arena_.execute([&] {
+    (*arena_)->execute([&] {
       for (const int i : ready) group_.run([this, i] { visit(i); });
       group_.wait();
     });
@@ -87,7 +86,10 @@ class Run {
                      const RunOptions& options) {
     Run again(e, graph, options);
     again.result_ = result;
-    return again.value_of(wire);
+    again.arena_.emplace(again.threads());
+    Value v;
+    (*again.arena_)->execute([&] { v = again.value_of(wire); });  // computes it again if it was lost
+    return v;
   }
 
  private:
@@ -101,6 +103,10 @@ class Run {
     InputFiles files;
   };
 
+  int threads() const {
+    return std::max(
+        options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency()), 1);
+  }
   NodeResult& result(int i) { return result_.nodes[static_cast<std::size_t>(i)]; }
   State& state(int i) { return states_[static_cast<std::size_t>(i)]; }
   const GraphNode& node(int i) const { return graph_.nodes[static_cast<std::size_t>(i)]; }
@@ -196,7 +202,7 @@ class Run {
     const NodeResult& r = result(i);
     const auto later = [&]() -> std::function<void()> {
       auto handle = std::make_shared<tbb::task_handle>(group_.defer([this, i] { visit(i); }));
-      return [this, handle] { arena_.enqueue(std::move(*handle)); };
+      return [this, handle] { (*arena_)->enqueue(std::move(*handle)); };
     };
     if (!e_.begin(r.record, later)) return Outcome::Elsewhere;
     struct End {
@@ -437,7 +443,7 @@ class Run {
   std::vector<State> states_;
   RunResult result_;
   tbb::task_group group_;
-  tbb::task_arena arena_;
+  std::optional<Arena> arena_;
   ThreadMark mark_;
   std::mutex observer_mutex_;
 };

@@ -51,7 +51,8 @@ nlohmann::json describe(const KMatrix& v) {
                     {"max_section_area", e.max_section_area},
                     {"volume", e.volume},
                     {"profiles_per_caliper", e.profiles_per_caliper},
-                    {"K", std::move(rows)}});
+                    {"K", std::move(rows)},
+                    {"cdf", e.cdf}});
   }
   return {{"classes", v.classes},
           {"averaging", v.averaging},

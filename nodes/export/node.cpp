@@ -15,6 +15,7 @@
 #include "nodes/export/nvdb_file.h"
 #include "nodes/export/outputs.h"
 #include "nodes/export/picture_file.h"
+#include "nodes/export/shapes_json.h"
 #include "nodes/export/vdb_file.h"
 #include "runtime/context.h"
 #include "runtime/json_text.h"
@@ -27,7 +28,7 @@ using namespace exporting;
 struct Input {
   const char *name, *type, *doc;
 };
-constexpr std::array<Input, 9> inputs = {{
+constexpr std::array<Input, 10> inputs = {{
     {"image", "Image", "Image or stack of images. In a .glb file, the texture of the shapes"},
     {"labels", "Labels", "Profile id of each pixel"},
     {"profiles", "Profiles", "Profiles of plane sections"},
@@ -39,6 +40,7 @@ constexpr std::array<Input, 9> inputs = {{
      "voids from it"},
     {"volume", "Volume", "Volume of named grids"},
     {"table", "Table", "Table of named columns"},
+    {"strokes", "Strokes", "Strokes on an image"},
 }};
 
 // The connected values, by type name.
@@ -66,7 +68,9 @@ std::string csv_of_value(const Value& v) {
 }
 
 std::string json_of(const std::map<std::string, Value>& values) {
-  const auto describe = [](const Value& v) { return v.type().describe(v.data()); };
+  const auto describe = [](const Value& v) {
+    return v.is<Shapes>() ? json_with_meshes(v.as<Shapes>()) : v.type().describe(v.data());
+  };
   if (values.size() == 1) return json_text(describe(values.begin()->second), 2) + "\n";
   nlohmann::json all = nlohmann::json::object();
   for (const auto& [type, v] : values) {
@@ -169,7 +173,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType export_node() {
-  NodeType type("Export", 4);
+  NodeType type("Export", 5);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(

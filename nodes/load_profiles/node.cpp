@@ -4,6 +4,7 @@
 
 #include "graph/node_type.h"
 #include "graph/utf8.h"
+#include "nodes/common/io/json_input.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/load_profiles/profile_json.h"
 #include "nodes/load_profiles/profile_table.h"

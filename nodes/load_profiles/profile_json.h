@@ -10,9 +10,6 @@ namespace terrazzo::load_profiles {
 // Whether the text is a JSON object, which no table is.
 bool is_json(const std::string& text);
 
-// Memory in bytes that read_profiles_json needs at most, the text not included.
-double memory_to_read_json(const std::string& text);
-
 // Reads the fields of Profiles, in mm, with every number as it was written. If the object has several values,
 // as Export writes several inputs, the field `profiles` is read. `file` is used in messages only. Throws
 // Error "unreadable-file" if the structure is another, "bad-profile" with the index of the profile.

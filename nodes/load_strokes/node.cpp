@@ -14,9 +14,9 @@ void compute(Context& c) {
         .parameter("path");
   const std::string extension = files[0].extension().string();
   const bool svg = extension == ".svg" || extension == ".SVG";
-  if (!svg && extension != ".yaml" && extension != ".yml")
+  if (!svg && extension != ".yaml" && extension != ".yml" && extension != ".json")
     throw Error("unknown-format",
-                "strokes are read from .svg, .yaml and .yml files, not from '" + extension + "'")
+                "strokes are read from .svg, .yaml, .yml and .json files, not from '" + extension + "'")
         .parameter("path");
   Strokes out;
   try {
@@ -40,13 +40,13 @@ void compute(Context& c) {
 
 NodeType load_strokes_node() {
   return NodeType("LoadStrokes", 1)
-      .doc_("Reads strokes for TextureNib from an SVG drawing or a YAML list.")
+      .doc_("Reads strokes for TextureNib from an SVG drawing, a YAML list, or JSON that Export wrote.")
       .source_("SVG 1.1, sections 7 to 9 and F.6")
       .output("strokes", "Strokes", "Strokes, in file order")
       .parameter(Parameter::input_path("path").doc_(
           "An .svg drawing or a .yaml list. SVG shapes with a stroke become lines with a nib radius of half "
           "the stroke width; shapes with only a fill become areas. A .yaml file lists {radius, points} and "
-          "{area: true, points}."))
+          "{area: true, points}, and so does a .json file that Export wrote."))
       .parameter(Parameter::number("scale", 1)
                      .above(0)
                      .range(1e-6, 1e6)

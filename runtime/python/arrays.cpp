@@ -105,6 +105,7 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
                  "the labels");
   out.ids.resize(n);
   std::int64_t last = 0;  // number of the last profile
+  const bool is_unsigned = a.dtype().kind() == 'u';
   {
     // As in LoadLabels: profiles are numbered by section, then by increasing value.
     const Outside outside;
@@ -114,6 +115,9 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
       std::vector<std::int64_t> values = pixels;
       std::sort(values.begin(), values.end());
       values.erase(std::unique(values.begin(), values.end()), values.end());
+      if (values.front() < 0 && is_unsigned)
+        throw Error("bad-labels", fmt::format("a label is {}; the largest possible label is 2⁶³ − 1",
+                                              static_cast<std::uint64_t>(values.front())));
       if (values.front() < 0)
         throw Error("bad-labels", fmt::format("a label is {}; 0 is binder, and particles are numbered from 1",
                                               values.front()));
@@ -140,6 +144,9 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
     const auto list = numbers<std::int64_t>(c, "classes");
     for (std::int64_t i = 0; i < last; ++i) {
       const std::int64_t v = list.data()[i];
+      if (v < 0 && c.dtype().kind() == 'u')
+        throw Error("bad-labels",
+                    fmt::format("class {} is not in 0 to 1,000,000", static_cast<std::uint64_t>(v)));
       if (v < 0 || v > 1'000'000)
         throw Error("bad-labels", fmt::format("class {} is not in 0 to 1,000,000", v));
       out.classes[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(v);

@@ -105,6 +105,9 @@ def test_labels_are_numbered_anew():
 
 def test_wrong_labels():
     assert code(t.labels, np.array([[-1, 1]])) == "bad-labels"
+    for too_large in (lambda a: t.labels(a), lambda a: t.labels([[1]], classes=a[0])):
+        with pytest.raises(t.Error, match=str(2**63 + 1)):
+            too_large(np.array([[2**63 + 1]], np.uint64))
     assert code(t.labels, np.array([[0, 2**64 - 1]], np.uint64)) == "bad-labels"
     assert code(t.labels, np.zeros((2, 2), int)) == "no-particles"
     assert code(t.labels, np.zeros((2, 2))) == "wrong-type"

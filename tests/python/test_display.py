@@ -72,6 +72,9 @@ def test_html_is_escaped():
     assert g._repr_html_().startswith("<svg") and "picture" in g._repr_html_()
     g.Segment(name="lonely")
     assert "lonely" in g._repr_html_() and "error" in g._repr_html_()
+    with pytest.raises(t.Error) as e:
+        g._add("<i>", {})
+    assert "&lt;i&gt;" in e.value._repr_html_() and "<i>" not in e.value._repr_html_() and e.value.code in e.value._repr_html_()
     d = t.sizes([1, 2], [0.01])
     assert "N_V" in d._repr_html_()
     assert "<table>" in t.Graph(cache=False).run()._repr_html_()

@@ -39,6 +39,15 @@ def test_evaluations():
     assert process < 16_000_000
 
 
+def test_evaluations_that_find_everything_cached():
+    g = t.Graph(cache=False)
+    grain = g.Grain(image=g.Pattern(width=16, height=16))
+
+    python, process = grows(lambda k: g.run(grain), 200, 2000)
+    assert python < 100_000
+    assert process < 8_000_000  # an arena of TBB for each would be 14 MB
+
+
 def test_cached_values_and_errors():
     g = t.Graph(cache=False)
     picture = g.Pattern(width=64, height=64)

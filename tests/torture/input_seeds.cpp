@@ -238,6 +238,26 @@ void texts(Writer& w, const fs::path& source) {
          "{\"box\":[1,2,3],\"shape\":[0,1],\"class\":[0,0],\"position\":[[0.5,0.5,0.5],[1,2,3]],"
          "\"orientation\":[[1,0,0,0],[0,0.6,0,0.8]],\"scale\":[1,1e-3],\"size\":[1,2],"
          "\"color\":[[0,0,0],[1,1,1]],\"binder_color\":[0,1,0],\"voids\":[1],\"x\":{\"y\":[null]}}\n");
+  w.text("LoadShapes.json", "a.json", content("nodes/load_shapes/stones.json"));
+  w.text(
+      "LoadShapes.json", "a.json",
+      "{\"shapes\":[{\"name\":\"a\",\"probability\":1,\"class\":2,\"volume\":1,\"surface_area\":1,"
+      "\"mean_caliper\":1,\"max_section_area\":1,\"smooth\":true,\"mesh\":{\"vertices\":[[0,0,0],[1,0,0],"
+      "[0,1,0],[0,0,1]],\"triangles\":[[0,2,1],[0,1,3],[0,3,2],[1,2,3]],\"color\":[[0,0,0],[1,0,0],[0,1,0],"
+      "[0,0,1]],\"uv\":[[0,0,1,0,1,1],[0,0,1,0,1,1],[0,0,1,0,1,1],[0,0,1,0,1,1]]}}]}");
+  w.text(
+      "LoadKMatrix.json", "a.json",
+      "{\"classes\":2,\"averaging\":\"uniform\",\"residual\":0,\"shapes\":[{\"probability\":1,\"class\":-1,"
+      "\"mean_caliper\":1,\"max_section_area\":1,\"volume\":1,\"profiles_per_caliper\":1,\"K\":[[0.5,0.25],"
+      "[0,0.75]],\"cdf\":[0.1,0.5,1]}]}");
+  w.text("LoadDistribution.json", "a.json", content("nodes/load_distribution/sizes.json"));
+  w.text("LoadTable.csv", "a.csv", content("nodes/load_table/sieve.csv"));
+  w.text("LoadTable.csv", "a.csv", "a;b\n1,5;\"x\"\"\ny\"\n-2;\n");
+  w.text("LoadTable.json", "a.json", "{\"columns\":[\"a\",\"b\"],\"rows\":[[1.5,\"x\"],[null,\"\"]]}");
+  w.text(
+      "LoadStrokes.json", "a.json",
+      "{\"strokes\":[{\"area\":false,\"radius\":2.5,\"points\":[[1,2],[3,4.5]]},{\"area\":true,\"radius\":0,"
+      "\"parts\":[[[0,0],[9,0],[9,9]]]}]}");
   const fs::path answers = w.place("StudyAnova.csv", "a.csv");
   std::ofstream(answers) << content("nodes/study_anova/answers.csv");
   std::ofstream(answers.parent_path() / "key.csv") << content("nodes/study_anova/key.csv");

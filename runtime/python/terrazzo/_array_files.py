@@ -7,6 +7,7 @@ import os
 import numpy as np
 
 from . import _core
+from ._errors import Error
 from ._graph import Graph
 
 
@@ -19,13 +20,11 @@ def write_arrays(graph, folder):
         if not node.type.startswith("Given"):
             continue
         value = graph._given_value(name)
-        write = _writers.get(value.type)
-        if write is None:
+        if value.type not in _writers:
             _not_savable(name, f"no node reads {value.type} from a file")
         os.makedirs(folder, exist_ok=True)
-        kind, port, parameters = write(value, os.path.join(folder, name))
-        read = Graph(cache=False)._add(kind, dict(parameters)).output(port).value()
-        if not _same(read, value):
+        kind, port, parameters = _writers[value.type](value, os.path.join(folder, name))
+        if Graph(cache=False)._add(kind, dict(parameters)).output(port).value() != value:
             _not_savable(name, f"{parameters.get('path', kind)} does not give the same value when it is read again")
         out[name] = kind, port, parameters
     return out
@@ -34,15 +33,6 @@ def write_arrays(graph, folder):
 def _not_savable(node, why):
     _core.raise_error("not-savable", f"the arrays of the node {node} cannot be saved: {why}",
                       "write the value with a node of your graph, and load it", node, "")
-
-
-def _same(read, value):
-    if value.type != "Shapes":
-        return read == value
-    # A mesh is moved to its centroid, which differs in the last digits.
-    one, other = read[0].mesh, value[0].mesh
-    return (len(read) == 1 and np.array_equal(one.triangles, other.triangles) and
-            np.allclose(one.vertices, other.vertices, rtol=1e-12, atol=1e-12 * value[0].size))
 
 
 def _sections(value, stem, extension, count):
@@ -70,18 +60,6 @@ def _labels(value, stem):
     return "LoadLabels", "labels", parameters
 
 
-def _mesh(value, stem):
-    if len(value) != 1 or len(value[0].color) or len(value[0].uv):
-        _not_savable(os.path.basename(stem), "only a single shape without colors can be")
-    if value[0].name in ("", ".", "..") or "/" in value[0].name:
-        _not_savable(os.path.basename(stem), f"the shape's name {value[0].name!r} cannot be the name of a file")
-    folder = stem if os.path.basename(stem) != value[0].name else os.path.dirname(stem)
-    os.makedirs(folder, exist_ok=True)
-    path = os.path.join(folder, value[0].name + ".ply")  # LoadMesh names the shape after its file
-    value.save(path)
-    return "LoadMesh", "shapes", {"path": path}
-
-
 def _volume(value, stem):
     graph = Graph(cache=False)
     graph.Export(volume=value, path=os.path.basename(stem) + ".vdb", id_type="int32")
@@ -89,19 +67,27 @@ def _volume(value, stem):
     return "LoadVolume", "volume", {"path": stem + ".vdb"}
 
 
-def _profiles(value, stem):
-    value.save(stem + ".json")
-    return "LoadProfiles", "profiles", {"path": stem + ".json"}
-
-
-def _particles(value, stem):
-    value.save(stem + ".json")
-    return "LoadParticles", "particles", {"path": stem + ".json"}
+def _json(kind, port):
+    """Writes what Export writes to .json, for the node of this type and its output."""
+    def write(value, stem):
+        value.save(stem + ".json")
+        return kind, port, {"path": stem + ".json"}
+    return write
 
 
 def _sizes(value, stem):
-    entry = value.entries[0]
-    parameters = {"kind": "classes", "class_edges": value.class_edges.tolist(), "N_V": entry.N_V.tolist()}
+    """What t.sizes makes is in the graph file itself, other distributions in a file."""
+    write = _json("LoadDistribution", "distribution")
+    if len(value.entries) != 1:
+        return write(value, stem)
+    entry, edges = value.entries[0], value.class_edges
+    try:
+        made = _core.sizes(edges, entry.N_V, entry.low, entry.high)
+    except Error:  # such as classes that begin at 0, which Unfold makes
+        return write(value, stem)
+    if made != value:
+        return write(value, stem)
+    parameters = {"kind": "classes", "class_edges": edges.tolist(), "N_V": entry.N_V.tolist()}
     for name in ("low", "high"):
         ends = getattr(entry, name)
         if not np.array_equal(ends, entry.N_V):
@@ -109,5 +95,7 @@ def _sizes(value, stem):
     return "Distribution", "distribution", parameters
 
 
-_writers = {"Image": _image, "Labels": _labels, "Shapes": _mesh, "Volume": _volume, "Profiles": _profiles,
-            "Particles": _particles, "SizeDistribution": _sizes}
+_writers = {"Image": _image, "Labels": _labels, "Volume": _volume, "SizeDistribution": _sizes,
+            "Shapes": _json("LoadShapes", "shapes"), "KMatrix": _json("LoadKMatrix", "kmatrix"),
+            "Table": _json("LoadTable", "table"), "Strokes": _json("LoadStrokes", "strokes"),
+            "Profiles": _json("LoadProfiles", "profiles"), "Particles": _json("LoadParticles", "particles")}

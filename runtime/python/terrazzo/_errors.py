@@ -45,6 +45,9 @@ class Error(Exception):
     def __reduce__(self):
         return type(self), (self.diagnostics,)
 
+    def _repr_html_(self):
+        return "".join(d._repr_html_() for d in self.diagnostics)
+
     @property
     def _first(self):
         return self.diagnostics[0]

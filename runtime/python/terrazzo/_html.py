@@ -27,7 +27,8 @@ def fields_html(columns, count, row):
 
 def diagnostic_html(diagnostic):
     color = {"error": "#b00020", "warning": "#8a6d00"}.get(diagnostic.severity, "#555")
-    hint = f"<br><i>{escape(diagnostic.hint)}</i>" if diagnostic.hint else ""
+    # The hint of a node written in Python is a traceback with several lines.
+    hint = f'<br><i style="white-space:pre-wrap">{escape(diagnostic.hint)}</i>' if diagnostic.hint else ""
     place = f"{diagnostic.file}:{diagnostic.line}" if diagnostic.line else diagnostic.file
     return (f'<p><b style="color:{color}">{escape(diagnostic.severity)} {escape(diagnostic.code)}</b> '
             f"{escape(place)} {escape(diagnostic.node)}: {escape(diagnostic.message)}{hint}</p>")
@@ -38,4 +39,4 @@ def graph_html(graph):
     try:
         return graph.draw("svg")
     except Error as error:
-        return "".join(diagnostic_html(d) for d in error.diagnostics)
+        return error._repr_html_()

@@ -7,6 +7,7 @@
 #include "nodes/load_strokes/svg_path.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo {
 namespace {
@@ -133,6 +134,16 @@ TEST(LoadStrokes, BadFilesAreRefused) {
               test::run_node("LoadStrokes", {}, {{"path", file_of("x", ".txt").string()}});
             }),
             "unknown-format");
+}
+
+TEST(LoadStrokes, GivesWhatExportWroteToJson) {
+  Strokes s;
+  s.strokes.push_back({{{Vec2(0.1 + 0.2, 1e-300), Vec2(1.0 / 3, -0.0)}}, 1.0 / 7, false});
+  s.strokes.push_back(
+      {{{Vec2(0, 0), Vec2(9, 0), Vec2(9, 9)}, {Vec2(1, 1), Vec2(2, 1), Vec2(2, 2)}}, 2.5, true});
+  s.strokes.push_back({{{Vec2(0, 0), Vec2(9, 0), Vec2(9, 9)}}, 0, true});
+  const auto run = test::run_node("LoadStrokes", {}, {{"path", test::exported_json(s)}});
+  EXPECT_EQ(test::bytes_of(run.output<Strokes>("strokes")), test::bytes_of(s));
 }
 
 }  // namespace
