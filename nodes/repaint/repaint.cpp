@@ -85,11 +85,12 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     }
     part.check();
     if (!detail) continue;
-    if (const double sigma = detail->softness * detail->pixel_size / pixel; sigma > 0.2) {
-      cv::Mat picture(height, width, CV_32FC3, pixels), mask(height, width, CV_32F, cover.data());
-      cv::GaussianBlur(picture, picture, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
-      cv::GaussianBlur(mask, mask, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
-    }
+    // Labels are whole pixels. This gives outlines about the partial pixels that exact ones would have.
+    constexpr double kPartial = 0.35;
+    const double sigma = std::hypot(detail->softness * detail->pixel_size / pixel, kPartial);
+    cv::Mat picture(height, width, CV_32FC3, pixels), mask(height, width, CV_32F, cover.data());
+    cv::GaussianBlur(picture, picture, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
+    cv::GaussianBlur(mask, mask, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
     // Profiles become particles around a plane that no axis of the tiles lies in, so that it shows them as
     // sections of a solid do.
     const std::vector<float> sizes = residual::sizes_of_particles({ids, plane}, pixel);
