@@ -13,10 +13,12 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from schedule import multiplies_bfloat16, rate_at, save_checkpoint, update_mean
+
 SIDE, PLANES = 48, 10
 LEAST = 0.2  # overlap: what hardly shares anything with a particle teaches no outline
 CHANNELS = (16, 24, 32, 48)  # at 48, 24, 12 and 6 pixels
-RECORD = np.dtype([("scale", "f4"), ("outside", "f4"), ("overlap", "f4"), ("score", "f4"), ("planes", "u1", (PLANES, SIDE, SIDE))])
+RECORD = np.dtype([("scale", "f4"), ("outside", "f4"), ("overlap", "f4"), ("planes", "u1", (PLANES, SIDE, SIDE))])
 
 
 def convolution(inputs, outputs, size=3):
@@ -113,12 +115,11 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("files", type=pathlib.Path, nargs="+")
     p.add_argument("--work", type=pathlib.Path, required=True)
-    p.add_argument("--steps", type=int, default=6000)
+    p.add_argument("--steps", type=int, default=7000)
     p.add_argument("--batch", type=int, default=64)
-    p.add_argument("--rate", type=float, default=2e-3)
+    p.add_argument("--rate", type=float, default=3e-3)
     p.add_argument("--seed", type=int, default=1)
     p.add_argument("--threads", type=int, default=2)
-    p.add_argument("--half", action="store_true", help="bfloat16")
     a = p.parse_args()
     torch.set_num_threads(a.threads)
     torch.manual_seed(a.seed)
@@ -132,26 +133,27 @@ def main():
     print(sum(w.numel() for w in network.parameters()), "weights", flush=True)
     average = copy.deepcopy(network)
     optimizer = torch.optim.Adam(network.parameters(), lr=a.rate)
-    step, checkpoint, log = 0, a.work / "checkpoint.pt", a.work / "log.csv"
+    half = multiplies_bfloat16()
+    step, seconds, checkpoint, log = 0, 0.0, a.work / "checkpoint.pt", a.work / "log.csv"
     if checkpoint.exists():
         state = torch.load(checkpoint)
         network.load_state_dict(state["network"]), average.load_state_dict(state["average"])
         optimizer.load_state_dict(state["optimizer"])
-        step = state["step"]
+        step, seconds = state["step"], state["seconds"]
     else:
         log.write_text("step,seconds,rate,loss,held_back,overlap_before,overlap_after\n")
     stop = []
+    signal.signal(signal.SIGINT, lambda *_: stop.append(1))
     signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
-    started, losses = time.time(), []
+    started, losses = time.time() - seconds, []
     while step < a.steps and not stop:
         random = np.random.default_rng([a.seed, step])
         x, mask, _ = batch_of(training, random.choice(len(training), a.batch), random, True)
-        done = step / a.steps
-        rate = a.rate * min(1, (step + 1) / 100) * (1 if done < 0.5 else max(0.01, 2 * (1 - done)))
+        rate = rate_at(step, a.steps, a.rate)
         for group in optimizer.param_groups:
             group["lr"] = rate
         optimizer.zero_grad()
-        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=a.half):
+        with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
             out = network(x.contiguous(memory_format=torch.channels_last))
         loss = functional.binary_cross_entropy_with_logits(out.float()[:, 0], mask)
         loss.backward()
@@ -159,21 +161,19 @@ def main():
         optimizer.step()
         losses.append(float(loss))
         step += 1
-        keep = min(0.995, step / (step + 20))
-        with torch.no_grad():
-            for mean, now in zip(average.state_dict().values(), network.state_dict().values()):
-                if mean.dtype.is_floating_point:
-                    mean.mul_(keep).add_(now, alpha=1 - keep)
-                else:
-                    mean.copy_(now)
+        update_mean(average, network, step)
         if step % 250 == 0 or step == a.steps or stop:
-            line = f"{step},{time.time() - started:.0f},{rate:.2e}," + ",".join(f"{v:.4f}" for v in (np.mean(losses), *held_back(average, test)))
+            seconds = time.time() - started
+            line = f"{step},{seconds:.0f},{rate:.2e}," + ",".join(f"{v:.4f}" for v in (np.mean(losses), *held_back(average, test)))
             losses = []
             with log.open("a") as f:
                 f.write(line + "\n")
             print(line, flush=True)
-            torch.save({"network": network.state_dict(), "average": average.state_dict(), "optimizer": optimizer.state_dict(), "step": step}, checkpoint)
+            save_checkpoint(checkpoint, {"network": network.state_dict(), "average": average.state_dict(),
+                                         "optimizer": optimizer.state_dict(), "step": step, "seconds": seconds})
             export(average, a.work / "close_look.onnx")
+    if stop:
+        raise SystemExit(130)
 
 
 if __name__ == "__main__":

@@ -36,7 +36,6 @@ struct Record {
   float scale = 0;    // the planes' constant
   float outside = 0;  // area of the particle that the square does not show, in its pixels
   float overlap = 0;
-  float score = 0;                                        // of the judge
   std::uint8_t planes[segment::kCloseUpPlanes][kPixels];  // the last one: the particle
 };
 
@@ -101,7 +100,7 @@ Rows rows_of(const segment::Network& network, std::uint64_t seed, int number, bo
         if (out.rows.size() % (score < 0.2f ? 64 : 6) != 0) return;
         Record r = record_of(view.look_closely(region, scale), photo, particle,
                              static_cast<double>(areas[particle] * (particle > 0)));
-        r.overlap = static_cast<float>(best), r.score = score;
+        r.overlap = static_cast<float>(best);
         out.records.push_back(r);
       });
   return out;

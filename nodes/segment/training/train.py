@@ -16,6 +16,7 @@ import torch
 from looks import change_looks
 from network import OUTPUTS, Network
 from pictures import Pictures
+from schedule import multiplies_bfloat16, rate_at, save_checkpoint, update_mean
 
 
 def loss_of(logits, target):
@@ -35,12 +36,6 @@ def batch_of(pictures, random, count, size):
     crops = [pictures.crop(random, size) for _ in range(count)]
     color = np.stack([c for c, _ in crops]).transpose(0, 3, 1, 2)
     return torch.from_numpy(np.ascontiguousarray(color)), torch.from_numpy(np.stack([t for _, t in crops]))
-
-
-def multiplies_bfloat16():
-    """Whether the processor has instructions for bfloat16, with which a step takes a third of the time."""
-    flags = pathlib.Path("/proc/cpuinfo").read_text(errors="replace")
-    return "avx512_bf16" in flags or "amx_bf16" in flags
 
 
 def logits_of(network, x, half):
@@ -92,7 +87,7 @@ def main():
 
     half = multiplies_bfloat16()
     network = Network().to(memory_format=torch.channels_last)
-    average = copy.deepcopy(network)  # of the weights: steadier than the last step's
+    average = copy.deepcopy(network)
     optimizer = torch.optim.Adam(network.parameters(), lr=a.rate)
     step, seconds = 0, 0.0
     checkpoint, log = a.work / "checkpoint.pt", a.work / "log.csv"
@@ -120,8 +115,7 @@ def main():
         random = np.random.default_rng([a.seed, step])
         x, target = batch_of(training, random, a.batch, a.size)
         x = change_looks(x, random)
-        done = step / a.steps
-        rate = a.rate * min(1, (step + 1) / 100) * (1 if done < 0.5 else max(0.01, 2 * (1 - done)))
+        rate = rate_at(step, a.steps, a.rate)
         for group in optimizer.param_groups:
             group["lr"] = rate
         optimizer.zero_grad()
@@ -131,13 +125,7 @@ def main():
         optimizer.step()
         losses.append(float(loss))
         step += 1
-        keep = min(0.995, step / (step + 20))
-        with torch.no_grad():
-            for mean, now in zip(average.state_dict().values(), network.state_dict().values()):
-                if mean.dtype.is_floating_point:
-                    mean.mul_(keep).add_(now, alpha=1 - keep)
-                else:
-                    mean.copy_(now)
+        update_mean(average, network, step)
         if step % 200 == 0 or step == last or stop:
             seconds = time.time() - started
             line = f"{step},{seconds:.0f},{rate:.2e},{np.mean(losses):.4f},{held_back_loss(average, held_back, a.size, half):.4f}"
@@ -145,9 +133,8 @@ def main():
             with log.open("a") as f:
                 f.write(line + "\n")
             print(line, f"# {seconds / step * (a.steps - step) / 60:.0f} minutes left", flush=True)
-            torch.save({"network": network.state_dict(), "average": average.state_dict(), "optimizer": optimizer.state_dict(),
-                        "step": step, "seconds": seconds}, checkpoint.with_suffix(".new"))
-            checkpoint.with_suffix(".new").replace(checkpoint)
+            save_checkpoint(checkpoint, {"network": network.state_dict(), "average": average.state_dict(),
+                                         "optimizer": optimizer.state_dict(), "step": step, "seconds": seconds})
             export(average, a.work / "segment.onnx")
     if stop:
         raise SystemExit(130)

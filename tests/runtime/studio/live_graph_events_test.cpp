@@ -1,4 +1,4 @@
-// What pages are told, and the states that they can go back to.
+// Events that pages receive, and the states that they can return to.
 #include <gtest/gtest.h>
 
 #include <set>
