@@ -6,11 +6,11 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "nodes/common/texture/color.h"
 #include "nodes/common/texture/color_medians.h"
 #include "nodes/data/equal_size.h"
 #include "nodes/data/particles.h"
 #include "nodes/residual/outline_depth.h"
+#include "nodes/residual/picture_detail.h"
 #include "nodes/residual/residual_field.h"
 #include "runtime/random.h"
 
@@ -95,7 +95,9 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     // sections of a solid do.
     const std::vector<float> sizes = residual::sizes_of_particles({ids, plane}, pixel);
     Random random(seed, plane_stream, static_cast<std::uint64_t>(s));
-    const Quat turn = Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+    Quat turn;
+    for (int k = 0; k < 4; ++k) turn.coeffs()[k] = random.normal();
+    turn.normalize();
     const double side = 2 * std::hypot(width, height) * pixel;
     const auto place = [&](double x, double y) {
       return Vec3(Vec3::Constant(side / 2) +
@@ -120,18 +122,13 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     }
     particles.binder_color = flat.binder;
     const residual::ResidualField field(*detail, particles, pixel, residual::Keep::Power, part.quiet());
-    part.parallel(static_cast<std::size_t>(height), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t y = begin; y < end; ++y)
-        for (int x = 0; x < width; ++x) {
-          const std::size_t i = y * width + x;
-          const Vec3f mm = place(x + 0.5, static_cast<double>(y) + 0.5).cast<float>();
-          const std::int32_t near = outlines.particle[i];
-          const std::int32_t owner = ids[i] > 0 ? ids[i] - 1 : cover[i] > 0 ? near - 1 : -1;
-          const Vec3f offset =
-              field.mixed(mm, owner, cover[i], outlines.depth[i] * static_cast<float>(pixel), sizes[near]);
-          pixels[i] = srgb_to_linear((linear_to_srgb(pixels[i]) + offset).cwiseMax(0.0f));
-        }
-    });
+    std::vector<std::int32_t> owner(plane, -1);
+    for (std::size_t i = 0; i < plane; ++i)
+      if (cover[i] > 0) owner[i] = (ids[i] > 0 ? ids[i] : outlines.particle[i]) - 1;
+    residual::add_to_picture(
+        pixels,
+        {width, height, pixel, pixel, false, place(0, height), turn * Vec3::UnitX(), turn * Vec3::UnitY()},
+        {ids, plane}, owner, cover, field, part);
   }
   return out;
 }

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/texture/color.h"
-#include "nodes/residual/outline_depth.h"
+#include "nodes/residual/picture_detail.h"
 #include "nodes/residual/residual_field.h"
 #include "nodes/section/cut.h"
 #include "nodes/section/raster.h"
@@ -83,22 +82,10 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
                 const residual::ResidualField& detail, const Work& work) {
   std::vector<std::int32_t> ids(canvas.owner.size());
   for (std::size_t i = 0; i < ids.size(); ++i) ids[i] = canvas.share[i] >= 0.5f ? canvas.owner[i] + 1 : 0;
-  const residual::Outlines outlines =
-      residual::nearest_outlines(ids.data(), grid.width, grid.height, grid.wrap);
-  const std::vector<float> sizes = residual::sizes_of_particles(ids, std::sqrt(grid.mm_x * grid.mm_y));
-  const auto pixel = static_cast<float>(grid.mm_x);
-  work.quiet().parallel(static_cast<std::size_t>(grid.height), 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row)
-      for (int x = 0; x < grid.width; ++x) {
-        const std::size_t at = row * static_cast<std::size_t>(grid.width) + static_cast<std::size_t>(x);
-        const double u = (x + 0.5) * grid.mm_x,
-                     v = (grid.height - static_cast<double>(row) - 0.5) * grid.mm_y;
-        const Vec3f mm = (plane.origin + u * plane.frame.col(0) + v * plane.frame.col(1)).cast<float>();
-        const Vec3f offset = detail.mixed(mm, canvas.owner[at], std::min(canvas.cover[at], 1.0f),
-                                          outlines.depth[at] * pixel, sizes[outlines.particle[at]]);
-        pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
-      }
-  });
+  residual::add_to_picture(pixels,
+                           {grid.width, grid.height, grid.mm_x, grid.mm_y, grid.wrap, plane.origin,
+                            plane.frame.col(0), plane.frame.col(1)},
+                           ids, canvas.owner, canvas.cover, detail, work);
 }
 
 // Paints one section. Where particles overlap, their colors are averaged.
