@@ -1,6 +1,7 @@
 #include "nodes/segment/close_look.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
@@ -73,6 +74,29 @@ Cutout redrawn(const Cutout& candidate, const CloseUp& seen, const cv::Mat& logi
   const auto best = std::max_element(common.begin(), common.end());
   if (*best == 0) return {};
   out.mask = (pieces == static_cast<int>(best - common.begin())) / 255;
+  fill_holes_of(out.mask);
+  return out;
+}
+
+Cutout enlarged(const Cutout& piece, const CloseUp& seen, const cv::Mat& logits, const cv::Size& section,
+                const cv::Size& larger) {
+  const double x = static_cast<double>(larger.width) / section.width,
+               y = static_cast<double>(larger.height) / section.height;
+  const auto scaled = [&](const cv::Rect& r) {
+    const cv::Point from(static_cast<int>(std::lround(r.x * x)), static_cast<int>(std::lround(r.y * y))),
+        to(static_cast<int>(std::lround(r.br().x * x)), static_cast<int>(std::lround(r.br().y * y)));
+    return cv::Rect(from, to);
+  };
+  const cv::Rect square = scaled(seen.square), box = scaled(piece.box);
+  Cutout out;
+  out.box = square & box & cv::Rect(cv::Point(0, 0), larger);
+  cv::Mat logit, near;
+  cv::resize(logits, logit, square.size(), 0, 0, cv::INTER_LINEAR);
+  // Only this piece: what lies within a pixel of the reduced one.
+  cv::dilate(piece.mask, near, cv::Mat::ones(3, 3, CV_8U));
+  cv::resize(near, near, box.size(), 0, 0, cv::INTER_NEAREST);
+  out.mask = (logit(out.box - square.tl()) > 0) / 255;
+  out.mask &= near(out.box - box.tl());
   fill_holes_of(out.mask);
   return out;
 }

@@ -36,5 +36,9 @@ const CloseLook& built_in_close_look();
 // What has positive logits, in one piece with as much of the candidate as possible, without holes; empty if
 // that is nothing. `section`: width and height of the section in pixels.
 Cutout redrawn(const Cutout& candidate, const CloseUp&, const cv::Mat& logits, const cv::Size& section);
+// The same in a larger section of which that one is a reduction: the logits are interpolated there. `piece`:
+// from redrawn().
+Cutout enlarged(const Cutout& piece, const CloseUp&, const cv::Mat& logits, const cv::Size& section,
+                const cv::Size& larger);
 
 }  // namespace terrazzo::segment

@@ -9,6 +9,7 @@
 #include "nodes/segment/attempt.h"
 #include "nodes/segment/faint_bodies.h"
 #include "nodes/segment/network_particles.h"
+#include "nodes/segment/sharpness.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -46,6 +47,13 @@ void ignore_objects(const std::vector<float>& not_material, int section, const I
     if (const auto k = parts.ids[i]; k > 0 && counts(k - 1)) ignored[image.index(0, 0, section) + i] = 1;
 }
 
+// What color separates in one section, and what the network says of it.
+struct Bodies {
+  Particles2D particles;
+  std::vector<bool> faint;     // of label k at k − 1
+  std::vector<double> scores;  // likewise
+};
+
 // The bodies that color separates and the instances of the network as rivals: the better score wins where
 // they overlap. The colors of the phases must be distinct. Then color decides what is binder, and the
 // outlines of bodies are finer, so their scores count more, and bodies without a rival stay even if the
@@ -53,8 +61,10 @@ void ignore_objects(const std::vector<float>& not_material, int section, const I
 // network replace a body only if they cover most of it: white specks in a pore are no reason to lose the
 // pore.
 NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instance> instances,
-                                    const Particles2D& bodies, const std::vector<bool>& faint, int width,
-                                    int height, const SplitOptions& split, const Work& work) {
+                                    const Bodies& by_color, int width, int height, const SplitOptions& split,
+                                    const Work& work) {
+  const Particles2D& bodies = by_color.particles;
+  const std::vector<double>& scores = by_color.scores;
   constexpr double kBinder = 0.45;  // of `inside`
   const double lead = 1.6, least = NetworkOptions().min_score, explained = 0.7, first_of_all = 2;
   std::vector<Instance> all;
@@ -71,8 +81,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
     if (const auto id = bodies.labels[i]; id > 0)
       all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
   for (std::int32_t k = 0; k < count; ++k)
-    if (faint[k] && view.largest_inside(all[first + k].pixels) < kBinder) all[first + k].pixels.clear();
-  const std::vector<double> scores = view.scores(bodies.labels, count, work);
+    if (by_color.faint[k] && view.largest_inside(all[first + k].pixels) < kBinder) all[first + k].pixels.clear();
   for (std::int32_t k = 0; k < count; ++k)
     all[first + k].score = std::max(least, lead * scores[k]), all[first + k].explained = explained;
   NetworkOptions how;
@@ -125,13 +134,14 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   std::optional<Network> own;
   const Network* given = options.network;
   if (network && !given) given = &own.emplace(built_in_model());
+  if (network) s.network_scale = options.network_scale > 0 ? options.network_scale : network_scale_of(photo);
   // The maps of a stack can exceed its memory many times over, so those of large stacks are made again when
   // needed.
   const bool keep = photo.pixels.size() <= (16u << 20);
   std::vector<std::shared_ptr<const NetworkView>> views(sections);
   const auto view_of = [&](int i, const Work& part) {
     if (views[i]) return views[i];
-    auto view = std::make_shared<const NetworkView>(photo, i, *given, part);
+    auto view = std::make_shared<const NetworkView>(photo, i, s.network_scale, *given, part);
     if (keep) views[i] = view;
     return std::shared_ptr<const NetworkView>(view);
   };
@@ -158,8 +168,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   }
   const Image& image = ignored.empty() ? photo : covered;
 
-  std::vector<Particles2D> by_color;      // of each section
-  std::vector<std::vector<bool>> faints;  // of their bodies
+  std::vector<Bodies> by_color;  // of each section
   std::vector<bool> distinct;
   const auto by_clusters = [&] {
     std::vector<Mosaic> mosaics;
@@ -185,12 +194,14 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     for (int i = 0; i < sections; ++i) {
       Particles2D bodies = find_particles(mosaics[i], s.ground, options.split, work);
       const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
-      a.add(bodies, network
-                        ? confidences_of(view_of(i, work.quiet())->scores(bodies.labels, count, work.quiet()))
-                        : std::vector<double>(count, 1.0));
-      if (!network) continue;
-      faints.push_back(faint_bodies(mosaics[i], bodies.labels, count));
-      by_color.push_back(std::move(bodies));
+      if (!network) {
+        a.add(std::move(bodies), std::vector<double>(count, 1.0));
+        continue;
+      }
+      std::vector<double> scores = view_of(i, work.quiet())->scores(bodies.labels, count, work.quiet());
+      a.add(bodies, confidences_of(scores));
+      std::vector<bool> faint = faint_bodies(mosaics[i], bodies.labels, count);
+      by_color.push_back({std::move(bodies), std::move(faint), std::move(scores)});
     }
     return a;
   };
@@ -199,7 +210,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     Attempt a;
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.quiet());
-      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], faints[i], image.width,
+      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], image.width,
                                                   image.height, options.split, work.quiet())
                                : view->choose(instances_of(i), how, work.quiet()));
     }

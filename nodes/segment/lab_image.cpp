@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
@@ -94,32 +95,17 @@ LabImage median3(const LabImage& image, const Work& work) {
 
 LabImage blur(const LabImage& image, float sigma, const Work& work) {
   if (sigma <= 0) return image;
-  const int radius = static_cast<int>(std::ceil(3 * sigma));
-  std::vector<float> kernel(radius + 1);
-  float total = 0;
-  for (int i = 0; i <= radius; ++i) {
-    kernel[i] = std::exp(-0.5f * static_cast<float>(i * i) / (sigma * sigma));
-    total += i == 0 ? kernel[i] : 2 * kernel[i];
-  }
-  for (auto& k : kernel) k /= total;
-  LabImage across = image, out = image;
-  each_row(image, work, [&](int y) {
-    for (int x = 0; x < image.width; ++x) {
-      Vec3f sum = kernel[0] * image.pixels[image.index(x, y)];
-      for (int i = 1; i <= radius; ++i)
-        sum += kernel[i] * (image.pixels[image.index(mirrored(x - i, image.width), y)] +
-                            image.pixels[image.index(mirrored(x + i, image.width), y)]);
-      across.pixels[across.index(x, y)] = sum;
-    }
-  });
-  each_row(image, work, [&](int y) {
-    for (int x = 0; x < image.width; ++x) {
-      Vec3f sum = kernel[0] * across.pixels[across.index(x, y)];
-      for (int i = 1; i <= radius; ++i)
-        sum += kernel[i] * (across.pixels[across.index(x, mirrored(y - i, image.height))] +
-                            across.pixels[across.index(x, mirrored(y + i, image.height))]);
-      out.pixels[out.index(x, y)] = sum;
-    }
+  const int size = 2 * static_cast<int>(std::ceil(3 * sigma)) + 1;
+  const cv::Mat kernel = cv::getGaussianKernel(size, sigma, CV_32F);
+  LabImage out = image;
+  const auto matrix = [](const LabImage& of) {
+    return cv::Mat(of.height, of.width, CV_32FC3, const_cast<Vec3f*>(of.pixels.data()));
+  };
+  const cv::Mat from = matrix(image), to = matrix(out);
+  work.parallel(image.height, rows, [&](std::size_t b, std::size_t e) {
+    const cv::Range part(static_cast<int>(b), static_cast<int>(e));
+    cv::Mat strip = to.rowRange(part);  // the filter sees the rows around the strip too
+    cv::sepFilter2D(from.rowRange(part), strip, CV_32F, kernel, kernel, {-1, -1}, 0, cv::BORDER_REFLECT);
   });
   return out;
 }

@@ -37,11 +37,13 @@ struct Tile {
 // pixels.
 struct View {
   int width, height;
+  bool mirrored;
   cv::Mat padded, maps[4];
 
   View(const cv::Mat& picture, double scale)
       : width(std::max(1, static_cast<int>(std::lround(picture.cols * scale)))),
-        height(std::max(1, static_cast<int>(std::lround(picture.rows * scale)))) {
+        height(std::max(1, static_cast<int>(std::lround(picture.rows * scale)))),
+        mirrored(scale >= 1) {
     cv::Mat scaled = picture;
     if (width != picture.cols || height != picture.rows)
       cv::resize(picture, scaled, cv::Size(width, height), 0, 0,
@@ -91,10 +93,15 @@ struct View {
 }  // namespace
 
 cv::Mat encoded_section(const Image& image, int section) {
-  cv::Mat m(image.height, image.width, CV_32FC3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const Vec3f c = linear_to_srgb(image.at(x, y, section).cwiseMax(0.0f).cwiseMin(1.0f));
+  return encoded_window(image, section, {0, 0, image.width, image.height});
+}
+
+cv::Mat encoded_window(const Image& image, int section, const cv::Rect& window) {
+  cv::Mat m(window.size(), CV_32FC3);
+  for (int y = 0; y < m.rows; ++y)
+    for (int x = 0; x < m.cols; ++x) {
+      const Vec3f c = linear_to_srgb(
+          image.at(window.x + x, window.y + y, section).cwiseMax(0.0f).cwiseMin(1.0f));
       m.at<cv::Vec3f>(y, x) = cv::Vec3f(c[0], c[1], c[2]);
     }
   return m;
@@ -123,10 +130,9 @@ Network::Network(std::string bytes)
           "distance, not material")) {}
 Network::~Network() = default;
 
-std::vector<NetworkMaps> Network::operator()(const Image& image, int section, std::span<const double> scales,
+std::vector<NetworkMaps> Network::operator()(const cv::Mat& picture, std::span<const double> scales,
                                              const Work& work) const {
   cv::setNumThreads(1);  // tiles are the unit of parallel work
-  const cv::Mat picture = encoded_section(image, section);
   std::vector<View> views;
   std::vector<Tile> tiles;
   for (const double scale : scales) {
@@ -140,19 +146,22 @@ std::vector<NetworkMaps> Network::operator()(const Image& image, int section, st
     for (std::size_t t = begin; t < end; ++t) {
       View& view = views[tiles[t].view];
       const cv::Mat tile = view.padded(tiles[t].seen);
-      cv::Mat mirrored;
-      cv::flip(tile, mirrored, 1);
-      std::array<cv::Mat, 4> maps = model_->maps_of(tile), other = model_->maps_of(mirrored);
-      for (int k = 0; k < 4; ++k) {
-        cv::flip(other[k], other[k], 1);
-        maps[k] = 0.5 * (maps[k] + other[k]);
+      std::array<cv::Mat, 4> maps = model_->maps_of(tile);
+      if (view.mirrored) {
+        cv::Mat mirrored;
+        cv::flip(tile, mirrored, 1);
+        std::array<cv::Mat, 4> other = model_->maps_of(mirrored);
+        for (int k = 0; k < 4; ++k) {
+          cv::flip(other[k], other[k], 1);
+          maps[k] = 0.5 * (maps[k] + other[k]);
+        }
       }
       view.keep(tiles[t], maps);
     }
   });
   std::vector<NetworkMaps> all(views.size());
   work.quiet().parallel(views.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) all[k] = views[k].maps_of_size(image.width, image.height);
+    for (std::size_t k = begin; k < end; ++k) all[k] = views[k].maps_of_size(picture.cols, picture.rows);
   });
   return all;
 }

@@ -21,8 +21,9 @@ struct NetworkMaps {
   std::vector<float> not_material;  // ruler, frame, text
 };
 
-// A section, encoded sRGB from 0 to 1 in three channels.
+// A section or a part of it, encoded sRGB from 0 to 1 in three channels.
 cv::Mat encoded_section(const Image&, int section);
+cv::Mat encoded_window(const Image&, int section, const cv::Rect&);
 
 class Network {
  public:
@@ -33,11 +34,12 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  // The section is seen at each of the `scales` (1: pixel by pixel), and the maps are enlarged or reduced to
-  // its size. Maps are the means of those of the picture and of its mirror image. The picture is cut into
-  // tiles that depend on its size alone, and each tile is computed by one thread, so the result is the same
-  // on any number of threads. Throws Error "bad-model" if the output has another shape.
-  std::vector<NetworkMaps> operator()(const Image&, int section, std::span<const double> scales,
+  // `picture`: see encoded_section(). It is seen at each of the `scales` (1: pixel by pixel), and the maps are
+  // enlarged or reduced to its size. At scales from 1 on, maps are the means of those of the picture and of
+  // its mirror image. The picture is cut into tiles that depend on its size alone, and each tile is computed
+  // by one thread, so the result is the same on any number of threads. Throws Error "bad-model" if the output
+  // has another shape.
+  std::vector<NetworkMaps> operator()(const cv::Mat& picture, std::span<const double> scales,
                                       const Work&) const;
 
  private:

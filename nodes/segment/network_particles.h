@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "nodes/data/image.h"
@@ -20,17 +21,20 @@ struct NetworkOptions {
 };
 
 // What the network says of one section at several scales, since it knows particles of a few to a few hundred
-// pixels.
+// pixels. Sizes, labels and pixels of all functions are those of the section, whatever its reduction.
 class NetworkView {
  public:
-  NetworkView(const Image&, int section, const Network&, const Work&);
+  // `reduction`, up to 1: the scale of the picture that stands for the section (sharpness.h).
+  NetworkView(const Image&, int section, double reduction, const Network&, const Work&);
 
   // The candidates of all scales with the outlines of the close look and their scores, about the overlap with
   // a particle to expect: what the judge expects of the candidate, less if its outline changed. Several may
-  // cover the same place.
+  // cover the same place. Candidates that the judge is sure of keep their outlines; those that lie mostly on
+  // better ones are left out.
   std::vector<Instance> instances(const NetworkOptions&, const Work&) const;
 
-  // The evidence of each candidate of at least min_area pixels, to learn from; in a fixed order.
+  // The evidence of each candidate of at least min_area pixels, to learn from; in a fixed order. Without a
+  // reduction only.
   using Visit = std::function<void(const Cutout&, const Evidence&, const ScaleView&)>;
   void visit_candidates(double min_area, const Work&, const Visit&) const;
 
@@ -51,7 +55,7 @@ class NetworkView {
   // The mean of `inside` over these pixels, at the scale where it is largest; 0 without pixels.
   double largest_inside(const std::vector<std::int32_t>& pixels) const;
   // From 0 to 1, how likely a pixel shows a ruler, frame or text.
-  const std::vector<float>& not_material() const { return scales_.front().maps().not_material; }
+  std::vector<float> not_material() const;
 
  private:
   struct Place {
@@ -67,8 +71,18 @@ class NetworkView {
   };
   std::vector<Judged> judged(const NetworkOptions&, const Work&) const;
   std::optional<Evidence> look_at(const Place&, double min_area, Cutout&) const;  // none: too small
+  std::size_t reduced_index(int x, int y) const;  // of a pixel of the section, in the maps
+  std::vector<std::int32_t> reduced(const std::vector<std::int32_t>& labels) const;
+  struct Looked {
+    Cutout region;    // of the reduced section; empty: nothing is left
+    Cutout enlarged;  // of the section, if that is reduced
+    double score = 0;
+  };
+  std::vector<Looked> close_looks(std::span<const Judged* const>, double min_area) const;
 
-  cv::Mat picture_;                // as encoded_section() gives it
+  int width_, height_;             // of the section
+  double reduction_;
+  cv::Mat picture_;                // the reduced section, as encoded_section() gives it
   std::vector<ScaleView> scales_;  // the first one is the picture's own
   cv::Mat near_border_;            // the largest of all scales
 };

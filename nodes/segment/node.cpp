@@ -76,6 +76,7 @@ void compute(Context& c) {
   options.split.min_area = c.optional_number("min_area").value_or(-1);
   options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
   options.method = c.choice<Method>("method");
+  options.network_scale = c.optional_number("network_scale").value_or(0);
   options.min_confidence = c.number("min_confidence");
   options.delight = c.choice<Delight>("delight");
   options.seed = c.seed();
@@ -112,6 +113,7 @@ void compute(Context& c) {
     c.metric("min_area", s.min_area);
     c.metric("by_network", s.method == Method::Network || s.method == Method::Both);
     c.metric("by_clusters", s.method == Method::Clusters || s.method == Method::Both);
+    if (s.network_scale > 0) c.metric("network_scale", s.network_scale);
     c.metric("by_scribbles", s.method == Method::Scribbles);
     c.metric("uncertain", static_cast<double>(uncertain));
     c.metric("unlikely_dropped", static_cast<double>(s.unlikely));
@@ -149,7 +151,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 11)
+  return NodeType("Segment", 12)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")
@@ -215,6 +217,11 @@ NodeType segment_node() {
                      .doc_("Network of method network, an ONNX file; see the README for its inputs and "
                            "outputs. built_in: "
                            "the one that comes with the program."))
+      .parameter(Parameter::optional_number("network_scale", "auto")
+                     .range(0.05, 1)
+                     .doc_("Reduction of the picture before the network sees it. Try 0.5 if large particles "
+                           "are found in pieces. auto: 1 for sharp pictures, less for pictures that are out "
+                           "of focus or were enlarged."))
       .parameter(Parameter::number("min_confidence", 0)
                      .range(0, 1)
                      .doc_("Particles with a lower confidence are dropped. Particles of clusters have a "

@@ -29,6 +29,7 @@ struct SegmentOptions {
   Hint binder;
   SplitOptions split;
   const Network* network = nullptr;  // of Method::Auto and Method::Network; none: the built-in one
+  double network_scale = 0;  // of the picture that the network sees, up to 1; 0: by its sharpness
   Scribbles scribbles;        // needed by Method::Scribbles, which Method::Auto chooses if there are any
   double min_confidence = 0;  // particles below it are dropped
   IgnoredPixels ignored;
@@ -52,6 +53,7 @@ struct Segmentation {
   Image delit;    // the photograph without its light; empty if colors were measured in the photograph
   Ground ground;  // empty if labels were given
   Method method = Method::Clusters;  // the method used
+  double network_scale = 0;          // 0: without the network
   double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
   bool distinct_phases = false;  // colors differ much more between phases than within them

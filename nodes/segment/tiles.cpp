@@ -7,6 +7,7 @@
 #include <string>
 
 #include "graph/diagnostic.h"
+#include "nodes/segment/sharpness.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -212,6 +213,8 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
   std::optional<Network> network;  // read once
   if (!options.network && options.method != Method::Clusters)
     options.network = &network.emplace(built_in_model());
+  if (options.method != Method::Clusters && options.network_scale <= 0)
+    options.network_scale = network_scale_of(photo);  // one for all tiles
   const std::vector<Tile> tiles = tiles_of(photo.width, photo.height, photo.sections);
   // The first stage takes about as long as four tiles.
   const double share = 4.0 / static_cast<double>(4 + tiles.size());
@@ -228,6 +231,7 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
     found.result.distinct_phases = some.result.distinct_phases;
     found.result.reliability = some.result.reliability;
   }
+  found.result.network_scale = options.network_scale;
   found.ignored = options.ignored;
   Mosaicked picture(photo, found);
   for (std::size_t k = 0; k < tiles.size(); ++k) {

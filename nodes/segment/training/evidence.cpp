@@ -75,7 +75,7 @@ Rows rows_of(const segment::Network& network, std::uint64_t seed, int number, bo
   std::vector<std::int64_t> areas(photo.labels.count() + 1, 0);
   for (const auto id : photo.labels.ids) ++areas[id];
   Rows out;
-  const segment::NetworkView view(photo.image, 0, network, {});
+  const segment::NetworkView view(photo.image, 0, 1, network, {});
   view.visit_candidates(
       segment::NetworkOptions().min_area, {},
       [&](const segment::Cutout& region, const segment::Evidence& evidence, const segment::ScaleView& scale) {

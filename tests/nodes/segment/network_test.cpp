@@ -67,7 +67,7 @@ TEST(Network, AMirroredPictureHasMirroredMaps) {
     }
   const Network network(built_in_model());
   const std::array<double, 1> whole{1.0};
-  const NetworkMaps a = network(image, 0, whole, {}).front(), b = network(mirrored, 0, whole, {}).front();
+  const NetworkMaps a = network(encoded_section(image, 0), whole, {}).front(), b = network(encoded_section(mirrored, 0), whole, {}).front();
   EXPECT_GT(*std::max_element(a.inside.begin(), a.inside.end()), 0.5f);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {
@@ -299,7 +299,7 @@ TEST(Network, TheSameBitsOnAnyNumberOfThreads) {
   std::vector<NetworkMaps> all, half;
   for (const int threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    auto maps = network(image, 0, std::array{1.0, 0.5}, {});
+    auto maps = network(encoded_section(image, 0), std::array{1.0, 0.5}, {});
     all.push_back(std::move(maps[0])), half.push_back(std::move(maps[1]));
   }
   for (const auto& m : half) EXPECT_EQ(m.inside, half[0].inside);
@@ -315,7 +315,7 @@ TEST(Network, AnySizeAndScale) {
   const Network network(built_in_model());
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 70}, {33, 64}, {65, 31}})
     for (const double scale : {0.5, 1.0, 1.4}) {
-      const NetworkMaps m = network(noise_image(w, h), 0, std::array{scale}, {})[0];
+      const NetworkMaps m = network(encoded_section(noise_image(w, h), 0), std::array{scale}, {})[0];
       ASSERT_EQ(m.inside.size(), static_cast<std::size_t>(w) * h);
       for (const auto* map : {&m.inside, &m.border, &m.distance, &m.not_material})
         for (const float v : *map) ASSERT_TRUE(v >= 0 && v <= 1);
