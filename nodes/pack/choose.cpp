@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/rank.h"
+#include "nodes/common/stereology/outline_features.h"
 
 namespace terrazzo::pack {
 namespace {
@@ -11,11 +13,21 @@ constexpr double kNoBinder = 0.97;  // volume fraction
 constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
 constexpr double kNear = 0.02;      // how far above the estimate it is tried
 constexpr int kIterations = 1500;
+constexpr double kEquiaxed = 0.6;  // least axis ratio
+constexpr std::size_t kFew = 5;    // profiles
 
 }  // namespace
 
-Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
-                     const packing::PackOptions& options, const Work& work) {
+double usual_axis_ratio(const Profiles& profiles) {
+  std::vector<double> ratios;
+  for (const Profile& p : profiles.profiles)
+    if (!p.touches_border && p.contour.size() >= 3)
+      ratios.push_back(outline_features(p.contour)[OutlineFeature::Aspect]);
+  return ratios.size() < kFew ? 0 : median(std::move(ratios));
+}
+
+Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
+                     const Particles* start, const packing::PackOptions& options, const Work& work) {
   packing::PopulationOptions any = options.population;
   any.fills_space = true;
   const double fraction =
@@ -40,6 +52,14 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
     } catch (const Error& e) {
       if (e.diagnostic().code != "jammed" && e.diagnostic().code != "overlap") throw;
     }
+  if (fraction >= kDense && profiles != nullptr && usual_axis_ratio(*profiles) >= kEquiaxed) {
+    choice.method = Method::Laguerre;
+    choice.reason = fmt::format(
+        "a volume fraction of {:.3f} leaves joints between neighbors only: the particles are cells of a "
+        "Laguerre tessellation with joints and round edges",
+        fraction);
+    return choice;
+  }
   choice.method = Method::Grow;
   choice.reason = fmt::format(
       "rigid particles do not reach the volume fraction of {:.3f}: they are packed less "

@@ -57,8 +57,8 @@ void compute(Context& c) {
     options.population = packing::read_population(c);
     options.population.binder_gap = c.optional_number("gap").value_or(0);
     options.interrupted = packing::saving(c, shapes);
-    choice =
-        pack::choose_method(distribution, shapes, c.optional<Particles>("start"), options, work.part(0, 0.5));
+    choice = pack::choose_method(distribution, shapes, c.optional<Profiles>("profiles"),
+                                 c.optional<Particles>("start"), options, work.part(0, 0.5));
     work = work.part(0.5, 1);
     if (choice.method != Method::Anneal) c.warn(choice.reason);
   }
@@ -80,7 +80,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType pack_node() {
-  NodeType type("Pack", 4);
+  NodeType type("Pack", 5);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "
@@ -98,8 +98,9 @@ NodeType pack_node() {
       .output("figure", "Image", "Plots of sizes and of what the method can be judged by")
       .parameter(
           Parameter::choice("method", "auto", {"auto", "anneal", "grow", "laguerre"})
-              .doc_("auto: laguerre if at least 0.97 of the volume is particles, else anneal, or grow if "
-                    "rigid particles jam. anneal: rigid particles. grow: particles with flat contacts. "
+              .doc_("auto: laguerre if at least 0.97 of the volume is particles, or 0.75 and the input "
+                    "`profiles` shows equiaxed ones; else anneal, or grow if rigid particles jam. anneal: "
+                    "rigid particles. grow: particles with flat contacts. "
                     "laguerre: convex cells of given volumes."))
       .parameter(Parameter::choice("on_jam", "shrink", {"fail", "shrink", "drop"})
                      .doc_("anneal: what to do if the particles cannot be packed, see Anneal"));

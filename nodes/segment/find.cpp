@@ -81,7 +81,8 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
     if (const auto id = bodies.labels[i]; id > 0)
       all[first + id - 1].pixels.push_back(static_cast<std::int32_t>(i));
   for (std::int32_t k = 0; k < count; ++k)
-    if (by_color.faint[k] && view.largest_inside(all[first + k].pixels) < kBinder) all[first + k].pixels.clear();
+    if (by_color.faint[k] && view.largest_inside(all[first + k].pixels) < kBinder)
+      all[first + k].pixels.clear();
   for (std::int32_t k = 0; k < count; ++k)
     all[first + k].score = std::max(least, lead * scores[k]), all[first + k].explained = explained;
   NetworkOptions how;

@@ -100,8 +100,8 @@ cv::Mat encoded_window(const Image& image, int section, const cv::Rect& window) 
   cv::Mat m(window.size(), CV_32FC3);
   for (int y = 0; y < m.rows; ++y)
     for (int x = 0; x < m.cols; ++x) {
-      const Vec3f c = linear_to_srgb(
-          image.at(window.x + x, window.y + y, section).cwiseMax(0.0f).cwiseMin(1.0f));
+      const Vec3f c =
+          linear_to_srgb(image.at(window.x + x, window.y + y, section).cwiseMax(0.0f).cwiseMin(1.0f));
       m.at<cv::Vec3f>(y, x) = cv::Vec3f(c[0], c[1], c[2]);
     }
   return m;

@@ -34,11 +34,11 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  // `picture`: see encoded_section(). It is seen at each of the `scales` (1: pixel by pixel), and the maps are
-  // enlarged or reduced to its size. At scales from 1 on, maps are the means of those of the picture and of
-  // its mirror image. The picture is cut into tiles that depend on its size alone, and each tile is computed
-  // by one thread, so the result is the same on any number of threads. Throws Error "bad-model" if the output
-  // has another shape.
+  // `picture`: see encoded_section(). It is seen at each of the `scales` (1: pixel by pixel), and the maps
+  // are enlarged or reduced to its size. At scales from 1 on, maps are the means of those of the picture and
+  // of its mirror image. The picture is cut into tiles that depend on its size alone, and each tile is
+  // computed by one thread, so the result is the same on any number of threads. Throws Error "bad-model" if
+  // the output has another shape.
   std::vector<NetworkMaps> operator()(const cv::Mat& picture, std::span<const double> scales,
                                       const Work&) const;
 

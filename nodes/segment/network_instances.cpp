@@ -110,7 +110,8 @@ std::vector<NetworkView::Looked> NetworkView::close_looks(std::span<const Judged
     Cutout after = redrawn(before, close_ups[k], seen[k], picture_.size());
     if (after.area() < min_area) continue;
     out[k].score = some[k]->score * std::pow(overlap_of(before, after), kPower);
-    if (reduction_ < 1) out[k].enlarged = enlarged(after, close_ups[k], seen[k], picture_.size(), {width_, height_});
+    if (reduction_ < 1)
+      out[k].enlarged = enlarged(after, close_ups[k], seen[k], picture_.size(), {width_, height_});
     out[k].region = std::move(after);
   }
   return out;
@@ -119,7 +120,7 @@ std::vector<NetworkView::Looked> NetworkView::close_looks(std::span<const Judged
 std::vector<Instance> NetworkView::instances(const NetworkOptions& given, const Work& work) const {
   NetworkOptions options = given;
   options.min_area *= reduction_ * reduction_;
-  constexpr double kSure = 0.8;          // an outline that good cannot be improved
+  constexpr double kSure = 0.8;        // an outline that good cannot be improved
   constexpr std::size_t kRound = 256;  // candidates that are looked at before the next ones are chosen
   const std::vector<Judged> all = without_versions(judged(options, work));  // best first
   std::vector<Instance> instances;

@@ -23,7 +23,7 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
 
 }  // namespace
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(3.11 - 8.14 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(2.96 - 7.72 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, double reduction, const Network& network,
                          const Work& work)

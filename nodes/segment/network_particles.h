@@ -80,7 +80,7 @@ class NetworkView {
   };
   std::vector<Looked> close_looks(std::span<const Judged* const>, double min_area) const;
 
-  int width_, height_;             // of the section
+  int width_, height_;  // of the section
   double reduction_;
   cv::Mat picture_;                // the reduced section, as encoded_section() gives it
   std::vector<ScaleView> scales_;  // the first one is the picture's own

@@ -29,7 +29,7 @@ struct SegmentOptions {
   Hint binder;
   SplitOptions split;
   const Network* network = nullptr;  // of Method::Auto and Method::Network; none: the built-in one
-  double network_scale = 0;  // of the picture that the network sees, up to 1; 0: by its sharpness
+  double network_scale = 0;          // of the picture that the network sees, up to 1; 0: by its sharpness
   Scribbles scribbles;        // needed by Method::Scribbles, which Method::Auto chooses if there are any
   double min_confidence = 0;  // particles below it are dropped
   IgnoredPixels ignored;

@@ -16,7 +16,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType tessellate_node() {
-  NodeType type("Tessellate", 4);
+  NodeType type("Tessellate", 5);
   type.doc_(
           "Fills a periodic box with particles of given volumes, for granite, breccia, gravel, metals and "
           "ceramics, which are denser than rigid particles can be packed. Each particle has its own shape.")

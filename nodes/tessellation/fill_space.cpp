@@ -107,7 +107,7 @@ void Filler::add(std::vector<Mesh>& meshes, const Work& work) {
 void Filler::fill_by_laguerre(const Work& work) {
   Grains grains =
       laguerre_grains(population_.particles.box, result_.wanted, options_.grains, work.part(0, 0.8));
-  result_.gap = grains.gap, result_.faces = grains.faces;
+  result_.gap = grains.gap, result_.faces = grains.faces, result_.roundness = grains.roundness;
   add(grains.meshes, work.part(0.8, 1));
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh.h"
@@ -31,7 +32,7 @@ class Laguerre {
  public:
   Laguerre(const Vec3& box, const std::vector<double>& volume, const LaguerreOptions& options,
            const Work& work)
-      : box_(box), wanted_(volume), options_(options), work_(work) {
+      : box_(box), wanted_(volume), options_(options), work_(work), roundness_(options.roundness) {
     stretch_ = options.stretch / std::cbrt(options.stretch.prod());
     total_ = std::accumulate(volume.begin(), volume.end(), 0.0);
   }
@@ -43,12 +44,13 @@ class Laguerre {
   const LaguerreOptions& options_;
   const Work& work_;
   double total_ = 0;
+  double roundness_;
   Seeds seeds_;                    // in the space in which grains are equiaxed
   std::vector<ConvexCell> cells_;  // in the space of the box
   std::vector<double> rounding_;   // share of its volume that a cell keeps when rounded
 
   bool shrinks() const {
-    return options_.roundness > 0 || options_.gap.value_or(total_ < (1 - kWhole) * box_.prod() ? 1 : 0) > 0;
+    return roundness_ > 0 || options_.gap.value_or(total_ < (1 - kWhole) * box_.prod() ? 1 : 0) > 0;
   }
   void make_cells(const Work& work);
   double gap_of(std::size_t i, const Plane& plane, double gap) const;
@@ -57,6 +59,8 @@ class Laguerre {
   void measure_rounding(double gap, const Work& work);
   std::vector<double> volumes(double gap, const Work& work) const;
   double fitting_gap(const Work& work) const;
+  double excess_of(double gap, const Work& work) const;
+  void limit_roundness(const Work& work);
 };
 
 // The cells of the seeds, stretched to the box.
@@ -89,13 +93,13 @@ ConvexCell Laguerre::shrunk(std::size_t i, double gap) const {
 Mesh Laguerre::solid(const ConvexCell& cell, double longest_edge) const {
   Mesh mesh = cell_mesh(cell);
   if (longest_edge > 0) split_long_edges(mesh, longest_edge);
-  round_edges(mesh, planes_of(cell), cell.centroid, options_.roundness);
+  round_edges(mesh, planes_of(cell), cell.centroid, roundness_);
   return mesh;
 }
 
 void Laguerre::measure_rounding(double gap, const Work& work) {
   rounding_.assign(cells_.size(), 1);
-  if (options_.roundness == 0) return;
+  if (roundness_ == 0) return;
   work.parallel(cells_.size(), 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (const ConvexCell c = shrunk(i, gap); c.volume > 0)
@@ -111,12 +115,31 @@ std::vector<double> Laguerre::volumes(double gap, const Work& work) const {
   return v;
 }
 
+// Volume of all grains with this gap beyond what is wanted.
+double Laguerre::excess_of(double gap, const Work& work) const {
+  const auto v = volumes(gap, work);
+  return std::accumulate(v.begin(), v.end(), 0.0) - total_;
+}
+
+// Makes edges sharper until the least gap leaves room for the grains.
+void Laguerre::limit_roundness(const Work& work) {
+  constexpr int kSteps = 7;  // to a hundredth
+  const double most = std::exchange(roundness_, 0);
+  if (!shrinks()) return;  // no binder
+  measure_rounding(0, work);
+  const double gap = options_.least_gap * fitting_gap(work);
+  double low = 0, high = most;
+  for (int k = 0; k <= kSteps && low < high; ++k) {
+    roundness_ = k == 0 ? high : 0.5 * (low + high);
+    measure_rounding(gap, work);
+    (excess_of(gap, work) >= 0 ? low : high) = roundness_;
+  }
+  roundness_ = low;
+}
+
 // The gap at which all grains together have their volume.
 double Laguerre::fitting_gap(const Work& work) const {
-  const auto excess = [&](double gap) {
-    const auto v = volumes(gap, work);
-    return std::accumulate(v.begin(), v.end(), 0.0) - total_;
-  };
+  const auto excess = [&](double gap) { return excess_of(gap, work); };
   double low = 0, above = excess(0);
   if (above <= 0) return 0;
   double high = 0.2 * std::cbrt(box_.prod() / static_cast<double>(cells_.size())), below = excess(high);
@@ -145,6 +168,8 @@ Grains Laguerre::run() {
   for (int round = 0;; ++round) {
     make_cells(enlarging.quiet());
     for (std::size_t i = 0; i < n; ++i) cell_volume[i] = cells_[i].volume;
+    if (round == 0 && roundness_ > 0 && options_.least_gap > 0 && !options_.gap)
+      limit_roundness(enlarging.quiet());
     measure_rounding(out.gap, enlarging.quiet());
     out.gap = !shrinks() ? 0 : options_.gap ? *options_.gap : fitting_gap(enlarging.quiet());
     out.volume = volumes(out.gap, enlarging.quiet());
@@ -173,13 +198,14 @@ Grains Laguerre::run() {
   for (const ConvexCell& c : cells_)
     out.faces += static_cast<double>(c.faces.size()) / static_cast<double>(n);
 
+  out.roundness = roundness_;
   const double mean = diameter_of(box_.prod() / static_cast<double>(n));
   const Warp warp(box_, mean, options_.roughness * mean, options_.seed);
   out.meshes.resize(n);
   work_.part(0.8, 1).parallel(n, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const ConvexCell cell = shrunk(i, out.gap);
-      double edge = options_.roundness > 0 ? kEdges * diameter_of(cell.volume) : 0;
+      double edge = roundness_ > 0 ? kEdges * diameter_of(cell.volume) : 0;
       if (options_.roughness > 0) edge = edge > 0 ? std::min(edge, kRoughEdges * mean) : kRoughEdges * mean;
       Mesh& mesh = out.meshes[i] = solid(cell, edge);
       for (Vec3& v : mesh.vertices) {

@@ -13,8 +13,11 @@ namespace terrazzo::tessellation {
 struct LaguerreOptions {
   // Thickness of the binder between two grains, mm. Nothing: what makes the grains have their volumes.
   std::optional<double> gap;
-  double gap_variation = 0;     // each face's gap is within 1 ± this, times the mean; 0 to 1
-  double roundness = 0;         // of edges, see round_edges; 0 to 1
+  double gap_variation = 0;  // each face's gap is within 1 ± this, times the mean; 0 to 1
+  double roundness = 0;      // of edges, see round_edges; 0 to 1
+  // If `gap` is nothing: the least gap, relative to the one that sharp grains would have. Edges are sharper
+  // than `roundness` as far as that needs; 0: they never are.
+  double least_gap = 0;
   double roughness = 0;         // root mean square displacement of faces, in mean grain diameters
   int rounds = 5;               // of moving seeds to the centroids of their cells
   Vec3 stretch = Vec3::Ones();  // proportions of an equiaxed grain along x, y, z
@@ -26,9 +29,10 @@ struct Grains {
   std::vector<Mesh> meshes;    // in the coordinates of the box; a grain at the border extends beyond it
   std::vector<double> volume;  // mm³, before roughness
   double gap = 0;              // mean, mm
-  double worst = 0;            // largest relative error of a volume, apart from a factor common to all
-  double faces = 0;            // mean number of faces of a cell
-  int iterations = 0;          // Newton steps
+  double roundness = 0;
+  double worst = 0;    // largest relative error of a volume, apart from a factor common to all
+  double faces = 0;    // mean number of faces of a cell
+  int iterations = 0;  // Newton steps
 };
 
 // `volume`: of each grain, mm³, at most the box in total; the rest is binder. The volumes are met exactly

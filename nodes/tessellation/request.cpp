@@ -8,6 +8,12 @@
 #include "nodes/tessellation/joints.h"
 
 namespace terrazzo::tessellation {
+namespace {
+
+// Joints keep about half of the binder, and the corners that edges leave get the other half.
+constexpr double kLeastGap = 0.45;
+
+}  // namespace
 
 NodeType& declare_fill(NodeType& type) {
   return type
@@ -26,9 +32,8 @@ NodeType& declare_fill(NodeType& type) {
       .parameter(
           Parameter::optional_number("roundness", "auto")
               .range(0, 1)
-              .doc_("How round edges are. 0 is sharp. auto: laguerre makes them sharp; grow as round as "
-                    "the corners of the input `profiles`, as far as the volume fraction leaves room, or "
-                    "sharp without that input."))
+              .doc_("How round edges are. 0 is sharp. auto: as round as the corners of the input `profiles`, "
+                    "as far as the volume fraction leaves room, or sharp without that input."))
       .parameter(Parameter::number("roughness", 0)
                      .range(0, 0.1)
                      .doc_("laguerre: root mean square displacement of faces, in mean grain diameters. Both "
@@ -75,8 +80,8 @@ FillOptions read_fill(const Context& c, Method method) {
   o.grains.gap_variation = c.optional_number("gap_variation").value_or(joints.variation);
   if (const auto roundness = c.optional_number("roundness"))
     o.grains.roundness = *roundness;
-  else if (method == Method::Grow && profiles != nullptr)
-    o.grains.roundness = measure_roundness(*profiles);
+  else if (profiles != nullptr)
+    o.grains.roundness = measure_roundness(*profiles), o.grains.least_gap = kLeastGap;
   o.grains.roughness = c.number("roughness");
   o.grains.rounds = static_cast<int>(c.integer("rounds"));
   if (const auto s = c.numbers("stretch"); s.size() == 3) o.grains.stretch = Vec3(s[0], s[1], s[2]);

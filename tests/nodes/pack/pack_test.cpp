@@ -1,6 +1,11 @@
 // Which method Pack chooses, and that each one delivers.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "nodes/pack/choose.h"
 #include "nodes/packing/audit.h"
 #include "tests/nodes/anneal/packing_support.h"
 #include "tests/support/code_of.h"
@@ -8,13 +13,29 @@
 namespace terrazzo {
 namespace {
 
-test::NodeRun pack_any(double fraction, std::map<std::string, std::string> settings = {}) {
+test::NodeRun pack_any(double fraction, std::map<std::string, std::string> settings = {},
+                       const Profiles* profiles = nullptr) {
   const Shapes shapes = test::shapes_of({test::ellipsoid(2)});
   const SizeDistribution d = test::distribution(shapes, 1, 1.6, fraction);
   settings.emplace("count", "80");
-  return test::run_node(
-      "Pack", {{"shapes", Value::of<Shapes>(shapes)}, {"distribution", Value::of<SizeDistribution>(d)}},
-      settings, {}, 2);
+  std::multimap<std::string, Value> inputs{{"shapes", Value::of<Shapes>(shapes)},
+                                           {"distribution", Value::of<SizeDistribution>(d)}};
+  if (profiles) inputs.emplace("profiles", Value::of<Profiles>(*profiles));
+  return test::run_node("Pack", inputs, settings, {}, 2);
+}
+
+// Twelve ellipses of 64 points, in rows of four.
+Profiles ellipses(double axis_ratio) {
+  Profiles out;
+  for (int k = 0; k < 12; ++k) {
+    Profile p;
+    for (int i = 0; i < 64; ++i) {
+      const double t = 2 * std::numbers::pi * i / 64;
+      p.contour.push_back(Vec2(3.0 * (k % 4) + std::cos(t), 3.0 * (k / 4) + axis_ratio * std::sin(t)));
+    }
+    out.profiles.push_back(std::move(p));
+  }
+  return out;
 }
 
 TEST(Pack, ChoosesByDensity) {
@@ -27,6 +48,23 @@ TEST(Pack, ChoosesByDensity) {
     EXPECT_EQ(run.warnings.empty(), method == "by_anneal");
     EXPECT_LT(packing::audit(run.output<Shapes>("shapes"), run.output<Particles>("particles")).worst, 1e-4);
   }
+}
+
+TEST(Pack, DenseEquiaxedParticlesAreCellsWithJoints) {
+  const Profiles round = ellipses(0.9), flat = ellipses(0.4);
+  EXPECT_NEAR(pack::usual_axis_ratio(round), 0.9, 0.01);
+  EXPECT_NEAR(pack::usual_axis_ratio(flat), 0.4, 0.01);
+  Profiles cut = round;
+  for (Profile& p : cut.profiles) p.touches_border = true;
+  EXPECT_EQ(pack::usual_axis_ratio(cut), 0);
+  const auto dense = pack_any(0.82, {}, &round);
+  EXPECT_EQ(dense.metrics.at("by_laguerre"), 1);
+  EXPECT_GT(dense.metrics.at("gap"), 0);
+  EXPECT_GT(dense.metrics.at("roundness"), 0.05);
+  EXPECT_NEAR(dense.metrics.at("packing_fraction"), 0.82, 0.005);
+  EXPECT_LT(packing::audit(dense.output<Shapes>("shapes"), dense.output<Particles>("particles")).worst, 1e-4);
+  EXPECT_EQ(pack_any(0.82, {}, &flat).metrics.at("by_grow"), 1);
+  EXPECT_EQ(pack_any(0.35, {}, &round).metrics.at("by_anneal"), 1);
 }
 
 TEST(Pack, MethodsCanBeForced) {

@@ -67,7 +67,8 @@ TEST(Network, AMirroredPictureHasMirroredMaps) {
     }
   const Network network(built_in_model());
   const std::array<double, 1> whole{1.0};
-  const NetworkMaps a = network(encoded_section(image, 0), whole, {}).front(), b = network(encoded_section(mirrored, 0), whole, {}).front();
+  const NetworkMaps a = network(encoded_section(image, 0), whole, {}).front(),
+                    b = network(encoded_section(mirrored, 0), whole, {}).front();
   EXPECT_GT(*std::max_element(a.inside.begin(), a.inside.end()), 0.5f);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "nodes/common/geometry/mesh.h"
 #include "nodes/common/stereology/random_sections.h"
 #include "nodes/packing/audit.h"
 #include "nodes/tessellation/corner_roundness.h"
+#include "nodes/tessellation/laguerre.h"
 #include "tests/nodes/anneal/packing_support.h"
 #include "tests/support/code_of.h"
 
@@ -63,6 +65,31 @@ TEST(Tessellate, LaguerreLeavesTheBinder) {
       packing::audit(run.output<Shapes>("shapes"), run.output<Particles>("particles"), 1.05 * gap).worst,
       1e-4);
   EXPECT_LT(run.metrics.at("worst_volume_error"), 1e-3);
+}
+
+// Edges take no more of the binder than the least gap leaves them, and the volumes stay.
+TEST(Tessellate, LaguerreRoundsEdgesAsFarAsJointsLeaveRoom) {
+  const Vec3 box = Vec3::Constant(10);
+  std::vector<double> volume;
+  for (int k = 0; k < 60; ++k) volume.push_back(0.8 * 1000 / 60 * (1 + 0.4 * std::sin(k)));
+  tessellation::LaguerreOptions options;
+  const auto sharp = tessellation::laguerre_grains(box, volume, options);
+  const double total = std::accumulate(volume.begin(), volume.end(), 0.0);
+  options.least_gap = 0.5;
+  for (const double wanted : {0.05, 0.9}) {
+    options.roundness = wanted;
+    const auto grains = tessellation::laguerre_grains(box, volume, options);
+    EXPECT_LE(grains.roundness, wanted);
+    EXPECT_GT(grains.gap, 0.45 * sharp.gap);
+    EXPECT_LT(grains.gap, sharp.gap);
+    EXPECT_NEAR(std::accumulate(grains.volume.begin(), grains.volume.end(), 0.0) / total, 1, 2e-3);
+    if (wanted == 0.05)
+      EXPECT_EQ(grains.roundness, wanted);
+    else
+      EXPECT_LT(grains.gap, 0.6 * sharp.gap) << "as round as possible";
+  }
+  options.least_gap = 0, options.roundness = 0.9;
+  EXPECT_EQ(tessellation::laguerre_grains(box, volume, options).roundness, 0.9);
 }
 
 TEST(Tessellate, RoundedAndRoughGrainsDoNotOverlap) {
