@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kNoBinder = 0.97;  // volume fraction
 constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
-constexpr double kNear = 0.02;      // how far above the estimate it is tried
 constexpr int kIterations = 1500;
 constexpr double kEquiaxed = 0.6;  // least axis ratio
 constexpr std::size_t kFew = 5;    // profiles
@@ -44,7 +43,7 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
   if (fraction < kDense) try {
       packing::PackOptions pack = options;
       pack.iterations = kIterations;
-      pack.hopeless = kNear;
+      pack.hopeless = 0;  // if a sample jams, all do, or after long
       choice.packed = packing::pack_particles(distribution, shapes, start, pack, work);
       choice.method = Method::Anneal;
       choice.reason = fmt::format("rigid particles reach the volume fraction of {:.3f}", fraction);
