@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "graph/diagnostic.h"
 #include "graph/node_type.h"
 #include "nodes/common/geometry/voxel_grids.h"
-#include "nodes/common/geometry/voxel_source.h"
 #include "nodes/morph_solids/morph_solids.h"
+#include "nodes/patch_fill/read_solid.h"
 #include "runtime/context.h"
 #include "runtime/memory.h"
 
@@ -16,31 +15,9 @@ namespace terrazzo {
 namespace {
 
 using namespace morph_solids;
-
-constexpr int kLeast = 16;  // edge, voxels: two patches
+using namespace patch_fill;
 
 std::string text_of(const Vec3i& n) { return fmt::format("{} × {} × {}", n.x(), n.y(), n.z()); }
-
-VoxelBox box_of(const Volume& volume, const std::string& input) {
-  const VoxelBox box = voxel_box(volume);
-  if (!box.periodic)
-    throw Error("not-periodic", fmt::format("the solid at input {} does not tile", input),
-                "connect a solid that tiles, for example from SolidOptimize");
-  return box;
-}
-
-Torus<Vec3f> colors_of(const Volume& volume, const VoxelBox& box, const std::string& input) {
-  const auto names = grid_names(volume);
-  const bool has = std::find(names.begin(), names.end(), "Cd") != names.end();
-  std::optional<VoxelSource> source;
-  if (has) source.emplace(volume, "Cd", box);
-  if (!has || source->components() != 3)
-    throw Error("no-color", fmt::format("the solid at input {} has no color grid 'Cd'", input),
-                "connect a solid texture, for example from SolidOptimize");
-  Torus<Vec3f> out(box.size, Vec3f::Zero());
-  source->read(0, box.size.z(), out.at.data());
-  return out;
-}
 
 // The field of weights that the parameters describe.
 Torus<float> weight_of(const Context& c, const Vec3i& size) {
@@ -85,7 +62,7 @@ Torus<float> weight_of(const Volume& volume, const std::string& name, const Voxe
 
 void compute(Context& c) {
   const Volume &a = c.input<Volume>("a"), &b = c.input<Volume>("b");
-  const VoxelBox box = box_of(a, "a"), other = box_of(b, "b");
+  const VoxelBox box = solid_box(a, "a"), other = solid_box(b, "b");
   if (box.size != other.size)
     throw Error("size-mismatch",
                 fmt::format("solid a has {} voxels, solid b {}", text_of(box.size), text_of(other.size)),
@@ -95,21 +72,18 @@ void compute(Context& c) {
                 fmt::format("a voxel of solid a is {:.6g} mm wide, one of solid b {:.6g} mm", box.spacing.x(),
                             other.spacing.x()),
                 "make both with one pixel size");
-  if (box.size.minCoeff() < kLeast)
-    throw Error("too-small", fmt::format("the solids have {} voxels", text_of(box.size)),
-                fmt::format("use solids of at least {0} × {0} × {0} voxels", kLeast));
-  require_memory(morph_memory(box.size), c.memory(), "the solid between");
+  require_memory(fill_memory(box.size), c.memory(), "the solid between");
   const Volume* weights = c.optional<Volume>("weights");
   const Torus<float> weight = weights ? weight_of(*weights, c.text("grid"), box) : weight_of(c, box.size);
-  MorphSettings s;
+  FillSettings s;
   s.iterations.clear();
   for (const auto n : c.ints("iterations")) s.iterations.push_back(static_cast<int>(n));
   s.exponent = c.number("exponent"), s.window = c.number("window"), s.overuse = c.number("overuse");
   s.seed = c.seed();
-  const MorphResult r =
-      morph(colors_of(a, box, "a"), colors_of(b, box, "b"), weight, s, c.work().part(0, 0.97));
+  const FillResult r =
+      morph(read_solid(a, box, "a"), read_solid(b, box, "b"), weight, s, c.work().part(0, 0.97));
   c.metric("levels", r.levels);
-  c.metric("synthesized", static_cast<double>(r.synthesized) / static_cast<double>(weight.at.size()));
+  c.metric("synthesized", static_cast<double>(r.filled) / static_cast<double>(weight.at.size()));
   Volume volume;
   volume.resolution = box.size;
   add_vector_grid(volume, "Cd", box.size, box.spacing.x(), c.work().part(0.97, 1),

@@ -10,8 +10,8 @@
 #include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/common/geometry/voxel_source.h"
 #include "nodes/common/texture/color.h"
-#include "nodes/morph_solids/color_morph.h"
-#include "nodes/morph_solids/finish.h"
+#include "nodes/patch_fill/color_morph.h"
+#include "nodes/patch_fill/finish.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -20,6 +20,7 @@ namespace terrazzo {
 namespace {
 
 using namespace morph_solids;
+using namespace patch_fill;
 
 constexpr int kSize = 32;
 
@@ -146,7 +147,7 @@ TEST(MorphSolids, RestoresDetail) {
   };
   EXPECT_LT(step(field), 0.7 * step(grain));
   const Torus<float> weight(grain.size, 0.5f);
-  restore_detail({grain, grain}, weight, field, Work());
+  restore_detail({grain, grain}, weight, Torus<float>(grain.size, 1), field, Work());
   EXPECT_NEAR(step(field) / step(grain), 0.9, 0.1);
 }
 
@@ -226,9 +227,9 @@ TEST(MorphSolids, RejectsWhatDoesNotFit) {
     });
   };
   const Volume a = volume_of(blobs());
-  const Torus<Vec3f> small(Vec3i(32, 32, 8), Vec3f::Zero());
+  const Torus<Vec3f> thin(Vec3i(32, 32, 8), Vec3f::Zero()), small(Vec3i(32, 32, 16), Vec3f::Zero());
   EXPECT_EQ(code(a, volume_of(small)), "size-mismatch");
-  EXPECT_EQ(code(volume_of(small), volume_of(small)), "too-small");
+  EXPECT_EQ(code(volume_of(thin), volume_of(thin)), "too-small");
   EXPECT_EQ(code(a, volume_of(fibers(), false)), "not-periodic");
   EXPECT_EQ(code(a, volume_of(Torus<Vec3f>(Vec3i::Constant(kSize), Vec3f::Constant(0.5f)))), "one-color");
   Volume weights;

@@ -1,11 +1,11 @@
-#include "nodes/morph_solids/matches.h"
+#include "nodes/patch_fill/matches.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "runtime/random.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 namespace {
 
 constexpr int kPasses = 3;
@@ -96,15 +96,25 @@ void improve(Matches& matches, const MatchLevel& level, const std::vector<float>
         Place best = matches.at[k];
         float score = 0, distance = 0;
         bool first = true;
+        const Vec3i here = patch_place(k, patches);
+        const auto at_home = [&](const Place& p) {
+          const Vec3i by = Vec3i(p.x, p.y, p.z) - 2 * here;
+          bool out = choice.apart > 0;
+          for (int a = 0; a < 3; ++a) {
+            const int d = wrapped(by[a], n[a]);
+            out = out && std::min(d, n[a] - d) < choice.apart;
+          }
+          return out;
+        };
+        constexpr float kExcluded = 1e30f;
         const auto consider = [&](const Place& p) {
           const float* f = &level.features[level.texture.index(p.x, p.y, p.z) * dims];
           float d = 0;
           for (std::size_t i = 0; i < dims; ++i) d += (query[i] - f[i]) * (query[i] - f[i]);
-          const float s = d * overuse.of(p);
+          const float s = d * overuse.of(p) + (at_home(p) ? kExcluded : 0);
           if (first || s < score) best = p, score = s, distance = d, first = false;
         };
         consider(best);
-        const Vec3i here = patch_place(k, patches);
         for (int a = 0; a < 3; ++a)
           for (const int side : {-1, 1}) {
             Vec3i other = here;
@@ -131,4 +141,4 @@ void improve(Matches& matches, const MatchLevel& level, const std::vector<float>
   }
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

@@ -4,10 +4,10 @@
 #include <array>
 #include <vector>
 
-#include "nodes/morph_solids/torus.h"
+#include "nodes/patch_fill/torus.h"
 #include "runtime/work.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 
 constexpr int kPatch = 8;  // edge of a patch, voxels
 
@@ -32,4 +32,4 @@ class PatchSpace {
   double share_ = 0;
 };
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

@@ -1,11 +1,11 @@
-#include "nodes/morph_solids/blend.h"
+#include "nodes/patch_fill/blend.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "nodes/solids/matching/cover.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 namespace {
 
 constexpr int kShifts = 4;
@@ -29,7 +29,8 @@ std::vector<float> weights_of(const Matches& matches, const MatchLevel& level, d
 }  // namespace
 
 void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>& matches,
-           const Torus<float>& weight, const BlendChoice& choice, Torus<Vec3f>& field, const Work& work) {
+           const Torus<float>& weight, const Torus<float>& free, const BlendChoice& choice,
+           Torus<Vec3f>& field, const Work& work) {
   const Vec3i n = field.size, patches = matches[0].patches;
   const std::array<std::vector<float>, 2> trust = {weights_of(matches[0], levels[0], choice.exponent),
                                                    weights_of(matches[1], levels[1], choice.exponent)};
@@ -44,7 +45,7 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
       for (std::size_t x = 0; x < static_cast<std::size_t>(n.x()); ++x) {
         const std::size_t here = row * static_cast<std::size_t>(n.x()) + x;
         const float w = weight.at[here];
-        if (w <= 0 || w >= 1) continue;
+        if (free.at[here] <= 0) continue;
         value.clear(), share.clear();
         for (std::size_t s = 0; s < 2; ++s) {
           const std::size_t from = value.size();
@@ -88,4 +89,4 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
   });
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

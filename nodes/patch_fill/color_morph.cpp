@@ -1,4 +1,4 @@
-#include "nodes/morph_solids/color_morph.h"
+#include "nodes/patch_fill/color_morph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "nodes/common/geometry/principal_axes.h"
 #include "nodes/common/texture/color.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 namespace {
 
 // The rank of a value, 0 to 1. The middle of the ranks if the table has the value several times.
@@ -93,4 +93,4 @@ Vec3f ColorMorph::to_linear(const Vec3f& value, float w) const {
   return oklab_to_linear(lab).cwiseMax(0.0f);
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

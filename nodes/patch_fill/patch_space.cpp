@@ -1,4 +1,4 @@
-#include "nodes/morph_solids/patch_space.h"
+#include "nodes/patch_fill/patch_space.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "runtime/random.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 namespace {
 
 using Basis = std::array<std::array<float, kPatch>, kPatch>;
@@ -142,4 +142,4 @@ std::vector<float> PatchSpace::describe(const Torus<Vec3f>& field, int stride, c
   return out;
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

@@ -1,10 +1,10 @@
-#include "nodes/morph_solids/finish.h"
+#include "nodes/patch_fill/finish.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 namespace {
 
 constexpr int kScales = 2;
@@ -43,7 +43,7 @@ std::vector<Torus<Vec3f>> scales_of(const Torus<Vec3f>& field, const Work& work)
 }  // namespace
 
 void restore_detail(const std::array<Torus<Vec3f>, 2>& textures, const Torus<float>& weight,
-                    Torus<Vec3f>& field, const Work& work) {
+                    const Torus<float>& free, Torus<Vec3f>& field, const Work& work) {
   std::array<std::array<Vec3, kScales>, 2> wanted;  // mean squares
   for (std::size_t s = 0; s < 2; ++s) {
     const auto scales = scales_of(textures[s], work);
@@ -58,7 +58,7 @@ void restore_detail(const std::array<Torus<Vec3f>, 2>& textures, const Torus<flo
     Vec3 have = Vec3::Zero(), want = Vec3::Zero();
     for (std::size_t i = 0; i < weight.at.size(); ++i) {
       const double w = weight.at[i];
-      if (w <= 0 || w >= 1) continue;
+      if (free.at[i] <= 0) continue;
       have += scales[k].at[i].cast<double>().cwiseAbs2();
       const Vec3 deviation = (1 - w) * wanted[0][k].cwiseSqrt() + w * wanted[1][k].cwiseSqrt();
       want += deviation.cwiseAbs2();
@@ -68,9 +68,8 @@ void restore_detail(const std::array<Torus<Vec3f>, 2>& textures, const Torus<flo
       gain[c] =
           static_cast<float>(have[c] > 0 ? std::clamp(std::sqrt(want[c] / have[c]), 1.0, kMostGain) : 1);
     for (std::size_t i = 0; i < weight.at.size(); ++i)
-      if (weight.at[i] > 0 && weight.at[i] < 1)
-        field.at[i] += (gain.array() - 1).matrix().cwiseProduct(scales[k].at[i]);
+      if (free.at[i] > 0) field.at[i] += (gain.array() - 1).matrix().cwiseProduct(scales[k].at[i]);
   }
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

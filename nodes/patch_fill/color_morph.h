@@ -7,7 +7,7 @@
 #include "nodes/common/texture/quantiles.h"
 #include "nodes/data/linear.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 
 // Each solid has its own principal axes in Oklab. Along the k-th axis, a value's rank in its solid decides
 // which value of the other solid corresponds to it (one-dimensional optimal transport). The working value of
@@ -36,4 +36,4 @@ class ColorMorph {
   std::array<Quantiles, 3> working_;
 };
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

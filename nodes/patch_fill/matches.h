@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/morph_solids/patch_space.h"
-#include "nodes/morph_solids/torus.h"
+#include "nodes/patch_fill/patch_space.h"
+#include "nodes/patch_fill/torus.h"
 #include "runtime/work.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 
 struct Place {
   std::int16_t x = 0, y = 0, z = 0;
@@ -36,6 +36,7 @@ struct MatchLevel {
 
 struct SearchChoice {
   double overuse = 1;
+  int apart = 0;  // matches less than this from the patch's own place are not used, voxels along every axis
   std::uint64_t seed = 1;  // differs from search to search
 };
 
@@ -49,4 +50,4 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
 void improve(Matches&, const MatchLevel&, const std::vector<float>& wanted, int dimensions,
              const SearchChoice&, const Work&);
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill

@@ -5,7 +5,7 @@
 
 #include "nodes/data/linear.h"
 
-namespace terrazzo::morph_solids {
+namespace terrazzo::patch_fill {
 
 inline int wrapped(int i, int n) {
   i %= n;
@@ -50,4 +50,4 @@ Torus<T> half(const Torus<T>& fine, const T& zero) {
   return out;
 }
 
-}  // namespace terrazzo::morph_solids
+}  // namespace terrazzo::patch_fill
