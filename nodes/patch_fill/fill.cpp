@@ -115,8 +115,9 @@ Torus<Vec3f> first_field(const Level& level, std::uint64_t seed) {
 
 double fill_memory(const Vec3i& size) {
   const double voxels = size.cast<double>().prod();
-  // Two solids' descriptions and the result's, one eighth as many; the colors, working colors and filters.
-  return voxels * (2.25 * kDims * sizeof(float) + 10 * sizeof(Vec3f) + 6 * sizeof(float));
+  // Two solids' descriptions and the result's, one eighth as many; about 20 arrays of colors while the finish
+  // takes scales apart, and some of numbers.
+  return voxels * (2.25 * kDims * sizeof(float) + 20 * sizeof(Vec3f) + 8 * sizeof(float));
 }
 
 FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& work) {

@@ -43,7 +43,7 @@ struct FillResult {
 // Every patch over a free voxel gets a match in each solid that has a share of it. Throws Error "one-color".
 FillResult fill(const FillProblem&, const FillSettings&, const Work&);
 
-// Peak memory in bytes.
+// Peak memory in bytes, including the arrays of the problem.
 double fill_memory(const Vec3i& size);
 
 }  // namespace terrazzo::patch_fill
