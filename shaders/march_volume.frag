@@ -15,7 +15,7 @@ uniform int samples;
 uniform vec3 camera, forward, right, up;  // mm
 uniform vec2 half_size;
 uniform vec3 low, high, per_mm, middle, light, size;
-uniform float step_length, soft_gradient, int_scale, int_offset, reference_step, opacity;
+uniform float step_length, soft_gradient, int_scale, int_offset, reference_step, opacity, ambient;
 uniform float skin_noise, skin_scale;
 uniform uint skin_seed;
 uniform vec3 background;
@@ -39,7 +39,7 @@ layout(location = 1) out vec4 counts_out;
 
 float density(vec3 p) { return textureLod(scan, (p - 0.5) / size, 0.0).r * 65535.0; }
 
-float lambert(float cosine) { return 0.38 + 0.67 * max(0.0, cosine) + 0.10 * max(0.0, -cosine); }
+float lambert(float cosine) { return ambient + 0.67 * max(0.0, cosine) + 0.10 * max(0.0, -cosine); }
 
 vec3 clamped(vec3 p) { return min(max(p, low), high); }
 

@@ -174,6 +174,7 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
   gl.Uniform2f(gl.at("half_size"), f.camera.half_width, f.camera.half_height);
   gl.set("low", f.low), gl.set("high", f.high), gl.set("per_mm", f.per_mm);
   gl.set("middle", f.middle), gl.set("light", f.light);
+  gl.set("ambient", static_cast<float>(scene_.look.ambient));
   gl.set("step_length", f.step), gl.set("soft_gradient", f.soft_gradient);
   gl.set("int_scale", f.int_scale), gl.set("int_offset", f.int_offset);
   gl.set("reference_step", f.reference_step);

@@ -117,7 +117,9 @@ class Marcher {
         low_(four(frame.low)),
         high_(four(frame.high)),
         per_mm_(four(frame.per_mm)),
-        tissues_(scene.intervals.tissue) {
+        tissues_(scene.intervals.tissue),
+        ambient_(static_cast<float>(scene.look.ambient)),
+        translucency_(static_cast<float>(scene.look.translucency)) {
     for (const float e : scene.intervals.edges) edges_.push_back(scene.scan.stored(e));
     for (const TissueLook& t : frame.tissues) {
       auto& placed = placed_.emplace_back();
@@ -141,6 +143,7 @@ class Marcher {
 
  private:
   static constexpr int kTable = 4096;
+  static constexpr float kLamp = 0.67f;
   static constexpr float kOpaque = 1.0f / 255;  // end a ray when less than this passes
   static constexpr float kFaint = 1.0f / 512;   // skip detail of contributions smaller than this
 
@@ -174,8 +177,8 @@ class Marcher {
   }
 
   // Ambient light, a lamp, and a little light from behind so that shapes facing away still show.
-  static float lambert(float cosine) {
-    return 0.38f + 0.67f * std::max(0.0f, cosine) + 0.10f * std::max(0.0f, -cosine);
+  float lambert(float cosine) const {
+    return ambient_ + kLamp * std::max(0.0f, cosine) + 0.10f * std::max(0.0f, -cosine);
   }
 
   [[gnu::always_inline]] Four position(const Ray& ray, float t) const {
@@ -230,6 +233,19 @@ class Marcher {
   }
 
   void trace(const Ray& ray, Four& color, float& left, FrameCounts& counts) const {
+    walk(ray, counts, [&](bool cut, float t0, float length, float d0, float d1, int i0, int i1) {
+      segment(ray, cut, t0, length, d0, d1, i0, i1, color, left, counts);
+      if (left >= kOpaque) return true;
+      left = 0;
+      return false;
+    });
+  }
+
+  // Calls see(cut, t0, length, d0, d1, i0, i1) for each step along the ray that may meet tissue: where it
+  // begins, the densities at its ends and their intervals. `cut`: the ray enters through tissue. Ends when
+  // `see` returns false.
+  template <class See>
+  [[gnu::always_inline]] void walk(const Ray& ray, FrameCounts& counts, See&& see) const {
     const float h = frame_.step, length = ray.to - ray.from;
     const int last = static_cast<int>(std::ceil(length / h));
     const bool skip = scene_.look.skip_empty;
@@ -263,11 +279,7 @@ class Marcher {
       }
       const int i1 = interval(d1, i0);
       if (i0 != i1 || tissues_[i0] >= 0) {
-        segment(ray, cut, t0, t - t0, d0, d1, i0, i1, color, left, counts);
-        if (left < kOpaque) {
-          left = 0;
-          return;
-        }
+        if (!see(cut, t0, t - t0, d0, d1, i0, i1)) return;
       }
       d0 = d1, t0 = t, i0 = i1;
       if (distance > 0)
@@ -288,10 +300,10 @@ class Marcher {
   }
 
   // Treats density as linear from one sample to the next: splits the segment into pieces of one tissue each,
-  // with exact lengths.
-  void segment(const Ray& ray, bool cut, float t0, float length, float d0, float d1, int i, int i1,
-               Four& color, float& left, FrameCounts& counts) const {
-    float lit = -1, from = 0;
+  // with exact lengths. Calls see(tissue, from, to, density in the middle) with fractions of the segment.
+  template <class See>
+  [[gnu::always_inline]] void split(float d0, float d1, int i, int i1, See&& see) const {
+    float from = 0;
     const float inverse = 1 / (d1 - d0);  // used only if the intervals differ
     while (true) {
       float to = 1;
@@ -299,16 +311,50 @@ class Marcher {
         const float edge = i1 > i ? edges_[i] : edges_[i - 1];
         to = std::min(1.0f, std::max(from, (edge - d0) * inverse));
       }
-      if (const int tissue = tissues_[i]; tissue >= 0 && to > from) {
-        const float middle = 0.5f * (from + to), t = t0 + middle * length, d = d0 + (d1 - d0) * middle;
-        const Four p = position(ray, t);
-        if (lit < 0) lit = light(ray, p, t, cut);
-        piece(tissue, p, d, (to - from) * length, lit, color, left, counts);
-      }
+      if (const int tissue = tissues_[i]; tissue >= 0 && to > from)
+        see(tissue, from, to, d0 + (d1 - d0) * (0.5f * (from + to)));
       if (i == i1) return;
       i += i1 > i ? 1 : -1;
       from = to;
     }
+  }
+
+  void segment(const Ray& ray, bool cut, float t0, float length, float d0, float d1, int i, int i1,
+               Four& color, float& left, FrameCounts& counts) const {
+    float lit = -1;
+    split(d0, d1, i, i1, [&](int tissue, float from, float to, float d) {
+      const float t = t0 + 0.5f * (from + to) * length;
+      const Four p = position(ray, t);
+      if (lit < 0) {
+        lit = light(ray, p, t, cut);
+        if (translucency_ > 0) lit += translucency_ * (ambient_ + kLamp * transmitted(p, counts) - lit);
+      }
+      piece(tissue, p, d, (to - from) * length, lit, color, left, counts);
+    });
+  }
+
+  // The share of the lamp's light that reaches a point through the tissues (Beer and Lambert).
+  float transmitted(const Four& p, FrameCounts& counts) const {
+    constexpr float kDark = 8;  // optical depth that ends a ray
+    Ray ray;
+    const Vec3f direction = frame_.light.cwiseProduct(frame_.per_mm);
+    ray.to = 1e30f;
+    Vec3f inverse;
+    for (int k = 0; k < 3; ++k) {
+      const float safe = std::abs(direction[k]) < 1e-9f ? 1e-9f : direction[k];
+      inverse[k] = 1 / safe;
+      ray.to = std::min(ray.to, ((safe > 0 ? frame_.high[k] : frame_.low[k]) - p[k]) * inverse[k]);
+    }
+    ray.origin = p, ray.direction = four(direction), ray.inverse = four(inverse);
+    float depth = 0;
+    if (ray.to > 0)
+      walk(ray, counts, [&](bool, float, float length, float d0, float d1, int i0, int i1) {
+        split(d0, d1, i0, i1, [&](int tissue, float from, float to, float) {
+          depth += (to - from) * length * frame_.tissues[static_cast<std::size_t>(tissue)].light_extinction;
+        });
+        return depth < kDark;
+      });
+    return exp_minus(depth);
   }
 
   void piece(int tissue, const Four& p, float d, float length, float lit, Four& color, float& left,
@@ -346,6 +392,7 @@ class Marcher {
   Four low_, high_, per_mm_;
   std::vector<float> edges_;  // in stored values
   std::vector<int> tissues_;
+  float ambient_, translucency_;
   std::vector<std::array<Placed, kScales>> placed_;
   std::array<float, kTable> extinction_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/gl/open_gl.h"
 #include "nodes/data/opaque_volume.h"
@@ -46,6 +47,12 @@ Look look_of(const Context& c) {
     throw bad("window", fmt::format("window goes from {} to {}", window[0], window[1]),
               "write the lower density first");
   l.modulation = c.number("modulation"), l.opacity = c.number("opacity");
+  l.ambient = c.number("ambient");
+  l.translucency = c.number("translucency"), l.penetration = c.number("penetration");
+  const auto lamp = exactly<3>(c, "lamp");
+  l.lamp = Vec3(lamp[0], lamp[1], lamp[2]);
+  if (!(l.lamp.norm() > 1e-6))
+    throw bad("lamp", "the lamp has no direction", "write three numbers that are not all 0");
   l.skin_noise = c.number("skin_noise"), l.skin_scale = c.number("skin_scale");
   const auto clip = exactly<6>(c, "clip");
   for (int k = 0; k < 3; ++k) {
@@ -62,6 +69,15 @@ Look look_of(const Context& c) {
   l.background = Vec3f(float(b[0]), float(b[1]), float(b[2]));
   l.seed = c.seed();
   return l;
+}
+
+void check(const NodeParameters& p) {
+  if (p.number("translucency") > 0 && p.choice<Device>("device") != Device::Cpu)
+    throw Error("bad-value",
+                fmt::format("translucency is {}, but the shader of device {} has none",
+                            p.number("translucency"), p.text("device")),
+                "set device: cpu, or translucency: 0")
+        .parameter("device");
 }
 
 // Shows the first frame with few rays.
@@ -148,7 +164,8 @@ NodeType render_volume_node() {
                   .doc_(
                       "Tissues: name, lower and upper density (Hounsfield units), then in any order a color, "
                       "`texture` or `noise`, and `opacity=…` (per step of a thousandth of the longest edge; "
-                      "default: max(0.3, int + 0.25)). Densities outside all classes are transparent."))
+                      "default: max(0.3, int + 0.25)) and `penetration=…` (mm, see there). Densities outside "
+                      "all classes are transparent."))
           .parameter(Parameter::text("grid", "")
                          .doc_("Grid of the volume. Empty: the first grid with one number per voxel."))
           .parameter(Parameter::choice("mode", "textured", {"textured", "plain"})
@@ -216,12 +233,35 @@ NodeType render_volume_node() {
               Parameter::number("opacity", 1)
                   .range(0, 1000)
                   .doc_("Factor on the opacity of all classes. With 0.1, light travels ten times as far."))
+          .parameter(
+              Parameter::number("translucency", 0)
+                  .range(0, 1)
+                  .doc_("Share of the lamp's light that enters the tissues. It falls off with the "
+                        "distance that it travels through them and is scattered once, so that thin "
+                        "parts shine and thick ones cast shadows. The rest lights surfaces. 0: surfaces "
+                        "only, without shadows. Device cpu only."))
+          .parameter(Parameter::number("penetration", 4)
+                         .above(0)
+                         .unit_("mm")
+                         .doc_("Distance within tissue on which that light falls to 1/e, for classes without "
+                               "a penetration of their own"))
+          .parameter(Parameter::numbers("lamp", {-0.45, 0.55, 0.75})
+                         .range(-1e6, 1e6)
+                         .count(3, 3)
+                         .doc_("Direction of the lamp in the picture: right, up, towards the viewer. A "
+                               "negative last number puts it behind the scan."))
+          .parameter(
+              Parameter::number("ambient", 0.38)
+                  .range(0, 1)
+                  .doc_("Brightness of the light from all sides on surfaces and in translucent tissues. "
+                        "The lamp adds up to 0.67."))
           .parameter(Parameter::number("skin_noise", 0.15)
                          .range(0, 1)
                          .doc_("Brightness variation of classes with `noise`"))
           .parameter(Parameter::number("skin_scale", 3).above(0).unit_("mm").doc_("Cell width of the noise"))
           .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
           .parameter(Parameter::seed())
+          .check_(check)
           .compute_(compute);
   for (Port& p : type.inputs) p.optional |= p.many;
   return type;

@@ -116,7 +116,8 @@ Frame frame_of(const Scene& scene, double azimuth) {
   f.camera = camera_of(look, half, static_cast<float>(azimuth));
   const float distance = -f.camera.position.dot(f.camera.forward);
   f.camera.position += target;
-  f.light = (0.55f * f.camera.up - 0.45f * f.camera.right - 0.75f * f.camera.forward).normalized();
+  const Vec3f lamp = look.lamp.cast<float>();
+  f.light = (lamp.y() * f.camera.up + lamp.x() * f.camera.right - lamp.z() * f.camera.forward).normalized();
 
   f.step = scan.spacing.minCoeff() * float(look.step);
   f.reference_step = extent.maxCoeff() / 1000;
@@ -137,6 +138,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
     l.fixed = t.opacity < 0 ? 0
                             : -std::log(1 - std::min(float(t.opacity), 0.999f)) / f.reference_step *
                                   float(look.opacity);
+    l.light_extinction = 1 / float(t.penetration > 0 ? t.penetration : look.penetration);
     l.threshold = (float(t.low) - float(look.window.x())) / range;
     l.modulation = l.noise ? 0 : float(look.modulation);
     if (texture >= 0 && look.textured) {

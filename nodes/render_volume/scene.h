@@ -23,10 +23,14 @@ struct Look {
   bool textured = true;                        // else each texture's mean color
   std::array<double, kScales> scales = {10, 1, 0.1}, weights = {3, 1, 1};
   Turning turning = Turning::Random;
-  Vec2 window = Vec2(-1000, 1000);           // densities at which the paper's `int` is 0 and 1
-  double modulation = 1;                     // of color by density, eq. 7; not of noise
-  double opacity = 1;                        // factor on every tissue's opacity
-  double skin_noise = 0.15, skin_scale = 3;  // fraction of the color; mm
+  Vec2 window = Vec2(-1000, 1000);      // densities at which the paper's `int` is 0 and 1
+  double modulation = 1;                // of color by density, eq. 7; not of noise
+  double opacity = 1;                   // factor on every tissue's opacity
+  double ambient = 0.38;                // brightness of the light from all sides; the lamp's is 0.67
+  double translucency = 0;              // share of the lamp's light that enters the tissues
+  double penetration = 4;               // mm on which that light falls to 1/e, unless a tissue has its own
+  Vec3 lamp = Vec3(-0.45, 0.55, 0.75);  // direction to it: right, up, towards the viewer
+  double skin_noise = 0.15, skin_scale = 3;                    // fraction of the color; mm
   std::array<Vec3f, 2> clip = {Vec3f::Zero(), Vec3f::Ones()};  // region kept, as fractions of the edges
   int up = 2;                                                  // the axis that points up in the picture
   double azimuth = -41, elevation = 20, zoom = 1;              // azimuth and elevation in degrees
@@ -59,8 +63,9 @@ struct TissueLook {
   std::array<float, kScales> weight{};
   float fixed = 0;  // extinction per mm, if it does not depend on density
   bool by_density = false;
-  float threshold = 0;   // `int` at the lower end of its range
-  float modulation = 0;  // of color by density, eq. 7; 0 with noise, which the paper exempts as skin
+  float light_extinction = 0;  // per mm, of the lamp's light within tissues
+  float threshold = 0;         // `int` at the lower end of its range
+  float modulation = 0;        // of color by density, eq. 7; 0 with noise, which the paper exempts as skin
 };
 
 // One frame. Positions are those of Bricks; directions are per mm.

@@ -63,8 +63,12 @@ Tissue parse(const std::string& text) {
       const auto o = number(word.substr(8));
       if (!o || *o < 0 || *o > 1) throw bad(text, "an opacity must be between 0 and 1");
       t.opacity = *o;
+    } else if (word.starts_with("penetration=")) {
+      const auto l = number(word.substr(12));
+      if (!l || !(*l > 0)) throw bad(text, "a penetration must be a length in mm above 0");
+      t.penetration = *l;
     } else {
-      throw bad(text, "'" + word + "' is not a color, texture, noise, plain or opacity=…");
+      throw bad(text, "'" + word + "' is not a color, texture, noise, plain, opacity=… or penetration=…");
     }
   }
   return t;

@@ -15,11 +15,12 @@ struct Tissue {
   double low = 0, high = 0;  // half-open range of densities, Hounsfield units in a scan
   Vec3f color = Vec3f::Constant(0.5f);
   Finish finish = Finish::Plain;
-  double opacity = -1;  // per reference step; negative: by density, max(0.3, int + 0.25)
+  double opacity = -1;      // per reference step; negative: by density, max(0.3, int + 0.25)
+  double penetration = -1;  // mm on which the lamp's light falls to 1/e; negative: that of the scene
 };
 
-// Parses "muscle -30 150 #8f3a36 texture": name, range, and in any order a color, `texture` or `noise`, and
-// `opacity=0.25`. Returns the tissues in order of their ranges. Throws Error "bad-class",
+// Parses "muscle -30 150 #8f3a36 texture": name, range, and in any order a color, `texture` or `noise`,
+// `opacity=0.25` and `penetration=3`. Returns the tissues in order of their ranges. Throws Error "bad-class",
 // "overlapping-classes", "no-classes" for the parameter `classes`.
 std::vector<Tissue> parse_tissues(const std::vector<std::string>&);
 

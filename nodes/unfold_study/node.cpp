@@ -132,9 +132,11 @@ NodeType unfold_study_node() {
                      .doc_("Number of sections that the profiles are spread over. From 10 on, the intervals "
                            "resample whole sections."))
       .parameter(Parameter::integer("classes", 10).range(1, 200).doc_("Number of size classes to recover"))
-      .parameter(Parameter::choice("d_max", "estimated", {"estimated", "known"})
-                     .doc_("Upper end of the size classes. estimated: as Unfold estimates it. known: the "
-                           "largest true size; it also sets smallest_visible to 0."))
+      .parameter(
+          Parameter::choice("d_max", "estimated", {"estimated", "known", "largest_profile"})
+              .doc_("Upper end of the size classes. estimated: as Unfold estimates it. known: the "
+                    "largest true size; it also sets smallest_visible to 0. largest_profile: the size whose "
+                    "largest section is the largest profile (equation 7), which is too small."))
       .parameter(Parameter::integer("bootstrap", 0)
                      .range(0, 100000)
                      .doc_("Number of bootstrap repetitions per observation for the intervals of em and "

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "graph/diagnostic.h"
 #include "nodes/unfold_study/sample_profiles.h"
@@ -54,6 +55,9 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
     const Profiles profiles = sampler.sample(options.profiles, options.sections, options.seed, r, work);
     // Estimated once per repetition, so that all methods have equal classes.
     double d_max = options.largest == LargestSize::Known ? truth.largest() : 0;
+    if (options.largest == LargestSize::LargestProfile)
+      for (const Profile& p : profiles.profiles)
+        d_max = std::max(d_max, std::sqrt(4 * p.area / std::numbers::pi));
     for (std::size_t m = 0; m < methods; ++m) {
       work.check();
       const std::string& method = options.methods[m];

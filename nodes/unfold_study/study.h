@@ -12,8 +12,9 @@
 namespace terrazzo::unfold_study {
 
 enum class LargestSize {
-  Estimated,  // as Unfold estimates it
-  Known       // the largest true size
+  Estimated,      // as Unfold estimates it
+  Known,          // the largest true size
+  LargestProfile  // the size whose largest section is the largest profile (Jagnow et al. 2004, eq. 7)
 };
 
 struct StudyOptions {

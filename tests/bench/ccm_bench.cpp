@@ -12,15 +12,15 @@
 namespace terrazzo {
 namespace {
 
-constexpr int kLevels = 8, kSide = 256;
+constexpr int kLevels = 8, kSide = 256;  // levels unless a benchmark varies them
 
 // Blotches: every pixel resembles one of its neighbors.
-LevelField blotches(int side) {
+LevelField blotches(int side, int levels = kLevels) {
   LevelField f(Vec3i(side, side, 1));
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
       Random r(1, 1, f.index(x, y));
-      const auto fresh = static_cast<std::uint8_t>(r.below(kLevels));
+      const auto fresh = static_cast<std::uint8_t>(r.below(static_cast<std::uint64_t>(levels)));
       const double u = r.uniform();
       f.at[f.index(x, y)] = u < 0.5 && x > 0    ? f.at[f.index(x - 1, y)]
                             : u < 0.85 && y > 0 ? f.at[f.index(x, y - 1)]
@@ -29,8 +29,9 @@ LevelField blotches(int side) {
   return f;
 }
 
-std::vector<PairTarget> targets(const LevelField& source, const std::vector<Vec3i>& offsets) {
-  const Cooccurrence c = measure_cooccurrence(source, kLevels, offsets, false);
+std::vector<PairTarget> targets(const LevelField& source, const std::vector<Vec3i>& offsets,
+                                int levels = kLevels) {
+  const Cooccurrence c = measure_cooccurrence(source, levels, offsets, false);
   std::vector<PairTarget> out;
   for (std::size_t d = 0; d < offsets.size(); ++d)
     out.push_back({offsets[d], scaled_counts(c, d, kSide * kSide)});
@@ -43,14 +44,16 @@ void count(benchmark::State& state, double pixels) {
 
 // Five sweeps, starting from noise.
 void ccm_synthesis(benchmark::State& state) {
-  const LevelField source = blotches(kSide);
+  const int levels = static_cast<int>(state.range(2));
+  const LevelField source = blotches(kSide, levels);
   const auto wanted = targets(
-      source, cooccurrence_offsets(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))));
-  const LevelField noise = level_noise({&source}, kLevels, source.size, 1);
+      source, cooccurrence_offsets(static_cast<int>(state.range(0)), static_cast<int>(state.range(1))),
+      levels);
+  const LevelField noise = level_noise({&source}, levels, source.size, 1);
   double start = 0, end = 0, pixels = 0;
   for (auto _ : state) {
     state.PauseTiming();
-    LevelDescent descent(noise, kLevels, true, wanted);
+    LevelDescent descent(noise, levels, true, wanted);
     start = descent.error();
     state.ResumeTiming();
     for (std::uint64_t k = 0; k < 5; ++k) descent.sweep(k), pixels += kSide * kSide;
@@ -60,22 +63,28 @@ void ccm_synthesis(benchmark::State& state) {
   state.counters["error_falls"] = start / end;
 }
 BENCHMARK(ccm_synthesis)
-    ->ArgNames({"extent", "scales"})
-    ->Args({2, 1})
-    ->Args({4, 1})
-    ->Args({6, 1})
-    ->Args({2, 4})
+    ->ArgNames({"extent", "scales", "levels"})
+    ->Args({2, 1, 8})
+    ->Args({4, 1, 8})
+    ->Args({6, 1, 8})
+    ->Args({2, 4, 8})
+    ->Args({2, 1, 2})
+    ->Args({2, 1, 4})
+    ->Args({2, 1, 16})
+    ->Args({2, 1, 32})
     ->Unit(benchmark::kMillisecond);
 
 void ccm_plain(benchmark::State& state) {
-  const LevelField source = blotches(kSide);
+  const int levels = static_cast<int>(state.range(0));
+  const std::size_t square = static_cast<std::size_t>(levels) * levels;
+  const LevelField source = blotches(kSide, levels);
   const auto offsets = cooccurrence_offsets(2);
-  const auto wanted = targets(source, offsets);
-  LevelField field = level_noise({&source}, kLevels, source.size, 1);
-  const Cooccurrence now = measure_cooccurrence(field, kLevels, offsets, true);
+  const auto wanted = targets(source, offsets, levels);
+  LevelField field = level_noise({&source}, levels, source.size, 1);
+  const Cooccurrence now = measure_cooccurrence(field, levels, offsets, true);
   std::vector<std::int32_t> difference = now.counts;
   for (std::size_t d = 0; d < offsets.size(); ++d)
-    for (std::size_t i = 0; i < 64; ++i) difference[d * 64 + i] -= wanted[d].counts[i];
+    for (std::size_t i = 0; i < square; ++i) difference[d * square + i] -= wanted[d].counts[i];
   double pixels = 0;
   std::uint64_t at = 0;
   for (auto _ : state) {
@@ -86,7 +95,7 @@ void ccm_plain(benchmark::State& state) {
     double least = 0;
     int best = old;
     std::map<std::size_t, int> changes;
-    for (int t = 0; t < kLevels; ++t) {
+    for (int t = 0; t < levels; ++t) {
       changes.clear();
       for (std::size_t d = 0; d < offsets.size(); ++d) {
         const auto level = [&](int s) {
@@ -94,8 +103,8 @@ void ccm_plain(benchmark::State& state) {
                                       (y + s * offsets[d].y() + kSide) % kSide)];
         };
         const std::size_t after = level(1), before = level(-1);
-        --changes[d * 64 + old * 8 + after], ++changes[d * 64 + t * 8 + after];
-        --changes[d * 64 + before * 8 + old], ++changes[d * 64 + before * 8 + t];
+        --changes[d * square + old * levels + after], ++changes[d * square + t * levels + after];
+        --changes[d * square + before * levels + old], ++changes[d * square + before * levels + t];
       }
       double delta = 0;
       for (const auto& [entry, by] : changes) delta += (2.0 * difference[entry] + by) * by;
@@ -107,7 +116,7 @@ void ccm_plain(benchmark::State& state) {
   }
   count(state, pixels);
 }
-BENCHMARK(ccm_plain)->Unit(benchmark::kMicrosecond);
+BENCHMARK(ccm_plain)->ArgName("levels")->Arg(4)->Arg(8)->Arg(16)->Arg(32)->Unit(benchmark::kMicrosecond);
 
 // A dab of 12 × 12 pixels in the middle of an image.
 void ccm_nib(benchmark::State& state) {

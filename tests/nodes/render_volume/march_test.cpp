@@ -78,6 +78,71 @@ TEST(VolumeMarch, OpacityGoesByLength) {
   }
 }
 
+// A white slab of 20 mm between air, seen straight from above, with all light inside the tissue. `gap`: air
+// in the slab's middle, mm. Returns the brightness at the center and the length of the slab along the ray.
+struct Slab {
+  double seen, length, sigma;  // extinction per mm along the view
+  float facing;                // cosine between the ray and the lamp
+};
+Slab slab(const Vec3& lamp, double penetration, double opacity, double thickness = 20, double gap = 0) {
+  const int n = 80;
+  const ScanField scan = field(Vec3i(n, n, n), Vec3::Constant(0.5), [&](const Vec3& p) {
+    const double z = std::abs(p.z() - 20);
+    return z < gap / 2 || z > gap / 2 + thickness / 2 ? -1000 : 50;
+  });
+  Look l = small();
+  l.elevation = 85, l.zoom = 40, l.step = 0.1;
+  l.translucency = 1, l.penetration = penetration, l.lamp = lamp;
+  // A narrow class, so that its borders are where the density jumps.
+  Scene scene(scan, parse_tissues({"all 0 100 #ffffff opacity=" + std::to_string(opacity)}), {}, l);
+  const Frame frame = frame_of(scene, 0);
+  const Vec3f d = frame.camera.direction(24.5f, 24.5f, 48, 48);
+  // A density is linear from −1000 to 50 over one voxel, so the class ends 0.5·50/1050 mm beyond its voxels'
+  // centers.
+  const double edge = 2 * (0.5 * 50 / 1050 - 0.25) * (gap > 0 ? 2 : 1);
+  return {picture(scene)[24 * 48 + 24].x(), (thickness + edge) / -d.z(),
+          -std::log(1 - opacity) / frame.reference_step, d.dot(frame.light)};
+}
+
+// Single scattering in a slab that is lit from behind: the integral of σ e^(−σs) (0.38 + 0.67 e^(−(L −
+// s)/ℓ)).
+TEST(VolumeMarch, LightPassesASlabAsBeerAndLambertSay) {
+  for (const double l : {2.0, 5.0, 20.0})
+    for (const double opacity : {0.0005, 0.01}) {
+      const Slab s = slab(Vec3(0, 0, -1), l, opacity);
+      EXPECT_NEAR(s.facing, 1, 1e-3);
+      const double a = s.sigma - 1 / l;
+      const double expected = 0.38 * (1 - std::exp(-s.sigma * s.length)) +
+                              0.67 * s.sigma * std::exp(-s.length / l) * (1 - std::exp(-a * s.length)) / a;
+      EXPECT_NEAR(s.seen, expected, 4e-3) << l << " mm, opacity " << opacity;
+    }
+}
+
+// Behind an opaque surface only the light that has passed the whole thickness shows, whatever air it crosses.
+TEST(VolumeMarch, ThickPartsAreDarkerAndAirCastsNoShadow) {
+  const double l = 6;
+  // Relative to e^(−thickness/ℓ).
+  const auto passed = [&](double thickness, double gap) {
+    const Slab s = slab(Vec3(0, 0, -1), l, 0.9, thickness, gap);
+    return (s.seen - 0.38) / 0.67 / std::exp(-s.length / l);
+  };
+  EXPECT_NEAR(passed(4, 0), 1, 0.02);
+  EXPECT_NEAR(passed(16, 0), 1, 0.02);
+  EXPECT_NEAR(passed(4, 12), 1, 0.02);
+  EXPECT_NEAR(slab(Vec3(0, 0, 1), l, 0.9).seen, 1, 0.005);  // lit from the front: 0.38 + 0.67, clamped
+}
+
+TEST(VolumeMarch, WithoutTranslucencyPenetrationDoesNothing) {
+  Look l = small();
+  const auto with = [&](double penetration) {
+    l.penetration = penetration;
+    return picture(Scene(ball(32, 11), parse_tissues({"meat -190 150 #8f3a36"}), {}, l));
+  };
+  EXPECT_EQ(with(1), with(100));
+  l.translucency = 0.5;
+  EXPECT_GT(mean_difference(with(1), with(100)), 0.003);
+}
+
 TEST(VolumeMarch, SkippingChangesNothing) {
   for (int seed = 0; seed < 3; ++seed) {
     const ScanField scan = field(Vec3i(37, 50, 29), Vec3(1, 0.8, 2.2), [&](const Vec3& p) {
@@ -88,6 +153,7 @@ TEST(VolumeMarch, SkippingChangesNothing) {
     });
     Look l = small();
     l.azimuth = 30 + 100 * seed, l.elevation = -30 + 40 * seed;
+    l.translucency = 0.5 * seed;
     Scene scene(scan,
                 parse_tissues({"skin -600 -190 #d9a58c noise opacity=0.25", "fat -190 -30 #ead9a9",
                                "muscle -30 150 #8f3a36", "bone 150 4000 #efe6cf"}),

@@ -92,6 +92,23 @@ TEST(RenderVolume, ClipShowsTheInside) {
   EXPECT_GT(inside.x() / inside.y(), 1.5f * whole.x() / whole.y()) << "muscle is redder than fat";
 }
 
+TEST(RenderVolume, TranslucencyNeedsTheProcessor) {
+  const Inputs in = {{"volume", Value::of(scan(Vec3i(16, 12, 8)))}};
+  EXPECT_EQ(failure(in, {{"translucency", "0.5"}, {"device", "gl"}}), "bad-value");
+  EXPECT_EQ(failure(in, {{"translucency", "0.5"}, {"device", "auto"}}), "bad-value");
+  EXPECT_EQ(failure(in, {{"lamp", "[0, 0, 0]"}}), "bad-lamp");
+  EXPECT_EQ(failure(in, {{"classes", "[muscle -30 150 penetration=0]"}}), "bad-class");
+  const Parameters muscle = {{"translucency", "1"}, {"classes", "[muscle -30 150 penetration=1]"}};
+  Parameters deeper = muscle;
+  deeper["classes"] = "[muscle -30 150 penetration=50]";
+  const auto light = [&](const Parameters& p) {
+    Vec3f sum = Vec3f::Zero();
+    for (const Vec3f& v : run(in, p).output<Image>("image").pixels) sum += v;
+    return sum.sum();
+  };
+  EXPECT_GT(light(deeper), light(muscle) + 5);
+}
+
 TEST(RenderVolume, UpTurnsThePicture) {
   // A stick along x is upright when x points up.
   initialize_openvdb();

@@ -77,6 +77,21 @@ TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
   EXPECT_GT(many[3].error, 2 * many[0].error);
 }
 
+// Sizes from 0 to 10 mm whose largest are rare: the largest profile is almost always smaller.
+TEST(UnfoldStudy, Equation7EndsTheClassesTooEarly) {
+  StudyOptions o;
+  o.methods = {"em"};
+  o.repetitions = 8, o.profiles = 200;
+  const auto end = [&](unfold_study::LargestSize largest) {
+    o.largest = largest;
+    return study(uniform(0, 10, 0.0005), spheres(), o, {})[0].edges.back();
+  };
+  const double printed = end(unfold_study::LargestSize::LargestProfile);
+  EXPECT_LT(printed, 10);
+  EXPECT_GT(printed, 8);
+  EXPECT_GT(end(unfold_study::LargestSize::Estimated), printed);
+}
+
 TEST(UnfoldStudy, TellsHowOftenIntervalsHold) {
   StudyOptions o;
   o.methods = {"em", "inverse"};
