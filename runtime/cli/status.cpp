@@ -133,8 +133,8 @@ void print_status(const SweepStatus& s, const std::optional<QueueStatus>& found,
       continue;
     }
     const LogStatus* log = log_of_task(s, t.id());
-    std::cout << fmt::format("{:<12} {:<11} {:<10} {}\n", t.id(), t.state, t.node,
-                             log && log->point > 0 ? at(*log) : "");
+    const std::string what = log && log->point > 0 ? at(*log) : t.number ? "" : "what all points share";
+    std::cout << fmt::format("{:<12} {:<11} {:<10} {}\n", t.id(), t.state, t.node, what);
   }
   if (pending > 0) {
     const auto t = std::find_if(queue.tasks.begin(), queue.tasks.end(),

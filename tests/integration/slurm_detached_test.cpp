@@ -1,6 +1,7 @@
 // Commands that leave everything to jobs, on a real Slurm.
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <fstream>
 #include <future>
 #include <nlohmann/json.hpp>
@@ -103,6 +104,12 @@ class SlurmDetached : public ::testing::Test {
         EXPECT_EQ(found.at("nodes")[k].at("outputs"), expected.at("nodes")[k].at("outputs")) << point;
     }
   }
+  static bool handles_interrupts(pid_t process) {
+    std::ifstream in("/proc/" + std::to_string(process) + "/status");
+    for (std::string line; std::getline(in, line);)
+      if (line.starts_with("SigCgt:")) return std::stoull(line.substr(8), nullptr, 16) >> (SIGINT - 1) & 1;
+    return false;
+  }
   bool nothing_is_queued() {
     return wait_until(120, [&] { return cluster->queue().empty(); });
   }
@@ -195,11 +202,15 @@ TEST_F(SlurmDetached, CancelingTheCoordinatorCancelsTheSweep) {
 TEST_F(SlurmDetached, AnInterruptWhileWaitingCancelsAll) {
   ASSERT_EQ(sweep({"--detach"}).exit_code, 0);
   ASSERT_TRUE(under_way());
-  const auto stopped =
-      run_program({"sweep", (folder / "points.yaml").string(), "--vary", "pack.seed=1:24:1", "--out",
-                   (folder / "out").string(), "--cache", (folder / "cache").string(), "--executor", "slurm",
-                   "--poll", "0.3", "--chunk-size", "1"},
-                  {.interrupt_after = 1.5, .environment = cluster->environment()});
+  auto waiting = std::async(std::launch::async, [&] { return sweep(); });
+  const std::string name = "terrazzo sweep .*--out " + (folder / "out").string() + " .*--chunk-size 1$";
+  pid_t command = 0;
+  ASSERT_TRUE(wait_until(60, [&] {
+    command = std::atoi(test::run_command({"pgrep", "-f", name}).out.c_str());
+    return command > 0 && handles_interrupts(command);
+  }));
+  ::kill(command, SIGINT);
+  const auto stopped = waiting.get();
   EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
   EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
   const auto done = sweep();

@@ -58,7 +58,7 @@ class DISABLED_SlurmSolid : public ::testing::Test {
   std::vector<std::string> command(std::vector<std::string> more = {}) {
     more.insert(more.begin(),
                 {"run", (folder / "solid.yaml").string(), "--out", (folder / "out").string(), "--report",
-                 (folder / "report.json").string(), "--cache", (folder / "cache").string(), "--executor",
+                 (folder / "solid.json").string(), "--cache", (folder / "cache").string(), "--executor",
                  "slurm", "--poll", "1", "--chunk-size", "4"});
     return more;
   }
@@ -108,7 +108,7 @@ class DISABLED_SlurmSolid : public ::testing::Test {
       expected = contents(folder / "local.json");
       ASSERT_GE(expected.size(), 70u);
     }
-    const auto found = contents(folder / "report.json");
+    const auto found = contents(folder / "solid.json");
     EXPECT_EQ(found.size(), expected.size());
     for (const auto& [name, content] : expected) {
       const auto it = found.find(name);
@@ -131,7 +131,7 @@ TEST_F(DISABLED_SlurmSolid, WithoutAFault) {
 
 TEST_F(DISABLED_SlurmSolid, Detached) {
   EXPECT_EQ(start({"--detach"}).get().exit_code, 0);
-  ASSERT_TRUE(wait_until(300, [&] { return fs::exists(folder / "report.json"); }));
+  ASSERT_TRUE(wait_until(300, [&] { return fs::exists(folder / "solid.json"); }));
   expect_the_same_as_without_slurm();
 }
 

@@ -388,6 +388,19 @@ TEST_F(Slurm, AFullDiskOnANodeMovesItsWorkToOthers) {
   expect_local_contents();
 }
 
+TEST_F(Slurm, AChunkThatNeverSucceedsIsGivenUp) {
+  std::ofstream(folder / "profile") << "[ \"$SLURM_ARRAY_TASK_ID\" = 2 ] && exit 7\n";
+  const auto given_up = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  EXPECT_EQ(given_up.exit_code, 1);
+  EXPECT_NE(given_up.err.find("error: chunk 2 of 8"), std::string::npos) << given_up.err;
+  EXPECT_NE(given_up.err.find("(3 times in a row)"), std::string::npos) << given_up.err;
+  EXPECT_NE(given_up.err.find("3 of 24 points have no result"), std::string::npos) << given_up.err;
+  EXPECT_EQ(reports(), 21u);
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  expect_local_contents();
+}
+
 TEST_F(Slurm, AFailingPointIsReportedAndRunsAgain) {
   // Seeds stay valid, but the photo is missing: the shared job reports it once.
   fs::remove(folder / "photo.png");
