@@ -189,6 +189,10 @@ void show_status(const StatusCommand& o) {
   }
   const auto queue = queue_of(s, folder, o.folder);
   if (queue) forget_dead_workers(s, queue->tasks);
+  for (const auto& job : queue.value_or(QueueStatus()).jobs)  // it is queued again
+    std::erase_if(s.failures, [&](const SweepFailure& f) {
+      return f.log >= 0 && s.logs[static_cast<std::size_t>(f.log)].name == job.role;
+    });
   const auto left = static_cast<double>(s.count(State::Waiting) + s.count(State::Running));
   const auto running = static_cast<double>(s.count(State::Running));
   const double seconds_left = left == 0 ? 0
