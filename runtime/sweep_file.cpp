@@ -8,6 +8,7 @@
 #include "runtime/files.h"
 #include "runtime/json_text.h"
 #include "runtime/provenance.h"
+#include "runtime/sweep_log.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -154,6 +155,18 @@ bool is_in_cache(const SweepPoint& point, const json& report, Store& store) {
   } catch (const json::exception&) {
     return false;
   }
+}
+
+json read_shared_report(const SweepFile& sweep, const fs::path& out) {
+  const auto text = read_file(shared_report(out));
+  json report = text ? json::parse(*text, nullptr, false) : json();
+  return is_finished_point(report, sweep.hash(), out) ? report : json();
+}
+
+bool is_shared_in_cache(const SweepFile& sweep, const json& shared_report, Store& store) {
+  SweepPoint point;
+  point.targets = sweep.shared;
+  return shared_report.is_object() && is_in_cache(point, shared_report, store);
 }
 
 }  // namespace terrazzo

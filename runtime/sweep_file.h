@@ -47,4 +47,9 @@ bool is_finished_point(const nlohmann::json& report, const Hash& sweep, const st
 // varied, since the results of such points are their files and metrics.
 bool is_in_cache(const SweepPoint&, const nlohmann::json& report, Store&);
 
+// The report of what all points share. Null if it was not computed for this sweep. `out`: the sweep's folder.
+nlohmann::json read_shared_report(const SweepFile&, const std::filesystem::path& out);
+// Whether it was computed, and the cache still has all of it.
+bool is_shared_in_cache(const SweepFile&, const nlohmann::json& shared_report, Store&);
+
 }  // namespace terrazzo

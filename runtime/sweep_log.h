@@ -3,10 +3,11 @@
 // finished if its report says so.
 //
 // Every line has "event", "host", "task" (of Slurm, or the process) and "time" (seconds since 1970). Events:
-//   started      point
+//   started      point; without it, a job that stands for a command
 //   finished     point, status, seconds, computed, cached, twice, twice_seconds, errors
 //   warning      message
 //   stopped      message: this worker cannot go on; another machine may
+//   missing      this worker stopped because the cache lacks what all points share
 //   refused      message: no worker can run this sweep as it was planned
 //   interrupted  by a signal: Ctrl-C, scancel, or the time limit
 #pragma once
@@ -24,6 +25,11 @@ std::string chunk_name(std::size_t chunk, std::size_t chunks);
 inline constexpr const char* shared_name = "shared";
 // The report of the nodes that all points share: "jobs/shared.json".
 std::filesystem::path shared_report(const std::filesystem::path& out);
+
+// The jobs that --detach submits (runtime/cli/slurm_detached.h), and the names of their logs.
+namespace job_role {
+inline constexpr const char *coordinator = "coordinator", *finisher = "finisher";
+}
 
 class WorkerLog {
  public:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "runtime/files.h"
 #include "runtime/sweep_log.h"
@@ -27,8 +28,9 @@ void take_event(SweepStatus& status, const json& event, int log, std::vector<std
       if (point.state == State::Running) point.state = State::Waiting;
     }
     l.point = 0;
-  } else if (what == "started" && known) {
-    l.trouble.clear();
+  } else if (what == "started") {
+    l.trouble.clear(), l.finished = false;
+    if (!known) return;
     l.point = index, l.since = event.value("time", std::int64_t{0});
     status.points[index - 1] = {State::Running, log};
   } else if (what == "finished") {
@@ -42,7 +44,7 @@ void take_event(SweepStatus& status, const json& event, int log, std::vector<std
       for (const auto& e : event.value("errors", std::vector<std::string>()))
         message += (message.empty() ? "" : "; ") + e;
     if (!known) {
-      l.trouble = message;
+      l.trouble = message, l.finished = !failed;
       return;
     }
     l.point = 0;
@@ -59,7 +61,7 @@ std::size_t SweepStatus::count(State state) const {
       std::count_if(points.begin(), points.end(), [&](const PointStatus& p) { return p.state == state; }));
 }
 
-SweepStatus sweep_status(const fs::path& folder) {
+SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
   SweepStatus status;
   status.sweep = read_sweep_file(folder / "sweep.json");
   const Hash hash = status.sweep.hash();
@@ -73,12 +75,14 @@ SweepStatus sweep_status(const fs::path& folder) {
   std::vector<Event> events;
   std::error_code error;
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(jobs_folder(folder), error))
-    if (entry.path().extension() == ".jsonl") files.push_back(entry.path());
+  for (const auto& place : std::set{jobs_folder(folder), jobs_folder(out)})
+    for (const auto& entry : fs::directory_iterator(place, error))
+      if (entry.path().extension() == ".jsonl") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const auto& file : files) {
     const int log = static_cast<int>(status.logs.size());
-    status.logs.push_back({fs::path(file).replace_extension(".txt"), file.stem().string(), "", "", 0, 0, ""});
+    status.logs.push_back(
+        {fs::path(file).replace_extension(".txt"), file.stem().string(), "", "", 0, 0, "", false});
     for (auto& event : LogReader(file, false).news())
       if (event.value("sweep", hash.text()) == hash.text())
         events.push_back({event.value("time", std::int64_t{0}), log, std::move(event)});
@@ -105,8 +109,10 @@ SweepStatus sweep_status(const fs::path& folder) {
     if (status.points[i].state == State::Failed)
       status.failures.push_back({i + 1, status.points[i].log, errors[i]});
   for (std::size_t k = 0; k < status.logs.size(); ++k)
-    if (!status.logs[k].trouble.empty() && status.count(State::Done) < status.points.size())
-      status.failures.push_back({0, static_cast<int>(k), status.logs[k].trouble});
+    if (const LogStatus& log = status.logs[k];
+        !log.trouble.empty() && (log.name == job_role::coordinator || log.name == job_role::finisher ||
+                                 status.count(State::Done) < status.points.size()))
+      status.failures.push_back({0, static_cast<int>(k), log.trouble});
   return status;
 }
 

@@ -17,7 +17,7 @@ struct PointStatus {
   int log = -1;  // index in SweepStatus::logs of the worker that last wrote about it; −1: none
 };
 
-// The log of one chunk, or of what all points share.
+// The log of one chunk, of what all points share, or of a job that stands for the command.
 struct LogStatus {
   std::filesystem::path text;  // what the workers printed; it exists only for jobs of Slurm
   std::string name;            // "chunk-3-of-40"
@@ -25,6 +25,7 @@ struct LogStatus {
   std::size_t point = 0;       // the point that was started last, from 1; 0: none
   std::int64_t since = 0;      // seconds since 1970, when it started
   std::string trouble;         // why the last worker stopped; empty if it did not
+  bool finished = false;       // a job that is not a chunk has done its work
 };
 
 struct SweepFailure {
@@ -44,8 +45,9 @@ struct SweepStatus {
   std::size_t count(PointStatus::State) const;
 };
 
-// `folder`: the sweep's output folder. Throws Error "sweep-file".
-SweepStatus sweep_status(const std::filesystem::path& folder);
+// `folder`: the sweep's folder. `out`: the output folder of the command, where its jobs write their logs; for
+// the elements of a graph it is another one. Throws Error "sweep-file".
+SweepStatus sweep_status(const std::filesystem::path& folder, const std::filesystem::path& out);
 
 // What a worker printed while it ran this point (from 0) last. Throws Error "no-log" if there is none.
 std::string point_log(const SweepStatus&, std::size_t point);

@@ -11,6 +11,7 @@
 #include "runtime/cli/progress.h"
 #include "runtime/cli/report.h"
 #include "runtime/cli/run_elements.h"
+#include "runtime/cli/slurm_detached.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
 
@@ -114,7 +115,7 @@ void add_run(CLI::App& app, const Program& program, int& exit_code) {
   command->add_flag("--quiet", o->quiet, "Print errors only");
   command->callback([o, graph, &program, &exit_code] {
     if (graph->count() == 0) choose_default_graph(*o);
-    exit_code = run(program, *o);
+    exit_code = run_as_job(*o, o->slurm, [&] { return run(program, *o); });
   });
 }
 

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "runtime/cli/slurm_detached.h"
 #include "runtime/cli/slurm_job.h"
 #include "runtime/files.h"
 
@@ -34,7 +35,7 @@ class Coordinator : public SlurmExecutor {
         out_(fs::absolute(out).lexically_normal()),
         jobs_(hash_, sweep_.folder, out_, o, slurm) {}
 
-  bool detached() const override { return detached_; }
+  bool out_of_time() const override { return out_of_time_; }
   bool gave_up() const override { return gave_up_; }
 
   void run(const SweepPoints& points, const std::atomic<bool>* cancel,
@@ -47,16 +48,15 @@ class Coordinator : public SlurmExecutor {
     if (!ids_.empty())  // again, for points that ended before their logs were opened
       for (std::size_t i = 0; i < points.size() && !*cancel; ++i) look_at(i, true);
     if (waiting() && !*cancel) submit_missing();
-    if (slurm_.detach && waiting()) {
-      std::cerr << fmt::format("{} of {} points have no result yet; the names of the jobs start with {}\n",
-                               missing(), points.size(), jobs_.prefix());
-      detached_ = true;
-      return;
-    }
-    while (waiting() && !*cancel) {
-      sleep(cancel);
-      step();
-    }
+    const auto* time_over = time_is_nearly_over();
+    do {
+      while (waiting() && !*cancel && !*time_over) {
+        sleep(cancel);
+        step();
+      }
+    } while (!*cancel && !*time_over && refused_.empty() && forget_lost());
+    out_of_time_ = *time_over && !*cancel && refused_.empty() && waiting();
+    if (out_of_time_) return;
     if (*cancel || !refused_.empty()) {
       slurm::cancel(jobs_.shared_name());
       slurm::cancel(jobs_.chunks_name(chunks_.size()));
@@ -126,8 +126,8 @@ class Coordinator : public SlurmExecutor {
     }
     shared_ = std::make_unique<SlurmJob>(
         SlurmJob{"the job for what all points share", shared_name, log(shared_name)});
-    shared_done_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5) ||
-                   is_shared_in_cache();
+    needs_no_shared_ = sweep_.shared.empty() || (plan_.shared_seconds > 0 && plan_.shared_seconds < 5);
+    shared_done_ = needs_no_shared_ || is_shared_in_cache();
     if (ids_.empty()) return;
     std::cerr << "note: jobs of this sweep are already queued\n";
     take(*queue);
@@ -135,11 +135,32 @@ class Coordinator : public SlurmExecutor {
 
   // Whether the shared job ran before, and the cache still has its results.
   bool is_shared_in_cache() const {
-    const auto text = read_file(shared_report(out_));
-    const json report = text ? json::parse(*text, nullptr, false) : json();
-    SweepPoint point;
-    point.targets = sweep_.shared;
-    return is_finished_point(report, hash_, out_) && is_in_cache(point, report, store_);
+    return terrazzo::is_shared_in_cache(sweep_, read_shared_report(sweep_, out_), store_);
+  }
+
+  // Prepares to compute again what the cache has lost of the elements of a graph. False if it has all.
+  bool forget_lost() {
+    if (sweep_.points.parts().empty() || times_lost_ == attempts_allowed) return false;
+    std::size_t lost = 0;
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      if (!known_[i]) continue;
+      const SweepPoint point = sweep_.points[i];
+      const auto text = read_file(out_ / point.folder / "report.json");
+      const json report = text ? json::parse(*text, nullptr, false) : json();
+      if (report.is_object() && (summary_of(report).status != "done" || is_in_cache(point, report, store_)))
+        continue;
+      known_[i] = false, ++lost, ++chunk_of(i).missing;
+    }
+    if (lost == 0) return false;
+    ++times_lost_;
+    std::cerr << fmt::format("warning: the cache has lost the results of {} elements; computing them again\n",
+                             lost);
+    shared_done_ = needs_no_shared_ || is_shared_in_cache();
+    shared_->submitted = shared_->active = false;
+    for (auto& chunk : chunks_)
+      if (chunk.missing > 0) chunk.submitted = chunk.active = false, chunk.gone_since.reset();
+    submit_missing();
+    return true;
   }
 
   // Submits every chunk that has no results and is not queued.
@@ -159,7 +180,8 @@ class Coordinator : public SlurmExecutor {
       after = shared_->task.job;
     }
     slurm::Task submitted;
-    ids_.insert(submitted.job = jobs_.submit_chunks(numbers, chunks_.size(), after, exclude));
+    ids_.insert(submitted.job =
+                    jobs_.submit_chunks(numbers, chunks_.size(), !needs_no_shared_, after, exclude));
     for (const auto k : numbers) {
       SlurmJob& c = chunks_[k];
       c.submitted = c.active = true, c.missing_before = c.missing, c.task = submitted, c.trouble.clear();
@@ -185,6 +207,7 @@ class Coordinator : public SlurmExecutor {
     silent_ = !queue;
     if (silent_) return;
     take(*queue);
+    if (shared_done_) look_for_lost_shared();
     if (!shared_done_) look_after_shared();
     if (shared_done_ || !shared_->submitted)
       for (auto& chunk : chunks_) look_after(chunk);
@@ -209,6 +232,8 @@ class Coordinator : public SlurmExecutor {
       std::cerr << fmt::format("warning: {}: {}\n", event.value("host", ""), message);
     else if (what == "stopped")
       job.trouble = message;
+    else if (what == "missing")
+      job.misses_shared = true, job.trouble = "the cache lacks what all points share";
     else if (what == "refused" && refused_.empty())
       refused_ = fmt::format("{} refuses to run the sweep: {}", event.value("host", ""), message);
     if (what != "finished" || event.value("sweep", "") != hash_.text()) return;
@@ -291,6 +316,27 @@ class Coordinator : public SlurmExecutor {
     if (chunk.missing > 0 && gone(chunk)) chunk.gave_up = !again(chunk, chunk.missing < chunk.missing_before);
   }
 
+  // Chunks that stopped because the cache has lost what all points share: computes that again, once, and then
+  // these chunks.
+  void look_for_lost_shared() {
+    bool lost = false;
+    for (auto& chunk : chunks_) {
+      if (!chunk.misses_shared || chunk.active) continue;
+      chunk.misses_shared = false;
+      if (++chunk.times_without_shared > attempts_allowed) continue;  // its trouble; look_after() decides
+      lost = true;
+      chunk.submitted = false, chunk.gone_since.reset();
+    }
+    if (!lost || is_shared_in_cache()) return;
+    if (++shared_->attempts > attempts_allowed) {
+      refused_ = "the cache does not keep what all points share";
+      return;
+    }
+    std::cerr << "warning: the cache has lost what all points share; computing it again\n";
+    shared_done_ = shared_->submitted = shared_->active = false;
+    shared_->gone_since.reset();
+  }
+
   void look_after_shared() {
     if (!gone(*shared_)) return;
     if (!again(*shared_, false)) {
@@ -327,7 +373,9 @@ class Coordinator : public SlurmExecutor {
   std::string refused_;                  // why nothing more can run
   std::uint64_t twice_ = 0;
   double twice_seconds_ = 0;
-  bool shared_done_ = false, silent_ = false, detached_ = false, gave_up_ = false;
+  int times_lost_ = 0;
+  bool needs_no_shared_ = false, shared_done_ = false, silent_ = false, out_of_time_ = false,
+       gave_up_ = false;
 };
 
 }  // namespace

@@ -10,8 +10,9 @@ namespace terrazzo::cli {
 
 class SlurmExecutor : public Executor {
  public:
-  virtual bool detached() const = 0;  // after run(): points may still be running
-  virtual bool gave_up() const = 0;   // after run(): messages on standard error say why
+  // After run(): this process is a job whose time is nearly over, and points may still be running.
+  virtual bool out_of_time() const = 0;
+  virtual bool gave_up() const = 0;  // after run(): messages on standard error say why
 };
 // Prints messages to standard error. `store`: the cache that all machines share. `out`: the sweep's folder.
 // All arguments must outlive the executor. Throws Error "usage".

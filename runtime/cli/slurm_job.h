@@ -20,6 +20,8 @@ struct SlurmJob {
   PointRange points = {};
   std::size_t missing = 0, missing_before = 0;  // points without a result; when it was submitted
   bool submitted = false, active = false, gave_up = false;
+  bool misses_shared = false;  // it stopped because the cache has lost what all points share
+  int times_without_shared = 0;
   int attempts = 0;
   std::optional<std::chrono::steady_clock::time_point> gone_since = {};
   slurm::Task task = {};     // as last seen

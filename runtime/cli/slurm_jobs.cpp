@@ -18,13 +18,6 @@ constexpr std::size_t chunks_if_unknown = 100;
 
 std::string absolute_folder(const fs::path& path) { return fs::absolute(path).lexically_normal().string(); }
 
-// A word for bash.
-std::string quoted_word(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 std::string joined(const std::vector<std::string>& list) {
   std::string out;
   for (const auto& item : list) out += (out.empty() ? "" : ",") + item;
@@ -32,6 +25,34 @@ std::string joined(const std::vector<std::string>& list) {
 }
 
 }  // namespace
+
+std::string quoted_word(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string profile_text(const SlurmOptions& slurm) {
+  if (slurm.profile.empty()) return "";
+  auto text = read_file(slurm.profile);
+  if (!text)
+    throw Error("usage", fmt::format("cannot read the profile '{}'", slurm.profile), "see --slurm-profile");
+  if (!text->ends_with('\n')) *text += '\n';
+  return *text;
+}
+
+std::vector<std::string> sbatch_arguments(const std::string& name, const fs::path& folder,
+                                          const std::string& log, const GraphOptions& o,
+                                          const SlurmOptions& slurm) {
+  std::string place;  // sbatch replaces % in names
+  for (const char c : absolute_folder(folder)) place += c == '%' ? std::string("%%") : std::string(1, c);
+  std::vector<std::string> out = {"--requeue", "--open-mode=append", "--job-name=" + name,
+                                  "--output=" + place + "/" + log};
+  if (!slurm.partition.empty()) out.push_back("--partition=" + slurm.partition);
+  if (o.threads > 0) out.push_back(fmt::format("--cpus-per-task={}", o.threads));
+  out.insert(out.end(), slurm.options.begin(), slurm.options.end());
+  return out;
+}
 
 std::string slurm_job_prefix(const Hash& sweep, const fs::path& out) {
   return "terrazzo-" + hash_of(sweep.text() + absolute_folder(out)).text().substr(0, 12) + "-";
@@ -47,12 +68,7 @@ SlurmJobs::SlurmJobs(const Hash& sweep, const std::string& folder, const fs::pat
   for (const std::string& path : {out_.string(), absolute_folder(o.graph), folder})
     if (find_invalid_utf8(path) != std::string::npos)
       throw Error("usage", fmt::format("'{}' is not UTF-8, which --executor slurm needs", valid_utf8(path)));
-  if (slurm.profile.empty()) return;
-  const auto text = read_file(slurm.profile);
-  if (!text)
-    throw Error("usage", fmt::format("cannot read the profile '{}'", slurm.profile), "see --slurm-profile");
-  profile_ = *text;
-  if (!profile_.ends_with('\n')) profile_ += '\n';
+  profile_ = profile_text(slurm);
 }
 
 std::string SlurmJobs::shared_name() const { return prefix_ + terrazzo::shared_name; }
@@ -88,14 +104,8 @@ fs::path SlurmJobs::script(const std::string& name, const std::string& part) con
 
 std::vector<std::string> SlurmJobs::arguments(const std::string& name, const std::string& log,
                                               const std::vector<std::string>& exclude) const {
-  std::string folder;  // sbatch replaces % in names
-  for (const char c : jobs_folder(out_).string()) folder += c == '%' ? std::string("%%") : std::string(1, c);
-  std::vector<std::string> out = {"--requeue", "--open-mode=append", "--job-name=" + name,
-                                  "--output=" + folder + "/" + log};
-  if (!slurm_.partition.empty()) out.push_back("--partition=" + slurm_.partition);
-  if (options_.threads > 0) out.push_back(fmt::format("--cpus-per-task={}", options_.threads));
-  if (!exclude.empty()) out.push_back("--exclude=" + joined(exclude));
-  out.insert(out.end(), slurm_.options.begin(), slurm_.options.end());
+  auto out = sbatch_arguments(name, jobs_folder(out_), log, options_, slurm_);
+  if (!exclude.empty()) out.insert(out.begin(), "--exclude=" + joined(exclude));
   return out;
 }
 
@@ -106,7 +116,8 @@ std::uint64_t SlurmJobs::submit_shared(const std::vector<std::string>& exclude) 
 }
 
 std::uint64_t SlurmJobs::submit_chunks(const std::vector<std::size_t>& numbers, std::size_t chunks,
-                                       std::uint64_t after, const std::vector<std::string>& exclude) const {
+                                       bool need_shared, std::uint64_t after,
+                                       const std::vector<std::string>& exclude) const {
   auto command = arguments(chunks_name(chunks), fmt::format("chunk-%a-of-{}.txt", chunks), exclude);
   command.push_back("--array=" + slurm::ranges(numbers) +
                     (slurm_.parallel > 0 ? fmt::format("%{}", slurm_.parallel) : ""));
@@ -114,7 +125,9 @@ std::uint64_t SlurmJobs::submit_chunks(const std::vector<std::size_t>& numbers, 
     command.push_back(fmt::format("--dependency=afterok:{}", after));
     command.push_back("--kill-on-invalid-dep=yes");
   }
-  command.push_back(script("chunks.sh", fmt::format("--chunk \"$SLURM_ARRAY_TASK_ID/{}\"", chunks)).string());
+  command.push_back(script("chunks.sh", fmt::format("--chunk \"$SLURM_ARRAY_TASK_ID/{}\"{}", chunks,
+                                                    need_shared ? " --need-shared" : ""))
+                        .string());
   return slurm::submit(command);
 }
 

@@ -14,6 +14,14 @@ namespace terrazzo::cli {
 // sweep finds its jobs again without a file of job numbers. `out`: the sweep's output folder.
 std::string slurm_job_prefix(const Hash& sweep, const std::filesystem::path& out);
 
+// A word for bash, in quotes.
+std::string quoted_word(const std::string& text);
+// The first lines of each batch script. Throws Error "usage" if the profile cannot be read.
+std::string profile_text(const SlurmOptions&);
+// Arguments of sbatch for every job. `log`: the file in `folder` for what it prints.
+std::vector<std::string> sbatch_arguments(const std::string& name, const std::filesystem::path& folder,
+                                          const std::string& log, const GraphOptions&, const SlurmOptions&);
+
 class SlurmJobs {
  public:
   // Throws Error "usage" if a path is not UTF-8 or the profile cannot be read.
@@ -28,8 +36,8 @@ class SlurmJobs {
   std::size_t chunk_size(std::size_t points, double point_seconds) const;
   // Both return the job's number, and throw Error "sbatch-failed". `exclude`: nodes not to use.
   std::uint64_t submit_shared(const std::vector<std::string>& exclude) const;
-  // `after`: the shared job, or 0.
-  std::uint64_t submit_chunks(const std::vector<std::size_t>& numbers, std::size_t chunks,
+  // `need_shared`: the workers stop if the cache lacks what all points share. `after`: the shared job, or 0.
+  std::uint64_t submit_chunks(const std::vector<std::size_t>& numbers, std::size_t chunks, bool need_shared,
                               std::uint64_t after, const std::vector<std::string>& exclude) const;
 
  private:

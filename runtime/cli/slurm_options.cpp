@@ -34,8 +34,20 @@ void add_slurm_options(CLI::App& command, SlurmOptions& o, const std::string& wh
       ->type_name(placeholder::file)
       ->envname("TERRAZZO_SLURM_PROFILE");
   command.add_flag("--detach", o.detach,
-                   "Return after submitting to Slurm; `terrazzo status` shows progress, and the same command "
-                   "without --detach gathers the results");
+                   "Return after submitting a job that runs this command on a node of the cluster; "
+                   "`terrazzo status` shows progress");
+  command
+      .add_option("--slurm-coordinator", o.coordinator_written,
+                  "More options for sbatch, for the job that --detach submits, such as '--partition=serial' "
+                  "(repeatable)")
+      ->type_name("OPTIONS")
+      ->take_all()
+      ->expected(1);
+  // For the batch script of that job. Not in the help.
+  command.add_option("--job-role", o.job_role)
+      ->check(CLI::IsMember({job_role::coordinator, job_role::finisher}))
+      ->group("");
+  command.add_option("--job-plan", o.job_plan)->group("");
   command.add_option("--poll", o.poll, "Seconds between two looks at Slurm's queue")
       ->type_name(placeholder::number)
       ->check(CLI::Range(0.1, 3600.0))
@@ -43,14 +55,20 @@ void add_slurm_options(CLI::App& command, SlurmOptions& o, const std::string& wh
 }
 
 void complete_slurm_options(SlurmOptions& s, const GraphOptions& o) {
-  if (!s.on_slurm() &&
-      (s.chunk_size > 0 || s.parallel > 0 || !s.partition.empty() || s.detach || !s.written.empty()))
-    throw Error("usage", "--chunk-size, --parallel, --partition, --slurm and --detach need --executor slurm");
+  if (!s.on_slurm() && (s.chunk_size > 0 || s.parallel > 0 || !s.partition.empty() || s.detach ||
+                        !s.written.empty() || !s.coordinator_written.empty()))
+    throw Error("usage",
+                "--chunk-size, --parallel, --partition, --slurm, --detach and --slurm-coordinator need "
+                "--executor slurm");
   if (s.on_slurm() && o.no_cache)
     throw Error("usage", "--executor slurm needs a cache that all machines share: remove --no-cache");
-  s.options.clear();
-  for (const auto& text : s.written)
-    for (auto& word : slurm::words(text)) s.options.push_back(std::move(word));
+  const auto words = [](const std::vector<std::string>& written) {
+    std::vector<std::string> out;
+    for (const auto& text : written)
+      for (auto& word : slurm::words(text)) out.push_back(std::move(word));
+    return out;
+  };
+  s.options = words(s.written), s.coordinator_options = words(s.coordinator_written);
 }
 
 }  // namespace terrazzo::cli

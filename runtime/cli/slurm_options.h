@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/cli/options.h"
+#include "runtime/sweep_log.h"
 
 namespace CLI {
 class App;
@@ -20,9 +21,15 @@ struct SlurmOptions {
   std::vector<std::string> written;  // --slurm
   std::vector<std::string> options;  // its words, for sbatch
   std::string profile;               // file with the first lines of the batch script; may be empty
-  bool detach = false;               // return after submission
-  double poll = 10;                  // seconds between two looks at the queue
+  bool detach = false;               // leave everything to jobs
+  std::vector<std::string> coordinator_written;  // --slurm-coordinator
+  std::vector<std::string> coordinator_options;  // its words
+  std::string job_role;                          // empty: this process is no job that stands for a command
+  std::string job_plan;                          // hash of what it shall compute
+  double poll = 10;                              // seconds between two looks at the queue
   bool on_slurm() const { return executor == "slurm"; }
+  bool is_job() const { return !job_role.empty(); }
+  bool coordinates() const { return job_role == job_role::coordinator; }
 };
 
 // `what`: what one task computes, in the plural: "points".

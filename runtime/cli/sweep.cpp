@@ -13,6 +13,7 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
+#include "runtime/cli/slurm_detached.h"
 #include "runtime/cli/slurm_executor.h"
 #include "runtime/cli/slurm_options.h"
 #include "runtime/cli/sweep_point.h"
@@ -128,14 +129,22 @@ int sweep(const Program& program, SweepCommand& o) {
   if (!plan) return wrong_usage;
   const SweepPoints& points = plan->file.points;
   const fs::path sweep_file = fs::path(o.out) / "sweep.json";
+  const Hash hash = plan->file.hash();
+  const DetachablePlan detachable{hash, sweep_file, {slurm_job_prefix(hash, o.out)}};
+  if (on_slurm && !o.plan)
+    if (const auto code = wait_for_detached(detachable, o, o.slurm)) return *code;
   write_sweep_file(sweep_file, plan->file);
   if (o.plan) {
     std::cout << fmt::format("wrote {}: {} points, sweep {}\n", sweep_file.string(), points.size(),
-                             plan->file.hash().text());
+                             hash.text());
     return done;
   }
-  const PointRun run{program,  session,           o.graph, o.targets, o.out, std::max(1, threads(o) / o.jobs),
-                     o.memory, plan->file.hash(), true};
+  if (o.slurm.detach && !o.slurm.is_job()) {
+    submit_detached(job_role::coordinator, detachable, o, o.slurm);
+    return done;
+  }
+  const PointRun run{program,  session, o.graph, o.targets, o.out, std::max(1, threads(o) / o.jobs),
+                     o.memory, hash,    true};
   std::unique_ptr<SlurmExecutor> slurm;
   std::unique_ptr<Executor> local;
   if (on_slurm) {
@@ -147,7 +156,10 @@ int sweep(const Program& program, SweepCommand& o) {
   Executor& executor = on_slurm ? static_cast<Executor&>(*slurm) : *local;
   executor.run(points, cancel_on_interrupt(),
                [&](const SweepPoint& p, const json& report) { outcome.add(o, points.size(), p, report); });
-  if (slurm && slurm->detached()) return done;
+  if (slurm && slurm->out_of_time()) {
+    submit_detached(job_role::coordinator, detachable, o, o.slurm);
+    return done;
+  }
   finish(session, o);
   // The workers leave collecting to this process.
   if (slurm && session.evaluator().store().trouble().empty())
@@ -203,7 +215,9 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
       ->type_name(placeholder::file)
       ->capture_default_str();
   command->add_flag("--quiet", o->quiet, "Print errors only");
-  command->callback([o, &program, &exit_code] { exit_code = sweep(program, *o); });
+  command->callback([o, &program, &exit_code] {
+    exit_code = run_as_job(*o, o->slurm, [&] { return sweep(program, *o); });
+  });
 }
 
 }  // namespace terrazzo::cli

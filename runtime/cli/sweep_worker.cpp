@@ -20,7 +20,7 @@ namespace {
 
 struct WorkerCommand : GraphOptions {
   std::string file, chunk, expected;
-  bool shared = false;
+  bool shared = false, need_shared = false;
 };
 
 struct Chunk {
@@ -46,6 +46,7 @@ class Worker {
       : sweep_(std::move(sweep)),
         log_(std::move(log)),
         cancel_(cancel_on_interrupt()),
+        need_shared_(o.need_shared),
         session_(program.registry(), program.types(), session_options(o)),
         run_{program,    session_, sweep_.graph,  sweep_.targets, out,
              threads(o), o.memory, sweep_.hash(), false} {
@@ -55,6 +56,7 @@ class Worker {
                   fmt::format("'{}' describes another sweep than when this worker was submitted",
                               (out / "sweep.json").string()));
     require_same_files(sweep_, session_.evaluator().hashes());
+    if (need_shared_) shared_report_ = read_shared_report(sweep_, out);
     if (!sweep_.points.parts().empty()) run_.same_graph = load_point(run_, sweep_.points[0]);
   }
 
@@ -65,6 +67,8 @@ class Worker {
     for (std::size_t i = first; i < last; ++i) {
       const SweepPoint point = sweep_.points[i];
       if (is_finished(point)) continue;
+      if (need_shared_ && !is_shared_in_cache(sweep_, shared_report_, session_.evaluator().store()))
+        return worker_without_shared();
       log_.write({{"event", "started"}, {"point", point.index}});
       std::cerr << fmt::format("=== {} started\n", point.folder);
       const json report = evaluate_point(run_, point, cancel_);
@@ -131,6 +135,12 @@ class Worker {
     told_ = twice;
   }
 
+  int worker_without_shared() {
+    log_.write({{"event", "missing"}});
+    std::cerr << "stopped: the cache lacks what all points share\n";
+    return node_failed;
+  }
+
   int interrupted_worker() {
     log_.write({{"event", "interrupted"}});
     std::cerr << "interrupted; finished points and nodes are kept\n";
@@ -145,6 +155,8 @@ class Worker {
   const SweepFile sweep_;
   const WorkerLog log_;
   const std::atomic<bool>* cancel_;
+  const bool need_shared_;
+  json shared_report_;
   Session session_;
   PointRun run_;
   ComputedTwice told_;
@@ -196,6 +208,8 @@ void add_sweep_worker(CLI::App& app, const Program& program, int& exit_code) {
   command->add_option("--chunk", o->chunk, "Run part K of N of the points, K from 0; skips finished points")
       ->type_name("K/N");
   command->add_flag("--shared", o->shared, "Compute only what all points share");
+  command->add_flag("--need-shared", o->need_shared,
+                    "Stop if the cache lacks what all points share, instead of computing it");
   command->add_option("--expect", o->expected, "Refuse to run if this is not the sweep's hash")
       ->type_name("HASH");
   command->add_option("--threads", o->threads, "Number of threads; 0: one per CPU core")

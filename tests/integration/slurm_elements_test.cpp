@@ -128,6 +128,17 @@ TEST_F(SlurmElements, SurviveAKilledTask) {
   expect_the_whole_solid();
 }
 
+// Also the blocks that were finished before are computed again, and not by the command itself.
+TEST_F(SlurmElements, SurviveAVanishedCache) {
+  auto command = start();
+  ASSERT_TRUE(wait_until(60, [&] { return reports() >= 3 && reports() < 7; }));
+  fs::rename(folder / "cache", folder / "gone");
+  const auto done = command.get();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("the cache has lost the results of"), std::string::npos) << done.err;
+  expect_the_whole_solid();
+}
+
 TEST_F(SlurmElements, CanceledFromOutsideTheSameCommandCompletesThem) {
   auto command = start();
   ASSERT_TRUE(wait_until(60, [&] { return reports() >= 1 && reports() < 7 && !cluster->tasks().empty(); }));

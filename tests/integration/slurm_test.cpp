@@ -317,16 +317,6 @@ TEST_F(Slurm, AnInterruptCancelsTheJobsAndTheSameCommandResumes) {
   expect_local_contents();
 }
 
-TEST_F(Slurm, DetachedItGoesOnAlone) {
-  const auto detached = on_slurm({"--detach"});
-  EXPECT_EQ(detached.exit_code, 0) << detached.err;
-  EXPECT_FALSE(fs::exists(folder / "out" / "sweep.csv"));
-  ASSERT_TRUE(wait_until(120, [&] { return status().at("points").at("done") == 24; }));
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
-}
-
 TEST_F(Slurm, AWorkerOfAnotherVersionIsRefused) {
   // Stands for a node where another version is installed: it sees the sweep as planned by another version.
   std::ofstream(folder / "old.sh") << "#!/bin/bash\n"
@@ -376,6 +366,16 @@ TEST_F(Slurm, AVanishedCacheCostsTimeOnly) {
   fs::rename(folder / "cache", folder / "gone");
   const auto done = run.get();
   EXPECT_EQ(done.exit_code, 0) << done.err;
+  // What all points share is computed again once, and not by each worker.
+  EXPECT_NE(done.err.find("has lost what all points share"), std::string::npos) << done.err;
+  std::istringstream log(read_file(folder / "out/jobs/shared.jsonl").value_or(""));
+  int times = 0;
+  for (std::string line; std::getline(log, line);) times += json::parse(line).at("event") == "finished";
+  EXPECT_EQ(times, 2);
+  for (int i = 1; i <= 24; ++i)
+    for (const auto& node :
+         json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json")).at("nodes"))
+      EXPECT_FALSE(node.at("name") == "shape" && node.at("status") == "computed") << i;
   expect_local_contents();
 }
 
@@ -385,6 +385,19 @@ TEST_F(Slurm, AFullDiskOnANodeMovesItsWorkToOthers) {
   const auto done = on_slurm({"--slurm-profile", (folder / "profile").string()});
   EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.err.find("on n1 ended"), std::string::npos) << done.err;
+  expect_local_contents();
+}
+
+TEST_F(Slurm, AChunkThatNeverSucceedsIsGivenUp) {
+  std::ofstream(folder / "profile") << "[ \"$SLURM_ARRAY_TASK_ID\" = 2 ] && exit 7\n";
+  const auto given_up = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  EXPECT_EQ(given_up.exit_code, 1);
+  EXPECT_NE(given_up.err.find("error: chunk 2 of 8"), std::string::npos) << given_up.err;
+  EXPECT_NE(given_up.err.find("(3 times in a row)"), std::string::npos) << given_up.err;
+  EXPECT_NE(given_up.err.find("3 of 24 points have no result"), std::string::npos) << given_up.err;
+  EXPECT_EQ(reports(), 21u);
+  const auto done = on_slurm();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
   expect_local_contents();
 }
 

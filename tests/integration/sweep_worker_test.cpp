@@ -104,6 +104,18 @@ TEST_F(SweepWorker, RunsOnlyThePointsWithoutAResult) {
   EXPECT_TRUE(fs::exists(folder / "out/point-004/copy.png"));
 }
 
+TEST_F(SweepWorker, StopsIfItNeedsWhatIsSharedAndTheCacheHasLostIt) {
+  ASSERT_EQ(sweep("out", {"--plan"}).exit_code, 0);
+  EXPECT_EQ(worker({"--chunk", "0/1", "--need-shared"}).exit_code, 1);  // it was never computed
+  EXPECT_EQ(events("chunk-0-of-1").back().at("event"), "missing");
+  ASSERT_EQ(worker({"--shared"}).exit_code, 0);
+  EXPECT_EQ(worker({"--chunk", "0/2", "--need-shared"}).exit_code, 0);
+  fs::remove_all(folder / "out_cache");
+  EXPECT_EQ(worker({"--chunk", "1/2", "--need-shared"}).exit_code, 1);
+  EXPECT_FALSE(report("out", 5).is_object());
+  EXPECT_EQ(worker({"--chunk", "1/2"}).exit_code, 0);
+}
+
 TEST_F(SweepWorker, ComputesWhatIsSharedOnceBefore) {
   ASSERT_EQ(sweep("out", {"--plan"}).exit_code, 0);
   ASSERT_EQ(worker({"--shared"}).exit_code, 0);
