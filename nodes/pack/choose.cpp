@@ -53,6 +53,7 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
     }
   if (fraction >= kDense && profiles != nullptr && usual_axis_ratio(*profiles) >= kEquiaxed) {
     choice.method = Method::Laguerre;
+    choice.joints = true;
     choice.reason = fmt::format(
         "a volume fraction of {:.3f} leaves joints between neighbors only: the particles are cells of a "
         "Laguerre tessellation with joints and round edges",

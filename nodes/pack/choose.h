@@ -13,6 +13,7 @@ enum class Method { Auto, Anneal, Grow, Laguerre };
 struct Choice {
   Method method = Method::Anneal;  // not Auto
   packing::PackResult packed;      // with method Anneal
+  bool joints = false;             // with method Laguerre: there is a binder between the cells
   std::string reason;              // a sentence
 };
 

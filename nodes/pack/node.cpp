@@ -74,7 +74,9 @@ void compute(Context& c) {
   }
   if (c.has("start")) c.warn("`start` has no effect: only method anneal continues from it");
   const auto fill = method == Method::Grow ? tessellation::Method::Grow : tessellation::Method::Laguerre;
-  output_fill(c, distribution, fill_space(distribution, shapes, read_fill(c, fill), work));
+  FillOptions options = read_fill(c, fill);
+  if (choice.joints && !c.optional_integer("rounds")) options.grains.rounds = 1;  // stones are irregular
+  output_fill(c, distribution, fill_space(distribution, shapes, options, work));
 }
 
 }  // namespace

@@ -39,10 +39,11 @@ NodeType& declare_fill(NodeType& type) {
                      .doc_("laguerre: root mean square displacement of faces, in mean grain diameters. Both "
                            "sides of a face share it, so that neighbors fit each other."))
       .parameter(
-          Parameter::integer("rounds", 5)
+          Parameter::optional_integer("rounds", "auto")
               .range(0, 1000)
               .doc_("laguerre: how often each seed moves to the centroid of its cell. More rounds make "
-                    "rounder grains."))
+                    "rounder and more regular grains. auto: 5, or 1 where Pack chose cells for the stones "
+                    "of a photograph."))
       .parameter(Parameter::numbers("stretch", {1})
                      .range(0.05, 20)
                      .count(1, 3)
@@ -83,7 +84,7 @@ FillOptions read_fill(const Context& c, Method method) {
   else if (profiles != nullptr)
     o.grains.roundness = measure_roundness(*profiles), o.grains.least_gap = kLeastGap;
   o.grains.roughness = c.number("roughness");
-  o.grains.rounds = static_cast<int>(c.integer("rounds"));
+  if (const auto rounds = c.optional_integer("rounds")) o.grains.rounds = static_cast<int>(*rounds);
   if (const auto s = c.numbers("stretch"); s.size() == 3) o.grains.stretch = Vec3(s[0], s[1], s[2]);
   o.grains.seed = c.seed();
   o.corrections = static_cast<int>(c.integer("corrections"));
