@@ -147,7 +147,10 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     return std::shared_ptr<const NetworkView>(view);
   };
   NetworkOptions how;
-  if (options.split.min_area >= 0) how.min_area = options.split.min_area;
+  if (options.split.min_area >= 0)
+    how.min_area = options.split.min_area;
+  else if (network)
+    how.min_area /= s.network_scale * s.network_scale;     // as the network sees it
   std::vector<std::vector<Instance>> instances(sections);  // kept for Auto like the views
   const auto instances_of = [&](int i) {
     return instances[i].empty() ? view_of(i, work.quiet())->instances(how, work.quiet()) : instances[i];

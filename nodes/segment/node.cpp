@@ -194,7 +194,8 @@ NodeType segment_node() {
                      .unit_("pixels")
                      .range(0, 1e9)
                      .doc_("Minimum particle size. Smaller particles are dropped and counted. auto: 12, up "
-                           "to 48 if pits and noise are frequent."))
+                           "to 48 if pits and noise are frequent; 25 for the network, in the pixels that "
+                           "it sees (network_scale)."))
       .parameter(Parameter::integer("color_classes", 1)
                      .keyword("auto")
                      .range(1, 32)
