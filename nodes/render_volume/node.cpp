@@ -12,7 +12,6 @@
 
 namespace terrazzo {
 namespace {
-
 using namespace render_volume;
 
 enum class Mode { Textured, Plain };
