@@ -175,7 +175,7 @@ class Editor {
 
   void check_new_name(const std::string& name) {
     if (name.empty() || name.find_first_of(". /") != std::string::npos)
-      throw Error("bad-name", fmt::format("'{}' is no name for a node", name),
+      throw Error("bad-name", fmt::format("'{}' is not a valid name for a node", name),
                   "use a word without dots, slashes and spaces");
     if (find_node(doc_, name)) throw Error("name-taken", fmt::format("there is already a node '{}'", name));
   }

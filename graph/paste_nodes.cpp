@@ -79,7 +79,7 @@ Pasted paste_nodes(const std::string& text, const std::filesystem::path& file, c
   const RawDocument copied = read_document(added, file, found);
   if (has_errors(found) || copied.nodes.empty())
     throw Error("no-nodes",
-                "what was pasted is no text of nodes" + (found.empty() ? "" : ": " + found.front().message),
+                "the pasted text contains no nodes" + (found.empty() ? "" : ": " + found.front().message),
                 "copy nodes in the Studio, or lines of a graph file");
   if (copied.nodes.size() > kMostPastedNodes)
     throw Error("too-large",

@@ -6,7 +6,7 @@
 #include "nodes/packing/statistics.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::anneal {
 namespace {
 
 void compute(Context& c) {
@@ -55,8 +55,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::anneal
+
+namespace terrazzo {
 
 NodeType anneal_node() {
+  using namespace anneal;
   NodeType type("Anneal", 9);
   type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "

@@ -8,7 +8,7 @@
 #include "nodes/data/table.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::block_index {
 namespace {
 
 // "solid_{}.vdb" → "solid_17.vdb"
@@ -52,8 +52,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::block_index
+
+namespace terrazzo {
 
 NodeType block_index_node() {
+  using namespace block_index;
   return NodeType("BlockIndex", 1)
       .doc_("Lists where the blocks of a solid lie: the index of a solid that stays in one file per block.")
       .source_("None: reads the boxes of volumes")

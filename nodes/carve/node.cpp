@@ -4,9 +4,8 @@
 #include "nodes/data/particles.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::carve {
 namespace {
-using namespace carve;
 
 carving::BodyParts parts_of(const Context& c, carving::Mode mode, const carving::Body& body,
                             const Shape* object) {
@@ -42,8 +41,12 @@ void carve_body(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::carve
+
+namespace terrazzo {
 
 NodeType carve_node() {
+  using namespace carve;
   NodeType type("Carve", 2);
   type.doc_(
           "Carves a body from the solid, or breaks a block along its particles, and returns it as a closed "

@@ -3,9 +3,8 @@
 #include "nodes/common/texture/color.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::colorize {
 namespace {
-using namespace colorize;
 
 // Distance in Oklab between the particles' mean color and the weighted mean of the profiles.
 double mean_difference(const Particles& particles, const Profiles& profiles) {
@@ -37,8 +36,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::colorize
+
+namespace terrazzo {
 
 NodeType colorize_node() {
+  using namespace colorize;
   return NodeType("Colorize", 4)
       .doc_(
           "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "

@@ -9,10 +9,8 @@
 #include "nodes/compare/comparison.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::compare {
 namespace {
-using namespace compare;
 
 const std::vector<std::string> of_profiles = {"size_classes",    "area_fraction", "color",      "circularity",
                                               "total_curvature", "two_point",     "lineal_path"};
@@ -105,8 +103,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::compare
+
+namespace terrazzo {
 
 NodeType compare_node() {
+  using namespace compare;
   Parameter measures = Parameter::with_keyword(ParameterKind::Texts, "measures", "all");
   measures.choices = of_profiles;
   for (const auto& m : of_images)

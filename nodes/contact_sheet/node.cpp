@@ -4,10 +4,8 @@
 #include "nodes/contact_sheet/sheet.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::contact_sheet {
 namespace {
-using namespace contact_sheet;
 
 void compute(Context& c) {
   std::vector<Image> images;
@@ -37,8 +35,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::contact_sheet
+
+namespace terrazzo {
 
 NodeType contact_sheet_node() {
+  using namespace contact_sheet;
   return NodeType("ContactSheet", 1)
       .doc_(
           "Arranges images side by side with captions, as an overview of a run. A stack shows its first "

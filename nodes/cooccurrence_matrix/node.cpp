@@ -4,9 +4,8 @@
 #include "nodes/cooccurrence_matrix/matrix.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::cooccurrence_matrix {
 namespace {
-using namespace cooccurrence_matrix;
 
 void measure_matrix(Context& c) {
   const Image& picture = c.input<Image>("image");
@@ -42,8 +41,12 @@ void measure_matrix(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::cooccurrence_matrix
+
+namespace terrazzo {
 
 NodeType cooccurrence_matrix_node() {
+  using namespace cooccurrence_matrix;
   return NodeType("CooccurrenceMatrix", 1)
       .doc_(
           "Measures the color co-occurrence matrix of a picture: how often two colors are found at an offset")

@@ -8,10 +8,8 @@
 #include "nodes/data/table.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::cooccurrence_solid {
 namespace {
-
-using namespace cooccurrence_solid;
 
 void check(const NodeParameters& p) {
   const Vec3i size = one_or_three(p, "size");
@@ -46,8 +44,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::cooccurrence_solid
+
+namespace terrazzo {
 
 NodeType cooccurrence_solid_node() {
+  using namespace cooccurrence_solid;
   return NodeType("CooccurrenceSolid", 2)
       .doc_(
           "Makes a tileable solid texture from noise. On its slices across x, y and z, colors are neighbors "

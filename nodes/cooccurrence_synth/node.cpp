@@ -7,10 +7,8 @@
 #include "nodes/data/table.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::cooccurrence_synth {
 namespace {
-
-using namespace cooccurrence_synth;
 
 // The paper's figure 3: error and changed pixels per sweep, for each resolution.
 Image figure_of(const SynthResult& r) {
@@ -75,8 +73,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::cooccurrence_synth
+
+namespace terrazzo {
 
 NodeType cooccurrence_synth_node() {
+  using namespace cooccurrence_synth;
   return NodeType("CooccurrenceSynth", 2)
       .doc_("Makes a texture from noise in which colors are neighbors as often as in a picture")
       .source_("Malzbender and Spach 1993, sections 2 and 3, after Gagalowicz and Ma 1985")

@@ -14,9 +14,8 @@
 #include "nodes/detail_solid/tiles.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::detail_solid {
 namespace {
-using namespace detail_solid;
 
 // Fills in the tiles of all phases.
 void make_tiles(Context& c, const Phases& phases, const std::vector<Vec3f>& broad, const Labels& labels,
@@ -106,8 +105,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::detail_solid
+
+namespace terrazzo {
 
 NodeType detail_solid_node() {
+  using namespace detail_solid;
   return NodeType("DetailSolid", 7)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "

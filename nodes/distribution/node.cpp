@@ -3,9 +3,8 @@
 #include "nodes/distribution/size_laws.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::distribution {
 namespace {
-using namespace distribution;
 
 SizeLaw law_of(const NodeParameters& c) {
   SizeLaw law;
@@ -40,8 +39,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::distribution
+
+namespace terrazzo {
 
 NodeType distribution_node() {
+  using namespace distribution;
   return NodeType("Distribution", 1)
       .doc_(
           "Defines a particle size distribution by hand: by class, or as a law by number or by volume. The "

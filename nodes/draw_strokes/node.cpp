@@ -8,7 +8,7 @@
 #include "nodes/data/strokes.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::draw_strokes {
 namespace {
 
 void check(const NodeParameters& p) {
@@ -34,8 +34,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::draw_strokes
+
+namespace terrazzo {
 
 NodeType draw_strokes_node() {
+  using namespace draw_strokes;
   return NodeType("DrawStrokes", 1)
       .doc_(
           "Draws strokes on a picture in plain colors and makes a mask of them, to mark a region or to have "

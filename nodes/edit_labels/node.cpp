@@ -2,9 +2,8 @@
 #include "nodes/edit_labels/edit_labels.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::edit_labels {
 namespace {
-using namespace edit_labels;
 
 std::vector<Edit> edits_of(const NodeParameters& p) {
   std::vector<Edit> edits;
@@ -30,8 +29,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::edit_labels
+
+namespace terrazzo {
 
 NodeType edit_labels_node() {
+  using namespace edit_labels;
   return NodeType("EditLabels", 1)
       .doc_(
           "Corrects labels by a list of edits. Edits address particles by points in the picture and not by "

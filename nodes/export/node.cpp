@@ -20,9 +20,8 @@
 #include "runtime/context.h"
 #include "runtime/json_text.h"
 
-namespace terrazzo {
+namespace terrazzo::exporting {
 namespace {
-using namespace exporting;
 
 // The inputs, named after their types.
 struct Input {
@@ -67,7 +66,7 @@ std::string csv_of_value(const Value& v) {
   return csv_of(v.as<Shapes>());
 }
 
-std::string json_of(const std::map<std::string, Value>& values) {
+std::string json_text_of(const std::map<std::string, Value>& values) {
   const auto describe = [](const Value& v) {
     return v.is<Shapes>() ? json_with_meshes(v.as<Shapes>()) : v.type().describe(v.data());
   };
@@ -163,7 +162,7 @@ void compute(Context& c) {
     } else if (extension == ".csv") {
       write_bytes(file, csv_of_value(first));
     } else if (extension == ".json") {
-      write_bytes(file, json_of(values));
+      write_bytes(file, json_text_of(values));
     } else {
       write_mesh(file, first.as<Shapes>());
     }
@@ -171,8 +170,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::exporting
+
+namespace terrazzo {
 
 NodeType export_node() {
+  using namespace exporting;
   NodeType type("Export", 5);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")

@@ -2,9 +2,8 @@
 #include "nodes/grain/grain.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::grain {
 namespace {
-using namespace grain;
 
 void compute(Context& c) {
   const GrainSettings g{c.number("mottle"), c.number("vary"),  c.number("scale"),
@@ -13,8 +12,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::grain
+
+namespace terrazzo {
 
 NodeType grain_node() {
+  using namespace grain;
   return NodeType("Grain", 1)
       .doc_("Makes a drawn section look photographed: mottles particles and adds a camera's blur and noise")
       .input("image", "Image", "Picture of a section")

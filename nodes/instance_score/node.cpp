@@ -3,9 +3,8 @@
 #include "nodes/instance_score/instance_score.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::instance_score {
 namespace {
-using namespace instance_score;
 
 void compute(Context& c) {
   const Score s = compare_instances(c.input<Labels>("labels"), c.input<Labels>("masks"));
@@ -33,8 +32,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::instance_score
+
+namespace terrazzo {
 
 NodeType instance_score_node() {
+  using namespace instance_score;
   return NodeType("InstanceScore", 1)
       .doc_(
           "Compares found particles with masks, drawn by hand or known from a synthetic photograph: how many "

@@ -7,10 +7,8 @@
 #include "runtime/context.h"
 #include "runtime/memory.h"
 
-namespace terrazzo {
+namespace terrazzo::join_volumes {
 namespace {
-
-using join_volumes::Joiner;
 
 void compute(Context& c) {
   const std::size_t count = c.count("volumes");
@@ -22,7 +20,7 @@ void compute(Context& c) {
     const Value value = c.nth("volumes", k);
     const Volume& block = value.as<Volume>();
     grids.add(block);
-    bytes += join_volumes::bytes_of(block);
+    bytes += bytes_of(block);
     if (k == 0) first = bytes;
     // Refused before the first block is copied, if the others are as large.
     require_memory(std::max(bytes, first * static_cast<double>(count)), c.memory(), "the joined volume");
@@ -39,8 +37,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::join_volumes
+
+namespace terrazzo {
 
 NodeType join_volumes_node() {
+  using namespace join_volumes;
   return NodeType("JoinVolumes", 1)
       .doc_(
           "Joins the blocks of a solid into one volume. The result equals the volume that was made at once, "

@@ -9,9 +9,8 @@
 #include "nodes/kmatrix/make_kmatrix.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::kmatrix {
 namespace {
-using namespace kmatrix;
 
 std::string name_of(const Shapes& shapes, std::size_t i) {
   return shapes.shapes[i].name.empty() ? fmt::format("shape {}", i + 1) : shapes.shapes[i].name;
@@ -29,8 +28,8 @@ Table table_of(const KMatrix& k, const Shapes& shapes) {
     auto& row = t.rows.emplace_back();
     row = {name_of(shapes, s), e.probability, e.mean_caliper, e.max_section_area, e.profiles_per_caliper};
     for (int i = 0; i < k.classes; ++i)
-      row.push_back(e.profiles_per_caliper * (cdf_at(e.cdf, static_cast<double>(i + 1) / k.classes) -
-                                              cdf_at(e.cdf, static_cast<double>(i) / k.classes)));
+      row.emplace_back(e.profiles_per_caliper * (cdf_at(e.cdf, static_cast<double>(i + 1) / k.classes) -
+                                                 cdf_at(e.cdf, static_cast<double>(i) / k.classes)));
   }
   return t;
 }
@@ -84,8 +83,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::kmatrix
+
+namespace terrazzo {
 
 NodeType kmatrix_node() {
+  using namespace kmatrix;
   return NodeType("KMatrix", 2)
       .doc_(
           "Computes how often a particle of each size shows a profile of each size in a random plane, for "

@@ -3,9 +3,8 @@
 #include "nodes/load_distribution/read_distribution.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_distribution {
 namespace {
-using namespace load_distribution;
 
 void compute(Context& c) {
   SizeDistribution d = read_distribution(json_text_in(c), c.files("path")[0].string());
@@ -17,8 +16,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_distribution
+
+namespace terrazzo {
 
 NodeType load_distribution_node() {
+  using namespace load_distribution;
   return NodeType("LoadDistribution", 1)
       .doc_(
           "Reads a size distribution that Export wrote to .json, with every number as it was. Distribution "

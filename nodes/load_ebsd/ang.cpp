@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/load_ebsd/map_text.h"
 
@@ -32,26 +33,28 @@ struct Header {
 };
 
 void read_header_line(std::string_view line, Header& h, Phase*& phase, const Lines& lines) {
-  line = trimmed(line.substr(1));
+  line = trimmed_cell(line.substr(1));
   const auto end = line.find_first_of(" \t:");
   const std::string_view key = line.substr(0, end);
-  std::string_view value = end == std::string_view::npos ? std::string_view() : trimmed(line.substr(end + 1));
-  if (value.starts_with(':')) value = trimmed(value.substr(1));
+  std::string_view value =
+      end == std::string_view::npos ? std::string_view() : trimmed_cell(line.substr(end + 1));
+  if (value.starts_with(':')) value = trimmed_cell(value.substr(1));
   const auto number = [&] {
     const auto v = number_in(value);
-    if (!v) lines.malformed(fmt::format("{} is '{}', which is no number", key, printable(value)));
+    if (!v) lines.malformed(fmt::format("{} must be a number; it is '{}'", key, printable(value)));
     return *v;
   };
   const auto whole = [&] {
     const double v = number();
     if (v < 0 || v > 1e9 || v != std::floor(v))
-      lines.malformed(fmt::format("{} is {}, which is no count", key, v));
+      lines.malformed(fmt::format("{} must be a whole number from 0 to 1e9; it is {}", key, v));
     return static_cast<std::int64_t>(v);
   };
   if (key == "Phase") {
     const auto id = whole();
     if (h.phases.size() >= 1000) lines.malformed("there are more than 1000 phases");
-    if (id > 1'000'000) lines.malformed(fmt::format("the phase has the number {}", id));
+    if (id > 1'000'000)
+      lines.malformed(fmt::format("the number of a phase must be at most 1000000; it is {}", id));
     phase = &h.phases[static_cast<int>(id)];
   } else if (key == "MaterialName" && phase) {
     phase->name = printable(value);
@@ -60,7 +63,7 @@ void read_header_line(std::string_view line, Header& h, Phase*& phase, const Lin
   } else if (key == "GRID") {
     h.has_grid = true;
     if (value != "SqrGrid" && value != "HexGrid")
-      lines.malformed(fmt::format("the grid is '{}'; SqrGrid and HexGrid are known", printable(value)));
+      lines.malformed(fmt::format("GRID must be SqrGrid or HexGrid; it is '{}'", printable(value)));
     h.grid.hexagonal = value == "HexGrid";
   } else if (key == "XSTEP") {
     h.grid.x_step = number();
@@ -84,8 +87,8 @@ EbsdMap read_ang(std::string_view text, const std::string& file) {
   std::string_view line;
   bool data = false;
   while (!data && lines.next(line)) {
-    data = !trimmed(line).empty() && !trimmed(line).starts_with('#');
-    if (!data && !trimmed(line).empty()) read_header_line(trimmed(line), h, phase, lines);
+    data = !trimmed_cell(line).empty() && !trimmed_cell(line).starts_with('#');
+    if (!data && !trimmed_cell(line).empty()) read_header_line(trimmed_cell(line), h, phase, lines);
   }
   if (!h.has_grid || h.phases.empty())
     lines.unreadable(h.has_grid ? "its header names no phase" : "its header has no line '# GRID:'",
@@ -102,7 +105,7 @@ EbsdMap read_ang(std::string_view text, const std::string& file) {
   if (!data) lines.unreadable("it has no points");
   lines.back();
   while (lines.next(line)) {
-    if (trimmed(line).empty()) continue;
+    if (trimmed_cell(line).empty()) continue;
     split(line, cells);
     if (cells.size() < 8) lines.malformed(fmt::format("{} numbers; at least 8 are expected", cells.size()));
     double v[8];
@@ -113,7 +116,7 @@ EbsdMap read_ang(std::string_view text, const std::string& file) {
     }
     for (int i = 0; i < 3; ++i)
       if (std::abs(v[i]) > 13)  // 4π marks points that were not indexed
-        lines.malformed(fmt::format("the Euler angle {} is not in radians", v[i]));
+        lines.malformed(fmt::format("the Euler angle {} must be in radians, from -13 to 13", v[i]));
     MapPoint p;
     p.quality = static_cast<float>(v[5]), p.confidence = static_cast<float>(v[6]);
     const bool indexed = v[6] > -1 && v[0] < 12.5;
@@ -121,7 +124,7 @@ EbsdMap read_ang(std::string_view text, const std::string& file) {
                            ? position.find(static_cast<int>(v[7]))
                            : position.end();
     if (known == position.end() && v[7] != 0 && v[7] != -1)
-      lines.malformed(fmt::format("the point has the phase {}, which the header lacks", v[7]));
+      lines.malformed(fmt::format("the point is of phase {}, which the header does not name", v[7]));
     if (indexed && known != position.end()) {
       p.phase = known->second;
       p.orientation = from_bunge(v[0], v[1], v[2]);

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/load_ebsd/map_text.h"
 
@@ -19,10 +20,11 @@ Phase read_phase(std::string_view line, const Lines& lines) {
   if (cells.size() < 4)
     lines.malformed(
         "a phase needs edges, angles, a name and the number of its Laue group, separated by tabs");
-  const auto group = number_in(trimmed(cells[3]));
+  const auto group = number_in(trimmed_cell(cells[3]));
   if (!group || *group < 1 || *group > 11 || *group != std::floor(*group))
-    lines.malformed(fmt::format("the Laue group '{}' is no number from 1 to 11", printable(cells[3])));
-  return {printable(trimmed(cells[2])), {static_cast<LaueGroup>(static_cast<int>(*group) - 1)}};
+    lines.malformed(
+        fmt::format("the Laue group must be a whole number from 1 to 11; it is '{}'", printable(cells[3])));
+  return {printable(trimmed_cell(cells[2])), {static_cast<LaueGroup>(static_cast<int>(*group) - 1)}};
 }
 
 }  // namespace
@@ -30,7 +32,7 @@ Phase read_phase(std::string_view line, const Lines& lines) {
 EbsdMap read_ctf(std::string_view text, const std::string& file) {
   Lines lines(text, file);
   std::string_view line;
-  if (!lines.next(line) || !trimmed(line).starts_with("Channel Text File"))
+  if (!lines.next(line) || !trimmed_cell(line).starts_with("Channel Text File"))
     lines.unreadable("it does not begin with 'Channel Text File'");
   Grid grid;
   std::vector<Phase> phases;
@@ -42,13 +44,13 @@ EbsdMap read_ctf(std::string_view text, const std::string& file) {
     const std::string_view key = cells[0];
     const auto number = [&] {
       const auto v = cells.size() > 1 ? number_in(cells[1]) : std::nullopt;
-      if (!v) lines.malformed(fmt::format("{} is no number", key));
+      if (!v) lines.malformed(fmt::format("{} is not a number", key));
       return *v;
     };
     const auto whole = [&] {
       const double v = number();
       if (v < 0 || v > 1e9 || v != std::floor(v))
-        lines.malformed(fmt::format("{} is {}, which is no count", key, v));
+        lines.malformed(fmt::format("{} must be a whole number from 0 to 1e9; it is {}", key, v));
       return static_cast<std::int64_t>(v);
     };
     if (key == "JobMode" && cells.size() > 1 && cells[1] != "Grid") {
@@ -63,7 +65,8 @@ EbsdMap read_ctf(std::string_view text, const std::string& file) {
       grid.y_step = number();
     } else if (key == "Phases") {
       const auto count = whole();
-      if (count < 1 || count > 1000) lines.malformed(fmt::format("{} phases", count));
+      if (count < 1 || count > 1000)
+        lines.malformed(fmt::format("Phases must be from 1 to 1000; it is {}", count));
       for (std::int64_t k = 0; k < count; ++k) {
         if (!lines.next(line)) lines.unreadable("it ends within its phases");
         phases.push_back(read_phase(line, lines));
@@ -96,9 +99,10 @@ EbsdMap read_ctf(std::string_view text, const std::string& file) {
       v[i] = *n;
     }
     if (v[0] < 0 || v[0] > static_cast<double>(phases.size()) || v[0] != std::floor(v[0]))
-      lines.malformed(fmt::format("the point has the phase {}, but there are {}", v[0], phases.size()));
+      lines.malformed(fmt::format("the point is of phase {}, but there are {} phases", v[0], phases.size()));
     for (int i = 1; i <= 3; ++i)
-      if (std::abs(v[i]) > 720) lines.malformed(fmt::format("the Euler angle {} is not in degrees", v[i]));
+      if (std::abs(v[i]) > 720)
+        lines.malformed(fmt::format("the Euler angle {} must be in degrees, from -720 to 720", v[i]));
     MapPoint p;
     p.phase = static_cast<int>(v[0]) - 1;
     constexpr double degree = std::numbers::pi / 180;

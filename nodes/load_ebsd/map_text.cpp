@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/reading.h"
+#include "nodes/common/io/cell_rows.h"
 
 namespace terrazzo::load_ebsd {
 
@@ -21,13 +20,10 @@ bool Lines::next(std::string_view& line) {
   return true;
 }
 
-void Lines::malformed(const std::string& what) const {
-  throw Error("malformed-row", fmt::format("{}:{}: {}", file_, number_, what), "correct the file")
-      .parameter("path");
-}
+void Lines::malformed(const std::string& what) const { malformed_row(file_, number_, what); }
 
 void Lines::unreadable(const std::string& what, const std::string& hint) const {
-  throw Error("unreadable-file", fmt::format("'{}' is no readable EBSD map: {}", file_, what), hint)
+  throw Error("unreadable-file", fmt::format("cannot read the EBSD map '{}': {}", file_, what), hint)
       .parameter("path");
 }
 
@@ -41,20 +37,9 @@ void split(std::string_view line, std::vector<std::string_view>& cells, bool tab
   }
 }
 
-std::string_view trimmed(std::string_view s) {
-  const auto first = s.find_first_not_of(" \t\r"), last = s.find_last_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view() : s.substr(first, last - first + 1);
-}
-
 std::optional<double> number_in(std::string_view cell) {
-  char text[64];
-  if (cell.starts_with('+')) cell.remove_prefix(1);
-  if (cell.empty() || cell.size() >= sizeof text) return {};
-  std::replace_copy(cell.begin(), cell.end(), text, ',', '.');
-  double v = 0;
-  const auto [end, error] = std::from_chars(text, text + cell.size(), v);
-  if (error != std::errc() || end != text + cell.size() || !std::isfinite(v)) return {};
-  return v;
+  const auto v = cell_number(cell, true);
+  return v && std::isfinite(*v) ? v : std::nullopt;
 }
 
 void check_grid(const Grid& g, const Lines& lines) {

@@ -29,8 +29,7 @@ class Lines {
 
 // Cells separated by blanks, or by tabs alone.
 void split(std::string_view line, std::vector<std::string_view>& cells, bool tabs = false);
-std::string_view trimmed(std::string_view);
-// A comma is read as a decimal point.
+// A finite number; a comma is read as a decimal point.
 std::optional<double> number_in(std::string_view);
 
 // A grid of rows of points, as the file has them. Odd rows (the 1st, 3rd …) of a hexagonal grid begin at 0,

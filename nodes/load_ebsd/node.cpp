@@ -7,9 +7,8 @@
 #include "nodes/load_ebsd/grains.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_ebsd {
 namespace {
-using namespace load_ebsd;
 
 enum class Picture { Orientation, Quality };
 
@@ -64,8 +63,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_ebsd
+
+namespace terrazzo {
 
 NodeType load_ebsd_node() {
+  using namespace load_ebsd;
   return NodeType("LoadEBSD", 1)
       .doc_(
           "Reads an EBSD map and finds its grains: regions in which the orientation of the crystal changes "

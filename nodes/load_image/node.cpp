@@ -7,7 +7,7 @@
 #include "nodes/common/io/image_file.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_image {
 namespace {
 
 // The metadata may be wrong, so they never set the size of a pixel; users who left the default should
@@ -62,8 +62,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_image
+
+namespace terrazzo {
 
 NodeType load_image_node() {
+  using namespace load_image;
   return NodeType("LoadImage", 3)
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "

@@ -3,9 +3,8 @@
 #include "nodes/load_kmatrix/read_kmatrix.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_kmatrix {
 namespace {
-using namespace load_kmatrix;
 
 void compute(Context& c) {
   KMatrix k = read_kmatrix(json_text_in(c), c.files("path")[0].string());
@@ -15,8 +14,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_kmatrix
+
+namespace terrazzo {
 
 NodeType load_kmatrix_node() {
+  using namespace load_kmatrix;
   return NodeType("LoadKMatrix", 1)
       .doc_("Reads a K matrix that Export wrote to .json, with every number as it was.")
       .output("kmatrix", "KMatrix", "The K matrix of each shape")

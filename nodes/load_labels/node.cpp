@@ -4,9 +4,8 @@
 #include "nodes/load_labels/label_file.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_labels {
 namespace {
-using namespace load_labels;
 
 // All masks stay in memory until the last one is read. `held`: bytes of those that were read before.
 std::vector<RawMask> read_masks(Context& c, const char* parameter, std::uint64_t& held) {
@@ -41,8 +40,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_labels
+
+namespace terrazzo {
 
 NodeType load_labels_node() {
+  using namespace load_labels;
   return NodeType("LoadLabels", 2)
       .doc_("Reads existing masks as labels, to be measured by Segment instead of its own segmentation.")
       .output("labels", "Labels", "One section per file, in file name order")

@@ -9,10 +9,8 @@
 #include "nodes/load_mesh/repair.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::load_mesh {
 namespace {
-using namespace load_mesh;
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -76,8 +74,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_mesh
+
+namespace terrazzo {
 
 NodeType load_mesh_node() {
+  using namespace load_mesh;
   return NodeType("LoadMesh", 2)
       .doc_(
           "Reads particle shapes from OBJ, PLY, STL, OFF or glTF files. A mesh must be watertight. Otherwise "

@@ -3,9 +3,8 @@
 #include "nodes/load_particles/read_particles.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_particles {
 namespace {
-using namespace load_particles;
 
 Particles particles_in(const std::filesystem::path& file, Context& c) {
   try {
@@ -33,8 +32,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_particles
+
+namespace terrazzo {
 
 NodeType load_particles_node() {
+  using namespace load_particles;
   return NodeType("LoadParticles", 1)
       .doc_(
           "Reads a packing that Export wrote to .json, or that an interrupted Anneal or Pack left, with "

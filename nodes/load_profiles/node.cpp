@@ -10,9 +10,8 @@
 #include "nodes/load_profiles/profile_table.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_profiles {
 namespace {
-using namespace load_profiles;
 
 // A row has at least two characters. In memory it needs its text and its profile, each up to twice while the
 // lists grow.
@@ -83,8 +82,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_profiles
+
+namespace terrazzo {
 
 NodeType load_profiles_node() {
+  using namespace load_profiles;
   return NodeType("LoadProfiles", 2)
       .doc_(
           "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools, "

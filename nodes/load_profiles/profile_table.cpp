@@ -2,63 +2,18 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/reading.h"
 
 namespace terrazzo::load_profiles {
 namespace {
-
-using Cells = std::vector<std::string>;
-
-std::string trimmed(const std::string& s) {
-  const auto first = s.find_first_not_of(" \t\r\n"), last = s.find_last_not_of(" \t\r\n");
-  return first == std::string::npos ? "" : s.substr(first, last - first + 1);
-}
-
-// Splits at delimiters outside double quotes. A blank as delimiter matches any run of blanks.
-Cells split(const std::string& line, char delimiter) {
-  Cells cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
-      if (quoted && i + 1 < line.size() && line[i + 1] == '"')
-        cells.back() += line[i++];
-      else
-        quoted = !quoted;
-    } else if (!quoted && line[i] == delimiter) {
-      if (delimiter != ' ' || !cells.back().empty()) cells.emplace_back();
-    } else {
-      cells.back() += line[i];
-    }
-  }
-  for (auto& c : cells) c = trimmed(c);
-  if (delimiter == ' ' && cells.back().empty()) cells.pop_back();
-  return cells;
-}
-
-char delimiter_of(const std::string& line) {
-  for (const char c : {'\t', ';', ','})
-    if (line.find(c) != std::string::npos) return c;
-  return ' ';
-}
-
-// A comma may be a decimal mark unless it separates the cells.
-std::optional<double> number_in(std::string cell, char delimiter) {
-  if (delimiter != ',' && cell.find('.') == std::string::npos &&
-      std::count(cell.begin(), cell.end(), ',') == 1)
-    std::replace(cell.begin(), cell.end(), ',', '.');
-  double v = 0;
-  const char* first = cell.data() + (!cell.empty() && cell[0] == '+');
-  const auto [end, error] = std::from_chars(first, cell.data() + cell.size(), v);
-  if (error != std::errc() || end != cell.data() + cell.size()) return std::nullopt;
-  return v;
-}
 
 // "Area (µm²)" → "area", "Equivalent diameter [um]" → "equivalentdiameter".
 std::string plain_name(std::string name) {
@@ -77,47 +32,33 @@ std::string plain_name(std::string name) {
   return plain;
 }
 
-struct Line {
-  int number;
-  std::string text;
-};
-
-std::vector<Line> lines_of(const std::string& text) {
-  std::vector<Line> lines;
-  std::size_t at = text.starts_with("\xef\xbb\xbf") ? 3 : 0;
-  for (int number = 1; at < text.size(); ++number) {
-    const auto end = std::min(text.find('\n', at), text.size());
-    const std::string line = text.substr(at, end - at);
-    at = end + 1;
-    if (const std::string t = trimmed(line); !t.empty() && t[0] != '#') lines.push_back({number, line});
-  }
-  return lines;
-}
-
-class Table {
+// A table with named columns, read row by row.
+class ProfileTable {
  public:
-  Table(const std::string& text, std::string file) : file_(std::move(file)), lines_(lines_of(text)) {
-    if (lines_.empty()) throw Error("no-particles", "'" + file_ + "' contains no rows").parameter("path");
-    delimiter_ = delimiter_of(trimmed(lines_[0].text));
-    Cells header = split(without_end(lines_[0].text), delimiter_);
+  ProfileTable(const std::string& text, const std::string& file)
+      : file_(file), rows_(text, file, {.separators = "\t;, ", .comments = true}) {
+    CellRow header;
+    if (!rows_.next(header))
+      throw Error("no-particles", "'" + file_ + "' contains no rows").parameter("path");
     bool numbers = true;
-    for (const auto& c : header) numbers = numbers && number_in(c, delimiter_).has_value();
+    for (const auto& c : header.cells) {
+      header_.push_back(c.text);
+      numbers = numbers && number_in(c).has_value();
+    }
     if (numbers) {
-      if (header.size() != 1)
+      if (header_.size() != 1)
         throw Error("no-column",
-                    "'" + file_ + "' has " + std::to_string(header.size()) + " columns but no header line",
+                    "'" + file_ + "' has " + std::to_string(header_.size()) + " columns but no header line",
                     "add a header line that names a column area or diameter")
             .parameter("path");
-      header = {"area"};
-    } else {
-      first_ = 1;
+      header_ = {"area"};
+      first_ = std::move(header);
+    } else if (CellRow row; rows_.next(row)) {
+      // Some programs number the rows without a header for that column.
+      if (row.cells.size() == header_.size() + 1) shift_ = 1;
+      first_ = std::move(row);
     }
-    columns_ = header.size();
-    // Some programs number the rows without a header for that column.
-    if (first_ < lines_.size() && split(without_end(lines_[first_].text), delimiter_).size() == columns_ + 1)
-      shift_ = 1;
-    for (std::size_t i = 0; i < header.size(); ++i) index_.emplace(plain_name(header[i]), i + shift_);
-    header_ = header;
+    for (std::size_t i = 0; i < header_.size(); ++i) index_.emplace(plain_name(header_[i]), i + shift_);
   }
 
   std::optional<std::size_t> column(std::initializer_list<const char*> names) const {
@@ -125,35 +66,32 @@ class Table {
       if (const auto i = index_.find(n); i != index_.end()) return i->second;
     return std::nullopt;
   }
-  std::size_t rows() const { return lines_.size() - first_; }
-  Cells row(std::size_t i) const {
-    Cells cells = split(without_end(lines_[first_ + i].text), delimiter_);
-    if (cells.size() != columns_ + shift_)
-      malformed(
-          i, std::to_string(cells.size()) + " cells; " + std::to_string(columns_ + shift_) + " are expected");
-    return cells;
+  // Reads the next row below the header. Returns false at the end.
+  bool next() {
+    if (first_) {
+      row_ = std::move(*first_);
+      first_.reset();
+    } else if (!rows_.next(row_)) {
+      return false;
+    }
+    rows_.require_cells(row_, header_.size() + shift_);
+    return true;
   }
-  double number(const Cells& cells, std::size_t i, std::size_t column) const {
-    const auto v = number_in(cells[column], delimiter_);
+  // A cell of the row that was read last.
+  const std::string& text(std::size_t column) const { return row_.cells[column].text; }
+  double number(std::size_t column) const {
+    const auto v = number_in(row_.cells[column]);
     if (!v || !std::isfinite(*v))
-      malformed(i, "'" + printable(cells[column]) + "' is not a number (column " + name(column) + ")");
+      malformed("'" + printable(text(column)) + "' is not a number (column " + name(column) + ")");
     return *v;
   }
-  int whole(const Cells& cells, std::size_t i, std::size_t column) const {
-    const double v = number(cells, i, column);
+  int whole(std::size_t column) const {
+    const double v = number(column);
     if (v < 0 || v != std::floor(v) || v > 1e9)
-      malformed(i,
-                "'" + printable(cells[column]) + "' is not a whole number ≥ 0 (column " + name(column) + ")");
+      malformed("'" + printable(text(column)) + "' is not a whole number ≥ 0 (column " + name(column) + ")");
     return static_cast<int>(v);
   }
-  [[noreturn]] void malformed(std::size_t i, const std::string& what) const {
-    throw Error("malformed-row", file_ + ":" + std::to_string(lines_[first_ + i].number) + ": " + what,
-                "correct or remove the row")
-        .parameter("path");
-  }
-  std::string name(std::size_t column) const {
-    return column < shift_ ? "1" : printable(header_[column - shift_]);
-  }
+  [[noreturn]] void malformed(const std::string& what) const { rows_.malformed(row_.line, what); }
   std::string names() const {
     std::string all;
     for (const auto& h : header_) all += (all.empty() ? "" : ", ") + (h.empty() ? "''" : h);
@@ -161,15 +99,20 @@ class Table {
   }
 
  private:
-  std::string without_end(std::string line) const {
-    while (!line.empty() && (line.back() == '\r' || line.back() == '\n')) line.pop_back();
-    return line;
+  // Numbers may be in quotes.
+  std::optional<double> number_in(const CellRow::Cell& cell) const {
+    return cell_number(trimmed_cell(cell.text), rows_.separator() != ',');
   }
+  std::string name(std::size_t column) const {
+    return column < shift_ ? "1" : printable(header_[column - shift_]);
+  }
+
   std::string file_;
-  std::vector<Line> lines_;
-  char delimiter_ = ',';
-  std::size_t first_ = 0, columns_ = 0, shift_ = 0;
-  Cells header_;
+  CellReader rows_;
+  std::vector<std::string> header_;
+  std::size_t shift_ = 0;         // columns without a header before the others
+  std::optional<CellRow> first_;  // the first row below the header, until next() returns it
+  CellRow row_;
   std::map<std::string, std::size_t> index_;
 };
 
@@ -191,7 +134,7 @@ ProfileUnit profile_unit(const std::string& name) {
 }
 
 Profiles read_profiles(const std::string& text, const std::string& file, const ProfileUnit& unit) {
-  const Table table(text, file);
+  ProfileTable table(text, file);
   const auto area = table.column({"area", "areas"});
   const auto diameter =
       table.column({"diameter", "diameters", "ecd", "equivalentdiameter", "equivdiameter", "eqdiameter"});
@@ -200,8 +143,6 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
                 "'" + file + "' has no column area or diameter; its columns are " + table.names(),
                 "name one column area or diameter")
         .parameter("path");
-  if (table.rows() == 0)
-    throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");
   const auto section = table.column({"section"}), slice = table.column({"slice"}),
              cls = table.column({"class", "cls"});
   const auto weight = table.column({"weight"}), border = table.column({"touchesborder"}),
@@ -210,31 +151,29 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
   Profiles out;
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    const Cells cells = table.row(i);
+  while (table.next()) {
     Profile p;
-    const double size = table.number(cells, i, area ? *area : *diameter);
+    const double size = table.number(area ? *area : *diameter);
     if (size <= 0)
-      table.malformed(i, "an area or diameter must be above 0; it is '" +
-                             printable(cells[area ? *area : *diameter]) + "'");
+      table.malformed("an area or diameter must be above 0; it is '" +
+                      printable(table.text(area ? *area : *diameter)) + "'");
     p.area = area ? size * unit.area : std::numbers::pi / 4 * size * unit.length * size * unit.length;
-    if (section) p.section = table.whole(cells, i, *section);
-    if (!section && slice)
-      p.section = std::max(0, table.whole(cells, i, *slice) - 1);  // ImageJ counts from 1
-    if (cls) p.cls = table.whole(cells, i, *cls);
-    if (weight) p.weight = table.number(cells, i, *weight);
-    if (p.weight < 0) table.malformed(i, "a weight must be at least 0");
-    if (confidence) p.confidence = table.number(cells, i, *confidence);
-    if (p.confidence < 0 || p.confidence > 1) table.malformed(i, "a confidence must be from 0 to 1");
-    if (border) p.touches_border = table.whole(cells, i, *border) != 0;
-    if (x && y) p.centroid = unit.length * Vec2(table.number(cells, i, *x), table.number(cells, i, *y));
-    if (r && g && b)
-      p.color = Vec3(table.number(cells, i, *r), table.number(cells, i, *g), table.number(cells, i, *b))
-                    .cast<float>();
+    if (section) p.section = table.whole(*section);
+    if (!section && slice) p.section = std::max(0, table.whole(*slice) - 1);  // ImageJ counts from 1
+    if (cls) p.cls = table.whole(*cls);
+    if (weight) p.weight = table.number(*weight);
+    if (p.weight < 0) table.malformed("a weight must be at least 0");
+    if (confidence) p.confidence = table.number(*confidence);
+    if (p.confidence < 0 || p.confidence > 1) table.malformed("a confidence must be from 0 to 1");
+    if (border) p.touches_border = table.whole(*border) != 0;
+    if (x && y) p.centroid = unit.length * Vec2(table.number(*x), table.number(*y));
+    if (r && g && b) p.color = Vec3(table.number(*r), table.number(*g), table.number(*b)).cast<float>();
     out.sections = std::max(out.sections, p.section + 1);
     out.classes = std::max(out.classes, p.cls + 1);
     out.profiles.push_back(std::move(p));
   }
+  if (out.profiles.empty())
+    throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");
   return out;
 }
 

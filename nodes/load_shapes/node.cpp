@@ -3,9 +3,8 @@
 #include "nodes/load_shapes/read_shapes.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_shapes {
 namespace {
-using namespace load_shapes;
 
 void compute(Context& c) {
   Shapes shapes = read_shapes(json_text_in(c), c.files("path")[0].string(), c.work());
@@ -17,8 +16,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_shapes
+
+namespace terrazzo {
 
 NodeType load_shapes_node() {
+  using namespace load_shapes;
   return NodeType("LoadShapes", 1)
       .doc_(
           "Reads a set of shapes that Export wrote to .json, with probabilities, classes, colors and "

@@ -4,7 +4,7 @@
 #include "nodes/load_strokes/stroke_files.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_strokes {
 namespace {
 
 void compute(Context& c) {
@@ -20,8 +20,7 @@ void compute(Context& c) {
         .parameter("path");
   Strokes out;
   try {
-    out = svg ? load_strokes::read_svg(files[0], reading_of(c))
-              : load_strokes::read_yaml(files[0], reading_of(c));
+    out = svg ? read_svg(files[0], reading_of(c)) : read_yaml(files[0], reading_of(c));
   } catch (Error& e) {
     throw e.parameter("path");
   }
@@ -37,8 +36,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_strokes
+
+namespace terrazzo {
 
 NodeType load_strokes_node() {
+  using namespace load_strokes;
   return NodeType("LoadStrokes", 1)
       .doc_("Reads strokes for TextureNib from an SVG drawing, a YAML list, or JSON that Export wrote.")
       .source_("SVG 1.1, sections 7 to 9 and F.6")

@@ -5,9 +5,8 @@
 #include "nodes/load_table/read_table.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_table {
 namespace {
-using namespace load_table;
 
 void compute(Context& c) {
   const std::string text = json_text_in(c);
@@ -29,8 +28,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_table
+
+namespace terrazzo {
 
 NodeType load_table_node() {
+  using namespace load_table;
   return NodeType("LoadTable", 1)
       .doc_("Reads a table from CSV, or from JSON that Export wrote.")
       .source_("RFC 4180")

@@ -12,10 +12,8 @@
 #include "nodes/load_volume/vti.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::load_volume {
 namespace {
-
-using namespace load_volume;
 
 void require_one(const std::vector<std::filesystem::path>& files, const char* format) {
   if (files.size() > 1)
@@ -138,8 +136,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::load_volume
+
+namespace terrazzo {
 
 NodeType load_volume_node() {
+  using namespace load_volume;
   return NodeType("LoadVolume", 3)
       .doc_(
           "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, a NumPy array, a DICOM series, or a "

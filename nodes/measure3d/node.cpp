@@ -6,9 +6,8 @@
 #include "nodes/measure3d/surfaces.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::measure3d {
 namespace {
-using namespace measure3d;
 
 constexpr double kUsualGap = 0.02;  // of the mean diameter
 
@@ -121,8 +120,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::measure3d
+
+namespace terrazzo {
 
 NodeType measure3d_node() {
+  using namespace measure3d;
   return NodeType("Measure3D", 1)
       .doc_(
           "Measures a packing or a volume of labels: distributions of volume, aspect, orientation and "

@@ -2,7 +2,7 @@
 #include "nodes/mix_distributions/mix_distributions.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::mix_distributions {
 namespace {
 
 void compute(Context& c) {
@@ -10,7 +10,7 @@ void compute(Context& c) {
   std::vector<const Shapes*> sets;
   for (const Value& v : c.list("distributions")) distributions.push_back(&v.as<SizeDistribution>());
   for (const Value& v : c.list("shapes")) sets.push_back(&v.as<Shapes>());
-  mix_distributions::Mixture all = mix_distributions::mix(distributions, sets);
+  Mixture all = mix(distributions, sets);
   c.metric("volume_fraction", all.distribution.volume_fraction);
   c.metric("shapes", static_cast<double>(all.shapes.shapes.size()));
   c.output("distribution", std::move(all.distribution));
@@ -18,8 +18,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::mix_distributions
+
+namespace terrazzo {
 
 NodeType mix_distributions_node() {
+  using namespace mix_distributions;
   return NodeType("MixDistributions", 1)
       .doc_(
           "Joins kinds of particles, each with its own sizes and shapes, into one population. Each kind "

@@ -2,7 +2,7 @@
 #include "nodes/mix_shapes/mix_shapes.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::mix_shapes {
 namespace {
 
 void compute(Context& c) {
@@ -10,14 +10,18 @@ void compute(Context& c) {
   for (const Value& v : c.list("shapes")) sets.push_back(&v.as<Shapes>());
   const std::vector<double> shares =
       c.keyword("shares").empty() ? c.numbers("shares") : std::vector<double>(sets.size(), 1.0);
-  Shapes all = mix_shapes::mix(sets, shares);
+  Shapes all = mix(sets, shares);
   c.metric("shapes", static_cast<double>(all.shapes.size()));
   c.output("shapes", std::move(all));
 }
 
 }  // namespace
+}  // namespace terrazzo::mix_shapes
+
+namespace terrazzo {
 
 NodeType mix_shapes_node() {
+  using namespace mix_shapes;
   return NodeType("MixShapes", 1)
       .doc_("Joins shapes from several sources into one population with the given shares by number.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 3.3 (P(i) of eq. 10 to 12)")

@@ -7,7 +7,7 @@
 #include "nodes/tessellation/request.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::pack {
 namespace {
 
 void output_packed(Context& c, const SizeDistribution& distribution, const Shapes& shapes,
@@ -46,19 +46,18 @@ packing::PackResult anneal(Context& c, const SizeDistribution& distribution, con
 
 void compute(Context& c) {
   using namespace tessellation;
-  using pack::Method;
   const auto& distribution = c.input<SizeDistribution>("distribution");
   const auto& shapes = c.input<Shapes>("shapes");
   Method method = c.choice<Method>("method");
   Work work = c.work();
-  pack::Choice choice;
+  Choice choice;
   if (method == Method::Auto) {
     packing::PackOptions options;
     options.population = packing::read_population(c);
     options.population.binder_gap = c.optional_number("gap").value_or(0);
     options.interrupted = packing::saving(c, shapes);
-    choice = pack::choose_method(distribution, shapes, c.optional<Profiles>("profiles"),
-                                 c.optional<Particles>("start"), options, work.part(0, 0.5));
+    choice = choose_method(distribution, shapes, c.optional<Profiles>("profiles"),
+                           c.optional<Particles>("start"), options, work.part(0, 0.5));
     work = work.part(0.5, 1);
     if (choice.method != Method::Anneal) c.warn(choice.reason);
   }
@@ -80,8 +79,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::pack
+
+namespace terrazzo {
 
 NodeType pack_node() {
+  using namespace pack;
   NodeType type("Pack", 5);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "

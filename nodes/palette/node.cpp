@@ -7,7 +7,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::palette {
 namespace {
 
 void check(const NodeParameters& p) {
@@ -48,8 +48,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::palette
+
+namespace terrazzo {
 
 NodeType palette_node() {
+  using namespace palette;
   return NodeType("Palette", 2)
       .doc_("Colors written in the graph, instead of the colors of a photograph's profiles")
       .output("profiles", "Profiles",

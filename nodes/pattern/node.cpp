@@ -2,21 +2,25 @@
 #include "nodes/pattern/pattern.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::pattern {
 namespace {
 
 void compute(Context& c) {
-  pattern::PatternChoice p;
-  p.kind = c.choice<pattern::Kind>("kind"), p.axis = c.choice<int>("axis"), p.offset = c.number("offset");
+  PatternChoice p;
+  p.kind = c.choice<Kind>("kind"), p.axis = c.choice<int>("axis"), p.offset = c.number("offset");
   p.width = static_cast<int>(c.integer("width")), p.height = static_cast<int>(c.integer("height"));
   p.pixel_size = c.number("pixel_size"), p.scale = c.number("scale");
   p.seed = c.seed();
-  c.output("image", pattern::pattern_image(p, c.work()));
+  c.output("image", pattern_image(p, c.work()));
 }
 
 }  // namespace
+}  // namespace terrazzo::pattern
+
+namespace terrazzo {
 
 NodeType pattern_node() {
+  using namespace pattern;
   return NodeType("Pattern", 1)
       .doc_("A section through a procedural material made of noise: an exemplar without a photograph")
       .source_("Gradient noise: Perlin 2002; cells: Worley 1996")

@@ -6,7 +6,7 @@
 #include "nodes/phantom/phantom.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::phantom {
 namespace {
 
 void check(const NodeParameters& p) {
@@ -17,7 +17,7 @@ void check(const NodeParameters& p) {
 }
 
 void compute(Context& c) {
-  phantom::LimbChoice limb;
+  LimbChoice limb;
   limb.length = c.number("length"), limb.noise = c.number("noise");
   limb.seed = c.seed();
   const auto r = c.ints("resolution");
@@ -35,8 +35,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::phantom
+
+namespace terrazzo {
 
 NodeType phantom_node() {
+  using namespace phantom;
   return NodeType("Phantom", 1)
       .doc_("Synthetic scan of a limb in Hounsfield units, with skin, fat, muscles and bones")
       .output("volume", "Volume", "Grid `density` in Hounsfield units. The limb is cut at z = 0.")

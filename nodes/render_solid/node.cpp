@@ -9,10 +9,9 @@
 #include "nodes/render_solid/tone.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::render_solid {
 namespace {
 using namespace carving;
-using namespace render_solid;
 
 constexpr float degree = 0.0174532925f;
 
@@ -78,8 +77,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::render_solid
+
+namespace terrazzo {
 
 NodeType render_solid_node() {
+  using namespace render_solid;
   NodeType type("RenderSolid", 5);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "

@@ -13,7 +13,6 @@
 
 namespace terrazzo {
 namespace {
-
 using namespace render_volume;
 
 enum class Mode { Textured, Plain };

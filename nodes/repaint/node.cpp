@@ -2,17 +2,21 @@
 #include "nodes/repaint/repaint.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::repaint {
 namespace {
 
 void compute(Context& c) {
-  c.output("image", repaint::repaint(c.input<Image>("image"), c.input<Labels>("labels"),
-                                     c.optional<Detail>("detail"), c.seed(), c.work()));
+  c.output("image", repaint(c.input<Image>("image"), c.input<Labels>("labels"), c.optional<Detail>("detail"),
+                            c.seed(), c.work()));
 }
 
 }  // namespace
+}  // namespace terrazzo::repaint
+
+namespace terrazzo {
 
 NodeType repaint_node() {
+  using namespace repaint;
   return NodeType("Repaint", 1)
       .doc_("Paints a photograph's own profiles and binder in flat colors with synthesized detail")
       .input("image", "Image", "Photograph with one or more sections")

@@ -15,9 +15,8 @@
 #include "nodes/residual_synth/synthesize.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::residual_synth {
 namespace {
-using namespace residual_synth;
 
 enum class Method { Slices, Radial };
 
@@ -145,8 +144,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::residual_synth
+
+namespace terrazzo {
 
 NodeType residual_synth_node() {
+  using namespace residual_synth;
   return NodeType("ResidualSynth", 6)
       .doc_(
           "Synthesizes a tileable solid of the fine detail that a photograph shows within particles and "

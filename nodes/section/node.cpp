@@ -12,10 +12,8 @@
 #include "nodes/section/volume_section.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::section {
 namespace {
-using namespace section;
 
 SectionChoice choice_of(const NodeParameters& c) {
   SectionChoice choice;
@@ -145,8 +143,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::section
+
+namespace terrazzo {
 
 NodeType section_node() {
+  using namespace section;
   return NodeType("Section", 6)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "

@@ -12,10 +12,8 @@
 #include "nodes/shape/stones.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape {
 namespace {
-using namespace shape;
 
 bool is_stone(SolidKind kind) { return kind >= SolidKind::Rock; }
 
@@ -137,8 +135,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::shape
+
+namespace terrazzo {
 
 NodeType shape_node() {
+  using namespace shape;
   return NodeType("Shape", 1)
       .doc_(
           "Creates an elementary solid, a superquadric, or random stones. Volume, surface area, mean caliper "

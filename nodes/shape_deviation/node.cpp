@@ -2,23 +2,26 @@
 #include "nodes/shape_deviation/deviation.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_deviation {
 namespace {
 
 void compute(Context& c) {
   std::vector<const Table*> tables;
   for (const Value& v : c.list("tables")) tables.push_back(&v.as<Table>());
   std::vector<std::string> measures = c.texts("measures");
-  Table t = shape_deviation::average_deviations(tables, measures);
+  Table t = average_deviations(tables, measures);
   c.metric("originals", static_cast<double>(tables.size()));
   c.output("table", std::move(t));
-  c.output("anova", shape_deviation::effects(tables, measures));
+  c.output("anova", effects(tables, measures));
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_deviation
+
+namespace terrazzo {
 
 NodeType shape_deviation_node() {
+  using namespace shape_deviation;
   return NodeType("ShapeDeviation", 2)
       .doc_(
           "Averages the deviations of shape methods' section measures over several originals: one row per "

@@ -9,11 +9,8 @@
 #include "nodes/shape_estimate/method.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_estimate {
 namespace {
-
-using namespace shape_estimate;  // not in terrazzo itself, because other nodes have an Outline too
 
 CandidateOptions candidate_options(const Context& c) {
   CandidateOptions options;
@@ -104,8 +101,12 @@ Parameter method_parameter() {
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_estimate
+
+namespace terrazzo {
 
 NodeType shape_estimate_node() {
+  using namespace shape_estimate;
   return NodeType("ShapeEstimate", 9)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "

@@ -9,9 +9,8 @@
 #include "nodes/shape_families/score.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::shape_families {
 namespace {
-using namespace shape_families;
 
 constexpr double kDisagree = 1.1;  // ratio of densities from which families that predict alike are reported
 
@@ -115,8 +114,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_families
+
+namespace terrazzo {
 
 NodeType shape_families_node() {
+  using namespace shape_families;
   return NodeType("ShapeFamilies", 1)
       .doc_(
           "Compares families of particle shapes by how well they predict profiles that were held out, and "

@@ -5,8 +5,7 @@
 #include "nodes/shape_metrics/metrics.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_metrics {
 namespace {
 
 struct Population {
@@ -56,12 +55,12 @@ std::vector<Population> populations(const Context& c) {
 }
 
 void compute(Context& c) {
-  shape_metrics::MetricsChoice choice;
+  MetricsChoice choice;
   choice.sections = static_cast<std::size_t>(c.integer("sections"));
   choice.seed = c.seed();
   choice.measuring.points = static_cast<int>(c.integer("points"));
   const auto all = populations(c);
-  std::vector<shape_metrics::MetricsRow> rows;
+  std::vector<MetricsRow> rows;
   const auto n = static_cast<double>(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
     const double from = static_cast<double>(i) / n;
@@ -80,8 +79,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_metrics
+
+namespace terrazzo {
 
 NodeType shape_metrics_node() {
+  using namespace shape_metrics;
   return NodeType("ShapeMetrics", 2)
       .doc_(
           "Describes the sections of shapes: mean and standard deviation of area/perimeter² and total "

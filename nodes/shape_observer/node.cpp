@@ -7,8 +7,7 @@
 #include "nodes/shape_observer/observer.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_observer {
 namespace {
 
 void check(const NodeParameters& p) {
@@ -38,7 +37,7 @@ void compute(Context& c) {
     for (std::size_t i = 0; i < wires.size(); ++i)
       names.push_back(i ? fmt::format("decoy {}", i) : "original");
   }
-  shape_observer::ObserverChoice choice;
+  ObserverChoice choice;
   choice.profiles = static_cast<int>(c.integer("profiles"));
   choice.views = static_cast<int>(c.integer("views"));
   choice.eyesight = c.number("eyesight");
@@ -68,8 +67,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_observer
+
+namespace terrazzo {
 
 NodeType shape_observer_node() {
+  using namespace shape_observer;
   return NodeType("ShapeObserver", 4)
       .doc_(
           "Simulates a human observer: how accurately a cross-validated classifier on section features "

@@ -8,8 +8,7 @@
 #include "nodes/shape_sections/views.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_sections {
 namespace {
 
 enum class Planes { Random, Central, Principal };
@@ -26,12 +25,12 @@ void compute(Context& c) {
   const auto seed = c.seed();
   std::vector<BodySection> sections;
   if (planes == Planes::Principal) {
-    sections = shape_sections::principal_sections(shapes);
+    sections = principal_sections(shapes);
   } else {
     const SectionKind kind = planes == Planes::Central ? SectionKind::Central : SectionKind::Random;
     sections = random_sections(shapes, count, {kind, seed, 0}, c.work().part(0, 0.7));
   }
-  const double extent = shape_sections::largest_extent(sections);
+  const double extent = largest_extent(sections);
   if (!(extent > 0)) throw Error("no-section", "no section of the shapes has an area", "check the shapes");
   const int columns = c.keyword("columns").empty()
                           ? static_cast<int>(c.integer("columns"))
@@ -40,7 +39,7 @@ void compute(Context& c) {
   constexpr double kMost = 64e6;
   const double pixels =
       static_cast<double>(cell) * cell * columns * std::ceil(static_cast<double>(sections.size()) / columns);
-  Profiles profiles = shape_sections::profiles_of(sections, columns, 1.15 * extent);
+  Profiles profiles = profiles_of(sections, columns, 1.15 * extent);
   c.metric("profiles", static_cast<double>(profiles.profiles.size()));
   c.metric("sections", static_cast<double>(sections.size()));
   // An image of all sections could be too large: show only the first rows.
@@ -51,19 +50,22 @@ void compute(Context& c) {
     c.warn(fmt::format("the image shows only the first {} of {} sections", shown, sections.size()));
     sections.resize(shown);
   }
-  c.output("image", shape_sections::picture_of(sections, columns, cell, cell / (1.15 * extent),
-                                               c.work().part(0.7, 1)));
+  c.output("image", picture_of(sections, columns, cell, cell / (1.15 * extent), c.work().part(0.7, 1)));
   c.output("profiles", std::move(profiles));
   // Show only the first shapes of a large set, to keep the image viewable.
   constexpr std::size_t kShown = 64;
   Shapes shown = shapes;
   if (shown.shapes.size() > kShown) shown.shapes.resize(kShown);
-  c.output("views", shape_sections::views_of(shown, cell, c.work()));
+  c.output("views", views_of(shown, cell, c.work()));
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_sections
+
+namespace terrazzo {
 
 NodeType shape_sections_node() {
+  using namespace shape_sections;
   return NodeType("ShapeSections", 2)
       .doc_(
           "Computes exact plane sections of single shapes: their profiles, and an image of them side by "

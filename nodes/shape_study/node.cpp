@@ -11,8 +11,7 @@
 #include "runtime/context.h"
 #include "runtime/random.h"
 
-namespace terrazzo {
-
+namespace terrazzo::shape_study {
 namespace {
 
 std::string csv_of(const Table& t) {
@@ -37,7 +36,7 @@ void write_text(Context& c, const std::string& path, const std::string& text) {
   });
 }
 
-std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
+std::vector<Stimulus> stimuli_of(const Context& c) {
   const auto& wires = c.list("images");
   const auto names = c.texts("names");
   if (names.size() != wires.size())
@@ -45,7 +44,7 @@ std::vector<shape_study::Stimulus> stimuli_of(const Context& c) {
                 fmt::format("there are {} names for {} stacks of images", names.size(), wires.size()),
                 "set one name per wire, such as smooth/original or smooth/csg")
         .parameter("names");
-  std::vector<shape_study::Stimulus> out;
+  std::vector<Stimulus> out;
   for (std::size_t i = 0; i < wires.size(); ++i) {
     const auto slash = names[i].find('/');
     const auto& image = wires[i].as<Image>();
@@ -70,9 +69,8 @@ void check(const NodeParameters& p) {
 void compute(Context& c) {
   const auto stimuli = stimuli_of(c);
   const auto seed = c.seed();
-  const auto screens = shape_study::make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
-  const auto training =
-      shape_study::make_training(stimuli, screens, static_cast<int>(c.integer("training")), seed);
+  const auto screens = make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
+  const auto training = make_training(stimuli, screens, static_cast<int>(c.integer("training")), seed);
   // Image names are shuffled numbers, so that they reveal nothing.
   std::vector<std::pair<int, int>> all;
   for (std::size_t i = 0; i < stimuli.size(); ++i)
@@ -93,17 +91,21 @@ void compute(Context& c) {
                  [&](const std::filesystem::path& to) { write_image(to, image, section); });
     c.work().progress((static_cast<double>(k) + 1) / static_cast<double>(all.size()));
   }
-  const Table key = shape_study::key_of(screens, names);
+  const Table key = key_of(screens, names);
   write_text(c, folder + "/key.csv", csv_of(key));
-  write_text(c, folder + "/index.html", shape_study::page_of(screens, training, names));
+  write_text(c, folder + "/index.html", page_of(screens, training, names));
   c.metric("screens", static_cast<double>(screens.size()));
   c.metric("pictures", static_cast<double>(all.size()));
   c.output("key", key);
 }
 
 }  // namespace
+}  // namespace terrazzo::shape_study
+
+namespace terrazzo {
 
 NodeType shape_study_node() {
+  using namespace shape_study;
   return NodeType("ShapeStudy", 3)
       .doc_(
           "Creates a study with people that runs from a folder: a page with screens of three images, where "

@@ -2,14 +2,14 @@
 #include "nodes/common/io/stroke_text.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::strokes {
 namespace {
 
 void compute(Context& c) {
   Strokes out;
   for (const auto& text : c.texts("strokes")) {
     try {
-      out.strokes.push_back(strokes::read_stroke(text));
+      out.strokes.push_back(read_stroke(text));
     } catch (Error& e) {
       throw e.parameter("strokes");
     }
@@ -18,8 +18,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::strokes
+
+namespace terrazzo {
 
 NodeType strokes_node() {
+  using namespace strokes;
   return NodeType("Strokes", 1)
       .doc_("Strokes written in the graph, for TextureNib")
       .output("strokes", "Strokes", "Strokes in the order written")

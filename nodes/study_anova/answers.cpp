@@ -3,100 +3,94 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <sstream>
+#include <initializer_list>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/cell_rows.h"
+#include "nodes/common/io/reading.h"
 
 namespace terrazzo::study_anova {
 
 namespace {
 
-struct Row {
-  int line;
-  std::vector<std::string> cells;
+// The rows of a file, with the columns `names` in that order, whatever their order in the file.
+class NamedRows {
+ public:
+  NamedRows(const std::string& text, const std::string& file, const std::string& parameter,
+            std::initializer_list<const char*> names)
+      : rows_(text, file, {.separators = ",", .parameter = parameter}) {
+    const auto missing = [&](const std::string& what) {
+      return Error("no-column", file + what, "use the file as the study wrote it").parameter(parameter);
+    };
+    if (!rows_.next(row_)) throw missing(" is empty");
+    count_ = row_.cells.size();
+    for (const char* name : names) {
+      const auto found = std::find_if(row_.cells.begin(), row_.cells.end(),
+                                      [&](const CellRow::Cell& c) { return c.text == name; });
+      if (found == row_.cells.end()) throw missing(fmt::format(" has no column '{}'", name));
+      at_.push_back(static_cast<std::size_t>(found - row_.cells.begin()));
+    }
+  }
+
+  bool next() {
+    if (!rows_.next(row_)) return false;
+    rows_.require_cells(row_, count_);
+    return true;
+  }
+  // Cells of the row that was read last, by position in `names`.
+  const std::string& text(std::size_t k) const { return row_.cells[at_[k]].text; }
+  double number(std::size_t k) const {
+    const auto v = cell_number(text(k), false);
+    if (!v || !std::isfinite(*v)) malformed(fmt::format("'{}' is not a number", printable(text(k))));
+    return *v;
+  }
+  int screen(std::size_t k) const {
+    const double v = number(k);
+    if (v < 0 || v > 1e9 || v != std::floor(v))
+      malformed(fmt::format("'{}' is not the number of a screen", printable(text(k))));
+    return static_cast<int>(v);
+  }
+  int line() const { return row_.line; }
+  [[noreturn]] void malformed(const std::string& what) const { rows_.malformed(row_.line, what); }
+
+ private:
+  CellReader rows_;
+  CellRow row_;
+  std::size_t count_ = 0;
+  std::vector<std::size_t> at_;
 };
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> out{""};
-  for (const char c : line) {
-    if (c == ',')
-      out.emplace_back();
-    else if (c != '\r' && c != '"')
-      out.back() += c;
-  }
-  return out;
-}
-
-// Rows with cells in the order of `columns`, whatever their order in the file.
-std::vector<Row> rows_of(const std::string& text, const std::string& file,
-                         const std::vector<std::string>& columns) {
-  std::istringstream in(text);
-  std::string line;
-  std::vector<std::size_t> at;
-  std::vector<Row> out;
-  for (int number = 1; std::getline(in, line); ++number) {
-    if (line.find_first_not_of(" \r\t") == std::string::npos) continue;
-    const auto cells = split(line);
-    if (at.empty()) {
-      for (const auto& name : columns) {
-        const auto found = std::find(cells.begin(), cells.end(), name);
-        if (found == cells.end())
-          throw Error("no-column", fmt::format("{} has no column '{}'", file, name),
-                      "use the file as the study wrote it");
-        at.push_back(static_cast<std::size_t>(found - cells.begin()));
-      }
-      continue;
-    }
-    Row row{number, {}};
-    for (const std::size_t k : at) {
-      if (k >= cells.size())
-        throw Error("malformed-row", fmt::format("{}:{}: the row has {} cells, but column {} is needed", file,
-                                                 number, cells.size(), k + 1));
-      row.cells.push_back(cells[k]);
-    }
-    out.push_back(std::move(row));
-  }
-  if (at.empty()) throw Error("no-column", file + " is empty", "use the file as the study wrote it");
-  return out;
-}
-
-double number_of(const std::string& text, const std::string& file, int line) {
-  double v = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(v))
-    throw Error("malformed-row", fmt::format("{}:{}: '{}' is not a number", file, line, text));
-  return v;
-}
 
 }  // namespace
 
 std::map<int, KeyEntry> read_key(const std::string& text, const std::string& file) {
+  NamedRows rows(text, file, "key", {"screen", "shape", "method", "decoy"});
   std::map<int, KeyEntry> out;
-  for (const Row& r : rows_of(text, file, {"screen", "shape", "method", "decoy"})) {
-    if (r.cells[3] != "left" && r.cells[3] != "right" && r.cells[3] != "none")
-      throw Error("malformed-row", fmt::format("{}:{}: decoy must be left, right or none; it is '{}'", file,
-                                               r.line, r.cells[3]));
-    out[static_cast<int>(number_of(r.cells[0], file, r.line))] = {r.cells[1], r.cells[2], r.cells[3]};
+  while (rows.next()) {
+    const std::string& decoy = rows.text(3);
+    if (decoy != "left" && decoy != "right" && decoy != "none")
+      rows.malformed(fmt::format("decoy must be left, right or none; it is '{}'", printable(decoy)));
+    out[rows.screen(0)] = {rows.text(1), rows.text(2), decoy};
   }
   return out;
 }
 
 std::vector<Answer> read_answers(const std::string& text, const std::string& file,
                                  const std::map<int, KeyEntry>& key) {
+  NamedRows rows(text, file, "answers", {"participant", "screen", "choice", "seconds"});
   std::vector<Answer> out;
-  for (const Row& r : rows_of(text, file, {"participant", "screen", "choice", "seconds"})) {
-    const double screen = number_of(r.cells[1], file, r.line);
-    const auto entry = key.find(static_cast<int>(screen));
+  while (rows.next()) {
+    const auto entry = key.find(rows.screen(1));
     if (entry == key.end())
-      throw Error("no-such-screen", fmt::format("{}:{}: the key has no screen {}", file, r.line, r.cells[1]),
-                  "use the key of the same study");
-    if (r.cells[2] != "left" && r.cells[2] != "right")
-      throw Error("malformed-row",
-                  fmt::format("{}:{}: choice must be left or right; it is '{}'", file, r.line, r.cells[2]));
-    out.push_back({r.cells[0], entry->second.shape, entry->second.method, entry->second.decoy, r.cells[2],
-                   number_of(r.cells[3], file, r.line)});
+      throw Error("no-such-screen",
+                  fmt::format("{}:{}: the key has no screen {}", file, rows.line(), printable(rows.text(1))),
+                  "use the key of the same study")
+          .parameter("answers");
+    const std::string& choice = rows.text(2);
+    if (choice != "left" && choice != "right")
+      rows.malformed(fmt::format("choice must be left or right; it is '{}'", printable(choice)));
+    out.push_back({rows.text(0), entry->second.shape, entry->second.method, entry->second.decoy, choice,
+                   rows.number(3)});
   }
   return out;
 }

@@ -6,20 +6,17 @@
 #include "nodes/study_anova/report.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::study_anova {
 namespace {
-
-using study_anova::Answer;
 
 void compute(Context& c) {
   const auto& key_file = c.files("key").front();
-  const auto key = study_anova::read_key(read_whole(key_file, reading_of(c)), key_file.string());
+  const auto key = read_key(read_whole(key_file, reading_of(c)), key_file.string());
   std::vector<Answer> answers;
   std::size_t number = 0;
   for (const auto& file : c.files("answers")) {
     ++number;
-    for (Answer& a : study_anova::read_answers(read_whole(file, reading_of(c)), file.string(), key)) {
+    for (Answer& a : read_answers(read_whole(file, reading_of(c)), file.string(), key)) {
       // Each session writes one file, and many people leave the suggested name unchanged.
       a.participant = fmt::format("{}/{}", number, a.participant);
       answers.push_back(std::move(a));
@@ -27,20 +24,24 @@ void compute(Context& c) {
   }
   if (answers.empty())
     throw Error("no-answers", "the files contain no answers", "run the study first").parameter("answers");
-  const auto design = study_anova::design_of(key);
+  const auto design = design_of(key);
   std::vector<std::string> notes;
-  c.output("table", study_anova::effects(answers, design, notes));
+  c.output("table", effects(answers, design, notes));
   for (const auto& note : notes) c.warn(note);
   c.metric("answers", static_cast<double>(answers.size()));
-  c.output("summary", study_anova::by_method(answers, design));
-  c.output("by_shape", study_anova::by_shape(answers, design));
-  c.output("figure", study_anova::figure_by_method(answers, design));
-  c.output("figure_by_shape", study_anova::figure_by_shape(answers, design));
+  c.output("summary", by_method(answers, design));
+  c.output("by_shape", by_shape(answers, design));
+  c.output("figure", figure_by_method(answers, design));
+  c.output("figure_by_shape", figure_by_shape(answers, design));
 }
 
 }  // namespace
+}  // namespace terrazzo::study_anova
+
+namespace terrazzo {
 
 NodeType study_anova_node() {
+  using namespace study_anova;
   return NodeType("StudyAnova", 3)
       .doc_(
           "Evaluates the answers of ShapeStudy: how often each method's decoys were taken for the original, "

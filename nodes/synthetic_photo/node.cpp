@@ -2,9 +2,8 @@
 #include "nodes/synthetic_photo/synthetic_photo.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::synthetic_photo {
 namespace {
-using namespace synthetic_photo;
 
 void compute(Context& c) {
   PhotoOptions o;
@@ -24,8 +23,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::synthetic_photo
+
+namespace terrazzo {
 
 NodeType synthetic_photo_node() {
+  using namespace synthetic_photo;
   return NodeType("SyntheticPhoto", 6)
       .doc_(
           "Photographs of imaginary aggregates, with the exact labels of their particles: pictures to train "

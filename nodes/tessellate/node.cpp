@@ -3,7 +3,7 @@
 #include "nodes/tessellation/request.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::tessellate {
 namespace {
 
 void compute(Context& c) {
@@ -14,8 +14,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::tessellate
+
+namespace terrazzo {
 
 NodeType tessellate_node() {
+  using namespace tessellate;
   NodeType type("Tessellate", 5);
   type.doc_(
           "Fills a periodic box with particles of given volumes, for granite, breccia, gravel, metals and "

@@ -7,10 +7,8 @@
 #include "nodes/texture_nib/views.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::texture_nib {
 namespace {
-
-using namespace texture_nib;
 
 // The region whose texture is learned: the mask, the parameter, or all pixels not painted.
 std::vector<std::uint8_t> region_of(Context& c, const Image& picture, const Strokes& strokes,
@@ -74,8 +72,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::texture_nib
+
+namespace terrazzo {
 
 NodeType texture_nib_node() {
+  using namespace texture_nib;
   return NodeType("TextureNib", 2)
       .doc_(
           "Paints a region's texture along strokes so that it grows out of its surroundings. Also erases "

@@ -9,10 +9,8 @@
 #include "nodes/texture_observer/observer.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
-
+namespace terrazzo::texture_observer {
 namespace {
-using namespace texture_observer;
 
 void check(const NodeParameters& p) {
   if (p.integer("crop") % 8)
@@ -88,8 +86,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::texture_observer
+
+namespace terrazzo {
 
 NodeType texture_observer_node() {
+  using namespace texture_observer;
   return NodeType("TextureObserver", 1)
       .doc_(
           "Simulates an observer: how accurately trained classifiers distinguish crops of one picture from "

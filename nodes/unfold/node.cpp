@@ -9,10 +9,9 @@
 #include "nodes/unfolding/unfold.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::unfold {
 namespace {
 using namespace unfolding;
-using namespace unfold;
 
 // Relative effect of the smallest profiles on the density of larger particles that is reported.
 constexpr double kLimitEffect = 0.25;
@@ -141,8 +140,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::unfold
+
+namespace terrazzo {
 
 NodeType unfold_node() {
+  using namespace unfold;
   return NodeType("Unfold", 7)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "

@@ -12,11 +12,8 @@
 #include "nodes/unfold_study/study.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::unfold_study {
 namespace {
-
-using unfold_study::MethodResult;
-using unfold_study::TrueSizes;
 
 Table::Cell cell(double v) { return std::isfinite(v) ? Table::Cell(v) : Table::Cell(std::string()); }
 
@@ -50,13 +47,13 @@ void check(const NodeParameters& p) {
 }
 
 void compute(Context& c) {
-  unfold_study::StudyOptions o;
+  StudyOptions o;
   o.methods = c.texts("methods");
   o.repetitions = static_cast<int>(c.integer("repetitions"));
   o.profiles = static_cast<double>(c.integer("profiles"));
   o.sections = static_cast<int>(c.integer("sections"));
   o.classes = static_cast<int>(c.integer("classes"));
-  o.largest = c.choice<unfold_study::LargestSize>("d_max");
+  o.largest = c.choice<LargestSize>("d_max");
   o.bootstrap = static_cast<int>(c.integer("bootstrap"));
   o.seed = c.seed();
   const auto& truths = c.list("distributions");
@@ -104,8 +101,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::unfold_study
+
+namespace terrazzo {
 
 NodeType unfold_study_node() {
+  using namespace unfold_study;
   return NodeType("UnfoldStudy", 5)
       .doc_(
           "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "

@@ -6,9 +6,8 @@
 #include "nodes/voxelize/voxelize.h"
 #include "runtime/context.h"
 
-namespace terrazzo {
+namespace terrazzo::voxelize {
 namespace {
-using namespace voxelize;
 
 void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
@@ -45,8 +44,12 @@ void compute(Context& c) {
 }
 
 }  // namespace
+}  // namespace terrazzo::voxelize
+
+namespace terrazzo {
 
 NodeType voxelize_node() {
+  using namespace voxelize;
   return NodeType("Voxelize", 6)
       .doc_(
           "Converts particles, binder and fine detail to tileable OpenVDB grids: density, surface, Cd and "

@@ -48,7 +48,7 @@ fs::path arrangement_file(const fs::path& graph) {
 }
 
 std::string arrangement_text(const json& j) {
-  if (!is_arrangement(j)) throw Error("bad-request", "this is no arrangement of a graph");
+  if (!is_arrangement(j)) throw Error("bad-request", "this is not an arrangement of a graph");
   json kept = json::object();
   for (const auto& [name, part] : j.items())
     if (!part.empty()) kept[name] = part;
@@ -94,7 +94,7 @@ void write_arrangement(const fs::path& graph, const std::string& text) {
   const fs::path file = arrangement_file(graph);
   if (!read_arrangement(graph))
     throw Error("file-exists",
-                "'" + file.string() + "' is no arrangement of this graph, so it is left as it is",
+                "'" + file.string() + "' is not an arrangement of this graph, so it stays unchanged",
                 "rename that file to keep notes and places");
   std::error_code error;
   if (text.empty())

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "nodes/common/io/image_file.h"
 #include "nodes/register_nodes.h"
 #include "runtime/random.h"
 #include "runtime/session.h"
@@ -13,6 +14,7 @@
 
 namespace terrazzo {
 namespace {
+namespace fs = std::filesystem;
 
 // The default graph, small.
 const Overrides small{{{"pack.size", "22"},
@@ -48,6 +50,16 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> edits = {
     {"compare.tolerance", {"0.1"}},
     {"photo.pixel_size", {"0.1", "0.1000"}}};  // the same number
 
+// A part of the default photograph, since Segment and DetailSolid take as long as their picture is large.
+fs::path small_photo(const fs::path& folder) {
+  const Image all = read_image(test::source_folder() / "graphs/samples/section.png");
+  Image part(480, 480, 1, all.pixel_size);
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x) part.at(x, y) = all.at(x, y);
+  write_image(folder / "photo.png", part);
+  return folder / "photo.png";
+}
+
 TEST(Edits, AreIncrementalAndMinimal) {
   Registry registry;
   register_nodes(registry);
@@ -56,7 +68,9 @@ TEST(Edits, AreIncrementalAndMinimal) {
   Session session(
       registry, test::value_types(),
       {.cache_folder = base / "cache", .output_folder = base / "out", .keep_intermediates = true});
-  for (const auto& d : session.open(file, small)) ADD_FAILURE() << d.text();
+  Overrides settings = small;
+  settings.set.emplace_back("photo.path", small_photo(base).string());
+  for (const auto& d : session.open(file, settings)) ADD_FAILURE() << d.text();
   std::set<Hash> known;
   std::map<std::string, Hash> written;  // action record behind each written file
   int clean_runs = 0;

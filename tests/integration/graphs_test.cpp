@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "graph/graph.h"
+#include "runtime/files.h"
+#include "tests/support/all_nodes.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 
@@ -15,29 +18,42 @@ using nlohmann::json;
 using test::run_program;
 using Names = std::set<std::string>;
 
+// What `terrazzo check` checks, without a start of the program for each graph.
 TEST(Graphs, AllAreFreeOfMistakes) {
   int graphs = 0;
-  for (const auto& e : fs::recursive_directory_iterator(test::source_folder() / "graphs"))
-    if (e.path().extension() == ".yaml") {
-      const auto run = run_program({"check", e.path().string()});
-      EXPECT_EQ(run.exit_code, 0) << run.err;
-      ++graphs;
-    }
+  for (const auto& e : fs::recursive_directory_iterator(test::source_folder() / "graphs")) {
+    if (e.path().extension() != ".yaml") continue;
+    ++graphs;
+    Diagnostics found;
+    const Graph graph = load_graph(e.path(), test::all_nodes(), {}, found);
+    for (const auto& d : found)
+      if (d.severity == Severity::Error) ADD_FAILURE() << d.text();
+    for (const auto& node : graph.nodes)
+      for (const auto& p : node.type->parameters) {
+        const auto it = node.parameters.find(p.name);
+        if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
+        const auto& path = std::get<std::string>(it->second.value);
+        EXPECT_FALSE(expand_glob(path).empty()) << e.path() << ": there is no file " << path;
+      }
+  }
   EXPECT_GE(graphs, 4);
+  const auto checked =
+      run_program({"check", (test::source_folder() / "graphs/materials/terrazzo.yaml").string()});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
 }
 
 // The default graph at a small size.
 class DefaultGraph : public ::testing::Test {
  protected:
-  json run(std::vector<std::string> more, const fs::path& cache, int threads = 0) {
+  static json run(std::vector<std::string> more, const fs::path& cache, int threads = 0) {
     std::vector<std::string> arguments = {"run",
                                           (test::source_folder() / "graphs/materials/terrazzo.yaml").string(),
                                           "--cache",
                                           cache.string(),
                                           "--out",
-                                          (folder / "out").string(),
+                                          (folder() / "out").string(),
                                           "--report",
-                                          (folder / "report.json").string(),
+                                          (folder() / "report.json").string(),
                                           "--quiet",
                                           "--threads",
                                           std::to_string(threads),
@@ -62,7 +78,7 @@ class DefaultGraph : public ::testing::Test {
     arguments.insert(arguments.end(), more.begin(), more.end());
     const auto r = run_program(arguments);
     EXPECT_EQ(r.exit_code, 0) << r.err;
-    return json::parse(std::ifstream(folder / "report.json"));
+    return json::parse(std::ifstream(folder() / "report.json"));
   }
   static Names with_status(const json& report, const std::string& status) {
     Names out;
@@ -83,39 +99,46 @@ class DefaultGraph : public ::testing::Test {
     ADD_FAILURE() << "no node " << node;
     return 0;
   }
-  fs::path folder = test::temporary_folder();
+  static const fs::path& folder() {  // of all tests
+    static const fs::path made = test::temporary_folder();
+    return made;
+  }
+  static fs::path cache() { return folder() / "cache"; }
+  // The report of the first run, which computes everything. Tests of one program share it.
+  static const json& first() {
+    static const json report = run({}, cache(), 3);
+    return report;
+  }
 };
 
 TEST_F(DefaultGraph, ComputesOnceAndThenExactlyWhatAnEditTouches) {
-  const fs::path cache = folder / "cache";
-  const json first = run({}, cache);
-  EXPECT_EQ(with_status(first, "computed").size(), first.at("nodes").size());
+  EXPECT_EQ(with_status(first(), "computed").size(), first().at("nodes").size());
   for (const auto* file :
        {"terrazzo.glb", "terrazzo.vdb", "preview.png", "contact_sheet.png", "comparison.csv"})
-    EXPECT_TRUE(fs::exists(folder / "out" / file)) << file;
-  const double ratio = metric(first, "compare", "area_fraction_ratio");
+    EXPECT_TRUE(fs::exists(folder() / "out" / file)) << file;
+  const double ratio = metric(first(), "compare", "area_fraction_ratio");
   EXPECT_NEAR(ratio, 1, 0.1);
-  EXPECT_LE(metric(first, "pack", "max_penetration"), 1e-4);
+  EXPECT_LE(metric(first(), "pack", "max_penetration"), 1e-4);
 
-  const json again = run({}, cache);
+  const json again = run({}, cache());
   EXPECT_EQ(with_status(again, "computed"), Names{});
 
-  const json colored = run({"--set", "colorize.seed=2"}, cache);
+  const json colored = run({"--set", "colorize.seed=2"}, cache());
   EXPECT_EQ(with_status(colored, "computed"),
             (Names{"colorize", "voxels", "sections", "compare", "section", "observer", "block", "sheet",
                    "instances", "grids", "section_image", "observers", "observers_figure", "preview",
                    "contact_sheet", "comparison", "comparison_figure"}));
   // After reverting, everything is a cache hit and only the files are written again.
-  const json back = run({}, cache);
+  const json back = run({}, cache());
   EXPECT_EQ(with_status(back, "computed"),
             (Names{"instances", "grids", "section_image", "observers", "observers_figure", "preview",
                    "contact_sheet", "comparison", "comparison_figure"}));
-  EXPECT_EQ(contents(back), contents(first));
+  EXPECT_EQ(contents(back), contents(first()));
 }
 
 TEST_F(DefaultGraph, HasEqualContentOnAnyNumberOfThreads) {
-  const json one = run({}, folder / "one", 1), three = run({}, folder / "three", 3);
-  EXPECT_EQ(contents(one), contents(three));
+  const auto several = contents(first());  // before the other run writes its report
+  EXPECT_EQ(contents(run({}, folder() / "one", 1)), several);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ TEST(LoadProfiles, TheWaysThatProgramsWrite) {
   const std::vector<double> expected = {1.5, 20};
   EXPECT_EQ(areas(read("Area\tCirc.\n1.5\t0.9\n20\t0.8\n")), expected);
   EXPECT_EQ(areas(read(" \tArea\tMean\r\n1\t1.5\t7\r\n2\t20\t8\r\n")), expected);  // ImageJ numbers the rows
+  EXPECT_EQ(areas(read(" \tArea\n1\t1.5\n2\t20\n")), expected);  // ImageJ, with one measurement
   EXPECT_EQ(areas(read("\"Area\",\"Mean\"\n\"1\",1.5,7\n\"2\",20,8\n")),
             expected);  // R writes one column name less
   EXPECT_EQ(areas(read("\xef\xbb\xbfLabel;AREA [mm²]\nthe first, a;1,5\nb;20\n")),

@@ -132,6 +132,8 @@ TEST(StudyAnova, FilesAreReadByTheirColumns) {
   EXPECT_EQ(test::code_of([&] { read_answers(header + "1,1,up,1\n", "a", key); }), "malformed-row");
   EXPECT_EQ(test::code_of([&] { read_answers(header + "1,1,left,soon\n", "a", key); }), "malformed-row");
   EXPECT_EQ(test::code_of([&] { read_answers(header + "1,1\n", "a", key); }), "malformed-row");
+  EXPECT_EQ(test::code_of([&] { read_answers(header + "1,1,left,2,3\n", "a", key); }), "malformed-row");
+  EXPECT_EQ(test::code_of([&] { read_answers(header + "1,1.5,left,2\n", "a", key); }), "malformed-row");
   EXPECT_EQ(test::code_of([&] { read_answers("", "a", key); }), "no-column");
 }
 

@@ -1,0 +1,130 @@
+// The order of the nodes in a run.
+#include "runtime/run.h"
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace terrazzo {
+
+Run::Run(Evaluator& e, const Graph& graph, const RunOptions& options)
+    : e_(e), graph_(graph), options_(options), states_(graph.nodes.size()) {
+  result_.nodes.resize(graph.nodes.size());
+}
+
+int Run::threads() const {
+  return std::max(
+      options_.threads > 0 ? options_.threads : static_cast<int>(std::thread::hardware_concurrency()), 1);
+}
+
+bool Run::cancelled(int i) const {
+  return (options_.cancel && *options_.cancel) ||
+         (options_.cancel_node && (*options_.cancel_node)[static_cast<std::size_t>(i)]);
+}
+
+bool Run::run_is_cancelled() const {
+  return (options_.cancel && *options_.cancel) || (options_.cancel_all && *options_.cancel_all);
+}
+
+Work Run::work(int i, const Work::Report* report) const {
+  return Work(options_.cancel, report,
+              options_.cancel_node ? &(*options_.cancel_node)[static_cast<std::size_t>(i)] : nullptr);
+}
+
+RunResult Run::run() {
+  const auto start = std::chrono::steady_clock::now();
+  const auto targets = options_.targets.empty() ? graph_.sinks() : options_.targets;
+  const auto needed = needed_nodes(graph_, targets);
+  std::vector<int> ready;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (!needed[i]) continue;
+    int sources = 0;
+    for (const auto& [port, wires] : graph_.nodes[i].inputs)
+      for (const auto& w : wires) {
+        ++sources;
+        states_[static_cast<std::size_t>(w.node)].consumers.push_back(static_cast<int>(i));
+      }
+    states_[i].waiting = sources;
+    if (sources == 0) ready.push_back(static_cast<int>(i));
+  }
+  for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
+  // TBB's default limit is the number of cores, but the user may ask for more threads.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads()));
+  arena_.emplace(threads());
+  mark_.before();
+  (*arena_)->execute([&] {
+    for (const int i : ready) group_.run([this, i] { visit(i); });
+    group_.wait();
+  });
+  mark_.after();
+  for (std::size_t i = 0; i < states_.size(); ++i)
+    if (states_[i].seconds_again > 0)
+      result_.nodes[i].status = Status::Computed, result_.nodes[i].seconds = states_[i].seconds_again;
+  result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return std::move(result_);
+}
+
+void Run::visit(int i) {
+  mark_.after();
+  try {
+    if (!evaluate(i)) return;  // visited again once another node or run has computed the same key
+  } catch (const Cancelled&) {
+    result(i).status = Status::Cancelled;
+  } catch (const Error& error) {
+    result(i).status = Status::Failed;
+    result(i).error = placed(error, node(i));
+  } catch (const std::exception& error) {  // such as std::bad_alloc: only this node fails
+    result(i).status = Status::Failed;
+    result(i).error = placed(Error("failed", error.what()), node(i));
+  }
+  tell([&](Observer& o) { o.finished(i, result(i)); });
+  for (const auto& [port, wires] : node(i).inputs)
+    for (const auto& w : wires)
+      if (--state(w.node).users == 0) {
+        const std::lock_guard lock(state(w.node).mutex);
+        state(w.node).values.clear();
+      }
+  mark_.before();
+  for (const int c : state(i).consumers)
+    if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
+}
+
+bool Run::evaluate(int i) {
+  NodeResult& r = result(i);
+  if (cancelled(i)) throw Cancelled();
+  std::map<std::string, std::vector<OutputRecord>> inputs;
+  for (const auto& [port, wires] : node(i).inputs)
+    for (const auto& w : wires) {
+      const NodeResult& source = result(w.node);
+      if (source.status == Status::Cancelled) throw Cancelled();
+      if (source.status == Status::Failed || source.status == Status::Skipped) {
+        r.status = Status::Skipped;
+        return true;
+      }
+      inputs[port].push_back(source.outputs.at(w.port));
+    }
+  // If a file changes while the node reads it, the value belongs to no key, so try again.
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    state(i).files = input_files(node(i), e_.hashes_);
+    r.read = state(i).files.read;
+    r.key = action_key(node(i), state(i).files.hashes, inputs);
+    r.record = record_key(*node(i).type, r.key, options_.output_folder);
+    if (use_cached(i)) return true;
+    switch (compute_alone(i, inputs)) {
+      case Outcome::Done:
+        return true;
+      case Outcome::Elsewhere:
+        return false;
+      case Outcome::FilesChanged:
+        break;
+    }
+  }
+  throw Error("file-changed", "an input file changed while it was read, three times in a row",
+              "run again once no other program writes to it")
+      .parameter(state(i).files.paths.begin()->first);
+}
+
+}  // namespace terrazzo

@@ -1,0 +1,98 @@
+// One run of the evaluator. Every node is a task that starts when its sources are done.
+#pragma once
+
+#include <tbb/task_group.h>
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/arena.h"
+#include "runtime/compute_node.h"
+#include "runtime/evaluate.h"
+#include "runtime/thread_marks.h"
+
+namespace terrazzo {
+
+// The evaluator, the graph and the options must outlive the run.
+class Run {
+ public:
+  Run(Evaluator&, const Graph&, const RunOptions&);
+
+  RunResult run();
+
+  // Implements Evaluator::value().
+  static Value fetch(Evaluator&, const Graph&, const RunResult&, const Wire&, const RunOptions&);
+
+ private:
+  using Inputs = std::map<std::string, std::vector<OutputRecord>>;
+  enum class Outcome { Done, Elsewhere, FilesChanged };
+  struct State {
+    std::atomic<int> waiting{0};
+    std::atomic<int> users{0};  // consumers that may still need a value
+    std::vector<int> consumers;
+    std::map<std::string, Value> values;  // kept while `users` > 0
+    std::mutex mutex;                     // protects `values` and recomputation
+    double seconds_again = 0;             // time spent recomputing a lost value
+    InputFiles files;
+  };
+
+  int threads() const;
+  NodeResult& result(int i) { return result_.nodes[static_cast<std::size_t>(i)]; }
+  State& state(int i) { return states_[static_cast<std::size_t>(i)]; }
+  const GraphNode& node(int i) const { return graph_.nodes[static_cast<std::size_t>(i)]; }
+  bool cancelled(int i) const;
+  // Whether the whole run is canceled, not only nodes that an edit made obsolete.
+  bool run_is_cancelled() const;
+  Work work(int i, const Work::Report*) const;
+  // If the observer throws, it receives no more events, but the run continues.
+  template <class Call>
+  void tell(Call&& call) {
+    if (!options_.observer) return;
+    const std::lock_guard lock(observer_mutex_);
+    if (!result_.trouble.empty()) return;
+    try {
+      call(*options_.observer);
+    } catch (const std::exception& e) {
+      result_.trouble = std::string("the progress display stopped: ") + e.what();
+    }
+  }
+
+  // run.cpp: the order of the nodes
+  void visit(int i);
+  // Returns false if the key is being computed elsewhere.
+  bool evaluate(int i);
+
+  // run_node.cpp: one node
+  // Computes the node, unless another task or run is computing the same key.
+  Outcome compute_alone(int i, const Inputs&);
+  bool use_cached(int i);
+  // Whether an input file changed since its key was computed.
+  bool files_changed(int i);
+  // Returns false, without storing anything, if an input file changed meanwhile.
+  bool compute(int i, const Inputs&);
+  // Keeps a value that cannot be read back from the disk as long as consumers may need it. Other values are
+  // left to the store and its memory budget.
+  void keep(int i, const std::string& port, Value);
+  ComputeRequest request(int i, Work);
+
+  // run_values.cpp: the values of nodes
+  // `keep`: whether a value that is read from the disk stays in memory.
+  Value value_of(const Wire&, bool keep = true);
+  void compute_again(int i);
+
+  Evaluator& e_;
+  const Graph& graph_;
+  const RunOptions& options_;
+  std::vector<State> states_;
+  RunResult result_;
+  tbb::task_group group_;
+  std::optional<Arena> arena_;
+  ThreadMark mark_;
+  std::mutex observer_mutex_;
+};
+
+}  // namespace terrazzo
