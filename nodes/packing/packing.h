@@ -20,7 +20,8 @@ struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
   int iterations = 6000;  // steps until the particles are considered jammed; see Budget
-  // How far above the estimate a volume fraction is refused at once if on_jam is Fail.
+  // How far above the estimate a volume fraction is refused at once if on_jam is Fail. 0: also if a sample
+  // of the particles took longer than `iterations`.
   double hopeless = 0.15;
   // Called if the packing is canceled after particles have been moved, before Cancelled is thrown: with the
   // densest packing found that is free of overlap, or if there is none, with the current one. As `start` of
