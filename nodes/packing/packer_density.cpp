@@ -34,12 +34,10 @@ void Packer::estimate() {
   if (!(reachable_.fraction > 0)) return;
   budget_.expected = 0.6 * options_.iterations;
   result_.reachable = std::max(easy, reachable_.fraction);
+  if (!reachable_.jammed) budget_.expected = 1.3 * reachable_.steps + 100;
   // A sample that takes longer than all particles may is as good as jammed.
-  if (!reachable_.jammed && reachable_.steps <= options_.iterations) {
-    budget_.expected = 1.3 * reachable_.steps + 100;
-    return;
-  }
-  if (options_.on_jam == OnJam::Fail && requested >= result_.reachable + options_.hopeless)
+  const bool hopeless = reachable_.jammed || reachable_.steps > options_.iterations;
+  if (hopeless && options_.on_jam == OnJam::Fail && requested >= result_.reachable + options_.hopeless)
     throw Error(
         "jammed",
         fmt::format("a sample of the particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",

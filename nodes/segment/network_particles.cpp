@@ -21,6 +21,11 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
   return out;
 }
 
+// The pixel of a side of `to` pixels that holds the center of pixel i of the same side in `from` pixels.
+std::size_t counterpart(int i, int from, int to) {
+  return static_cast<std::size_t>((2 * static_cast<std::int64_t>(i) + 1) * to / (2 * from));
+}
+
 }  // namespace
 
 double confidence_of_score(double score) { return 1 / (1 + std::exp(2.96 - 7.72 * score)); }
@@ -64,10 +69,7 @@ NetworkView::Found NetworkView::choose(const std::vector<Instance>& instances, c
 }
 
 std::size_t NetworkView::reduced_index(int x, int y) const {
-  const auto along = [](int i, int whole, int reduced) {
-    return static_cast<std::size_t>((2 * static_cast<std::int64_t>(i) + 1) * reduced / (2 * whole));
-  };
-  return along(y, height_, picture_.rows) * picture_.cols + along(x, width_, picture_.cols);
+  return counterpart(y, height_, picture_.rows) * picture_.cols + counterpart(x, width_, picture_.cols);
 }
 
 std::vector<float> NetworkView::not_material() const {
@@ -92,13 +94,10 @@ double NetworkView::largest_inside(const std::vector<std::int32_t>& pixels) cons
 
 std::vector<std::int32_t> NetworkView::reduced(const std::vector<std::int32_t>& labels) const {
   std::vector<std::int32_t> out(picture_.total());
-  const auto along = [](int i, int whole, int reduced) {
-    return static_cast<std::size_t>((2 * static_cast<std::int64_t>(i) + 1) * whole / (2 * reduced));
-  };
   for (int y = 0; y < picture_.rows; ++y)
     for (int x = 0; x < picture_.cols; ++x)
       out[static_cast<std::size_t>(y) * picture_.cols + x] =
-          labels[along(y, height_, picture_.rows) * width_ + along(x, width_, picture_.cols)];
+          labels[counterpart(y, picture_.rows, height_) * width_ + counterpart(x, picture_.cols, width_)];
   return out;
 }
 

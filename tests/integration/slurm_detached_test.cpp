@@ -154,11 +154,8 @@ TEST_F(SlurmDetached, ACoordinatorWhoseNodeDiesIsStartedAgain) {
   const json job_now = job("coordinator");
   ASSERT_TRUE(job_now.is_object());
   cluster->kill_node(job_now.at("node"));
-  // Slurm waits two minutes before it starts a job again; the test does not.
   ASSERT_TRUE(wait_until(180, [&] {
-    for (const auto& line : cluster->queue("%i %r"))
-      if (line.find("BeginTime") != std::string::npos)
-        cluster->command({"scontrol", "update", "jobid=" + line.substr(0, line.find(' ')), "StartTime=now"});
+    cluster->start_again();
     return fs::exists(folder / "out/sweep.csv");
   })) << log("coordinator");
   std::istringstream events(read_file(folder / "out/jobs/coordinator.jsonl").value_or(""));

@@ -139,18 +139,11 @@ TEST_F(DISABLED_SlurmSolid, ANodeDies) {
   auto command = start();
   ASSERT_TRUE(under_way());
   cluster->kill_node("n1");
-  std::atomic<bool> over{false};
-  std::thread hurry([&] {  // Slurm waits two minutes before it starts a task again; the test does not
-    while (!over) {
-      for (const auto& line : cluster->queue("%i %r"))
-        if (line.find("BeginTime") != std::string::npos)
-          cluster->command(
-              {"scontrol", "update", "jobid=" + line.substr(0, line.find(' ')), "StartTime=now"});
-      std::this_thread::sleep_for(std::chrono::milliseconds(500));
-    }
-  });
+  ASSERT_TRUE(wait_until(300, [&] {
+    cluster->start_again();
+    return command.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }));
   const auto done = command.get();
-  over = true, hurry.join();
   EXPECT_EQ(done.exit_code, 0) << done.err;
   expect_the_same_as_without_slurm();
 }

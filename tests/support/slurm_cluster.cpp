@@ -181,6 +181,12 @@ void SlurmCluster::start_node(const std::string& name) {
   start(name, {"slurmd", "-D", "-N", name, "-f", (folder_ / "slurm.conf").string()});
 }
 
+void SlurmCluster::start_again() const {
+  for (const auto& line : queue("%i %r"))
+    if (line.find("BeginTime") != std::string::npos)
+      command({"scontrol", "update", "jobid=" + line.substr(0, line.find(' ')), "StartTime=now"});
+}
+
 std::vector<pid_t> SlurmCluster::tasks(const std::string& node) const {
   std::vector<pid_t> out;
   std::error_code error;
