@@ -102,8 +102,9 @@ TEST(RenderVolume, TranslucencyNeedsTheProcessor) {
   Parameters deeper = muscle;
   deeper["classes"] = "[muscle -30 150 penetration=50]";
   const auto light = [&](const Parameters& p) {
+    const NodeRun rendered = run(in, p);  // holds the picture
     Vec3f sum = Vec3f::Zero();
-    for (const Vec3f& v : run(in, p).output<Image>("image").pixels) sum += v;
+    for (const Vec3f& v : rendered.output<Image>("image").pixels) sum += v;
     return sum.sum();
   };
   EXPECT_GT(light(deeper), light(muscle) + 5);
