@@ -17,9 +17,9 @@ void encode(const Detail& v, Writer& w) {
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
-    w.pod(p.slope);
+    w.pod(p.slope), w.bytes(p.tilt.data(), sizeof(float) * 2);
     w.pod<std::uint64_t>(p.rims.size());
-    for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset);
+    for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset), w.raw_array(rim.right), w.raw_array(rim.up);
     w.array(p.gain), w.raw_array(p.tile), w.raw_array(p.broad);
   }
 }
@@ -35,18 +35,21 @@ Detail decode_detail(Reader& r) {
   if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
       v.profile_size.size() != profiles || v.profile_group.size() != profiles)
     throw Error("damaged", "the stored detail has lists of different length");
-  v.phases.resize(r.count(40));
+  v.phases.resize(r.count(48));
   for (const std::int32_t group : v.profile_group)
     if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
       throw Error("damaged", "the stored detail has a profile of an unknown group");
   const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
   for (auto& p : v.phases) {
     r.bytes(p.color.data(), sizeof(float) * 3);
-    p.slope = r.pod<float>();
-    p.rims.resize(r.count(12));
+    p.slope = r.pod<float>(), r.bytes(p.tilt.data(), sizeof(float) * 2);
+    p.rims.resize(r.count(28));
     for (auto& rim : p.rims) {
       rim.size = r.pod<float>(), rim.offset = r.raw_array<Vec3f>();
+      rim.right = r.raw_array<Vec3f>(), rim.up = r.raw_array<Vec3f>();
       if (!(rim.size > 0) || rim.offset.empty()) throw Error("damaged", "the stored detail has an empty rim");
+      if (rim.right.size() != rim.up.size() || (!rim.up.empty() && rim.up.size() != rim.offset.size()))
+        throw Error("damaged", "the stored detail has a rim with lists of different length");
     }
     p.gain = r.array<float>();
     p.tile = r.raw_array<Vec3f>(), p.broad = r.raw_array<Vec3f>();
@@ -60,9 +63,12 @@ nlohmann::json describe(const Detail& v) {
   const auto rims = [](const std::vector<Detail::Rim>& all) {
     nlohmann::json list = nlohmann::json::array();
     for (const auto& rim : all) {
-      nlohmann::json offsets = nlohmann::json::array();
-      for (const Vec3f& o : rim.offset) offsets.push_back(json_of(o));
-      list.push_back({{"size", rim.size}, {"offset", std::move(offsets)}});
+      nlohmann::json one = {{"size", rim.size}};
+      for (const auto& [name, values] : {std::pair("offset", &rim.offset), {"right", &rim.right}, {"up", &rim.up}}) {
+        one[name] = nlohmann::json::array();
+        for (const Vec3f& o : *values) one[name].push_back(json_of(o));
+      }
+      list.push_back(std::move(one));
     }
     return list;
   };
@@ -74,6 +80,7 @@ nlohmann::json describe(const Detail& v) {
     phases.push_back(
         {{"color", json_of(p.color)},
          {"slope", p.slope},
+         {"tilt", {p.tilt.x(), p.tilt.y()}},
          {"rims", rims(p.rims)},
          {"gain", p.gain},
          {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
@@ -87,15 +94,33 @@ nlohmann::json describe(const Detail& v) {
 
 }  // namespace
 
-Vec3f Detail::rim_at(const std::vector<Rim>& rims, float distance, float size) {
+namespace {
+
+// A value of the rims for this size, between those of two sizes by the logarithm.
+template <class Of>
+Vec3f between_sizes(const std::vector<Detail::Rim>& rims, float size, const Of& of) {
   if (rims.empty()) return Vec3f::Zero();
-  if (!(size > 0)) return at_distance(rims[rims.size() / 2].offset, distance);
-  const auto above = std::find_if(rims.begin(), rims.end(), [&](const Rim& r) { return r.size >= size; });
-  if (above == rims.begin()) return at_distance(above->offset, distance);
-  if (above == rims.end()) return at_distance(rims.back().offset, distance);
+  if (!(size > 0)) return of(rims[rims.size() / 2]);
+  const auto above =
+      std::find_if(rims.begin(), rims.end(), [&](const Detail::Rim& r) { return r.size >= size; });
+  if (above == rims.begin()) return of(*above);
+  if (above == rims.end()) return of(rims.back());
   const auto below = above - 1;
   const float t = std::log(size / below->size) / std::log(above->size / below->size);
-  return (1 - t) * at_distance(below->offset, distance) + t * at_distance(above->offset, distance);
+  return (1 - t) * of(*below) + t * of(*above);
+}
+
+}  // namespace
+
+Vec3f Detail::rim_at(const std::vector<Rim>& rims, float distance, float size) {
+  return between_sizes(rims, size, [&](const Rim& r) { return at_distance(r.offset, distance); });
+}
+
+Vec3f Detail::light_at(const std::vector<Rim>& rims, float distance, float size, const Eigen::Vector2f& normal) {
+  return between_sizes(rims, size, [&](const Rim& r) {
+    if (r.up.empty()) return Vec3f(Vec3f::Zero());
+    return Vec3f(normal.x() * at_distance(r.right, distance) + normal.y() * at_distance(r.up, distance));
+  });
 }
 
 template <>

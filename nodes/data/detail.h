@@ -22,6 +22,9 @@ struct Detail {
   struct Rim {
     float size = 0;  // √(4A/π), mm
     std::vector<Vec3f> offset;
+    // What the photograph's light adds, times the component to the right and upwards of the outline's outward
+    // normal; both are empty, or as long as offset. The last ones hold beyond.
+    std::vector<Vec3f> right, up;
   };
   // The value at a distance in pixels, between those at i + ½ pixels; the first and the last one hold beyond.
   // `values` must not be empty.
@@ -36,12 +39,17 @@ struct Detail {
   // The offset at a distance in pixels from the outline of a profile, between distances linearly, between
   // sizes by their logarithm. `size`: mm; 0 if it is unknown, which takes the middle one of the rims.
   static Vec3f rim_at(const std::vector<Rim>&, float distance, float size);
+  // What light adds there. `normal`: the outline's, to the right and upwards in the picture.
+  static Vec3f light_at(const std::vector<Rim>&, float distance, float size, const Eigen::Vector2f& normal);
 
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
     // distance of one radius from its center. 0 for the binder.
     float slope = 0;
+    // Mean slope of lightness across a profile, to the right and upwards in the photograph, from its light: the
+    // offset at a distance of one radius from the center. 0 for the binder.
+    Eigen::Vector2f tilt = Eigen::Vector2f::Zero();
     // Beside profiles of different sizes, ascending; none if empty.
     std::vector<Rim> rims;
     // Factors of the tile at i + ½ pixels from the nearest outline. The last one holds beyond; 1 if empty.

@@ -9,6 +9,7 @@
 #include "nodes/data/volume.h"
 #include "nodes/detail_solid/apply.h"
 #include "nodes/detail_solid/broad.h"
+#include "nodes/detail_solid/light.h"
 #include "nodes/detail_solid/rim.h"
 #include "nodes/detail_solid/spectrum.h"
 #include "nodes/detail_solid/tiles.h"
@@ -84,6 +85,7 @@ void compute(Context& c) {
   c.metric("softness", detail.softness);
   detail.phases.resize(phases.pixels.size());
   split_rims(phases, labels, detail);
+  if (c.boolean("light")) split_light(phases, labels, detail);
   const std::vector<double> slopes = split_slopes(phases, labels);
   for (std::size_t g = 0; g < slopes.size(); ++g) {
     detail.phases[g + 1].color = phases.group_color[g];
@@ -111,7 +113,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 7)
+  return NodeType("DetailSolid", 8)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -145,6 +147,10 @@ NodeType detail_solid_node() {
               .range(0, 1e6)
               .doc_("Limit in robust standard deviations from the binder's median. Binder pixels beyond it "
                     "are particles missed by the labels and are not used. 0 uses them."))
+      .parameter(Parameter::boolean("light", true)
+                     .doc_("Measure how the photograph's light falls on profiles and beside them, such as "
+                           "lighter upper sides and shadows below. Section adds it to pictures; volumes and "
+                           "rendered solids do not contain it."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

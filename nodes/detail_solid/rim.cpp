@@ -125,7 +125,7 @@ void split_rims(Phases& p, const Labels& labels, Detail& detail) {
       std::vector<Vec3f> offset = bins[c].means();
       if (offset.empty() || count[c] == 0) continue;
       smooth_far(offset);
-      rims.push_back({static_cast<float>(std::exp(logs[c] / count[c])), std::move(offset)});
+      rims.push_back({static_cast<float>(std::exp(logs[c] / count[c])), std::move(offset), {}, {}});
     }
     each([&](std::size_t i) { p.offset[i] -= Detail::rim_at(rims, outlines.depth[i], size_at(i)); });
   }

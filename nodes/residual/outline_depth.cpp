@@ -9,6 +9,7 @@ namespace terrazzo::residual {
 
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap) {
   constexpr int kMargin = 32;  // of the repeated picture, where edges join
+  constexpr double kSmooth = 1.5;  // pixels over which normals are smoothed
   const int margin = wrap ? kMargin : 0, w = width + 2 * margin, h = height + 2 * margin;
   const auto id = [&](int x, int y) {
     x = (x - margin + kMargin * width) % width, y = (y - margin + kMargin * height) % height;
@@ -35,6 +36,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   if (!any) {
     out.depth.assign(pixels, static_cast<float>(std::hypot(width, height)));
     out.particle.assign(ids, ids + pixels);
+    out.normal.assign(pixels, Eigen::Vector2f::Zero());
     return out;
   }
   cv::distanceTransform(inside, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
@@ -43,7 +45,14 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
     for (int x = 0; x < w; ++x)
       if (inside.at<std::uint8_t>(y, x) == 0)
         owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y, x))] = particle.at<std::int32_t>(y, x);
-  out.depth.resize(pixels), out.particle.resize(pixels);
+  out.depth.resize(pixels), out.particle.resize(pixels), out.normal.resize(pixels);
+  cv::Mat depth(h, w, CV_32F);  // positive within particles
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const float d = distance.at<float>(y, x) + 0.5f;
+      depth.at<float>(y, x) = id(x, y) > 0 ? d : -d;
+    }
+  cv::GaussianBlur(depth, depth, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
@@ -51,6 +60,11 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
       out.particle[i] =
           ids[i] > 0 ? ids[i]
                      : owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y + margin, x + margin))];
+      const auto at = [&](int u, int v) {
+        return depth.at<float>(std::clamp(v + margin, 0, h - 1), std::clamp(u + margin, 0, w - 1));
+      };
+      const Eigen::Vector2f n(at(x - 1, y) - at(x + 1, y), at(x, y + 1) - at(x, y - 1));
+      out.normal[i] = n / std::max(2.0f, n.norm());
     }
   return out;
 }

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "nodes/data/linear.h"
+
 namespace terrazzo::residual {
 
 struct Outlines {
@@ -13,6 +15,9 @@ struct Outlines {
   // The particle with that outline: the pixel's own id, or, where this is 0, the id on its other side. 0 in a
   // picture without outlines and particles.
   std::vector<std::int32_t> particle;
+  // The outward normal of that outline, to the right and upwards in the picture: of length 1, and shorter
+  // where outlines on several sides are about equally near, so that it changes smoothly. Zero without outlines.
+  std::vector<Eigen::Vector2f> normal;
 };
 
 // `ids`: 0 outside of particles. `wrap`: opposite edges of the picture join. Pictures without outlines have

@@ -145,7 +145,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
       tiles_.back().zones = true;
     }
     tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
-    tiles_.back().limit = kSteepest * phase.slope;
+    tiles_.back().limit = kSteepest * phase.slope, tiles_.back().tilt = phase.tilt;
   }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
@@ -317,6 +317,27 @@ Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float dep
   if (cover > 0) offset += cover * at(mm, particle, depth, size_of(particle, size));
   if (cover < 1) offset += (1 - cover) * (binder ? *binder : behind(mm, particle, depth, size));
   return offset;
+}
+
+Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float depth, float size,
+                           const Eigen::Vector2f& normal, const Vec3f& right, const Vec3f& up) const {
+  if (!phases_) return Vec3f::Zero();
+  const float bins = depth * rims_per_mm_;
+  if (particle < 0) cover = 0;
+  const float known = size_of(particle, size);
+  Vec3f sum = (1 - cover) * Detail::light_at(tiles_[0].rims, bins, known, normal);
+  if (cover > 0) {
+    const auto p = static_cast<std::size_t>(particle);
+    const Tile& tile = tiles_[static_cast<std::size_t>(group_[p])];
+    Vec3f own = Detail::light_at(tile.rims, bins, known, normal);
+    if (shown_[p] > 0) {
+      const Vec3f across = nearest_image(mm - places_[p].center) / (shown_[p] / 2);
+      const float limit = tile.tilt.norm();  // at the profile's edge
+      own += Vec3f::Constant(limited(across.dot(tile.tilt.x() * right + tile.tilt.y() * up), 1.5f * limit));
+    }
+    sum += cover * scales_[p] * own;
+  }
+  return gray_ ? Vec3f::Constant(sum.mean()) : sum;
 }
 
 Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size) const {

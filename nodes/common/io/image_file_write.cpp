@@ -19,22 +19,45 @@ Error unwritable(const std::filesystem::path& path, std::string why) {
                "check the folder, the free disk space and the extension");
 }
 
-// Uniform noise in (−½, ½) from the sample's index, so that smooth gradients show no bands. Values that the
+// Uniform noise in (−½, ½) from the pixel's index, so that smooth gradients show no bands. Values that the
 // format represents exactly are preserved.
-float dither(std::size_t sample) {
-  return (static_cast<float>(mix64(sample) >> 40) * 0x1p-24f - 0.5f) * 0.998f;
+float dither(std::size_t pixel) {
+  return (static_cast<float>(mix64(pixel) >> 40) * 0x1p-24f - 0.5f) * 0.998f;
 }
 
-template <class T>
-std::vector<T> quantize(const Vec3f* pixels, std::size_t count, float top, bool dithered) {
-  std::vector<T> out(count * 3);
-  for (std::size_t p = 0; p < count; ++p) {
-    const Vec3f v = linear_to_srgb(pixels[p].cwiseMax(0.0f).cwiseMin(1.0f)) * top;
+// Encoded sRGB times `top`.
+std::vector<Vec3f> encode(const Vec3f* pixels, std::size_t count, float top) {
+  std::vector<Vec3f> out(count);
+  for (std::size_t p = 0; p < count; ++p)
+    out[p] = linear_to_srgb(pixels[p].cwiseMax(0.0f).cwiseMin(1.0f)) * top;
+  return out;
+}
+
+// Values from 0 to `top` from encoded ones. `shift`: what is added to all channels of a pixel before they are
+// rounded.
+template <class T, class Shift>
+std::vector<T> quantize(const std::vector<Vec3f>& encoded, float top, const Shift& shift) {
+  std::vector<T> out(encoded.size() * 3);
+  for (std::size_t p = 0; p < encoded.size(); ++p) {
+    const float s = shift(p);
     for (int k = 0; k < 3; ++k)
-      out[p * 3 + k] = static_cast<T>(
-          std::clamp(std::floor(v[k] + 0.5f + (dithered ? dither(p * 3 + k) : 0.0f)), 0.0f, top));
+      out[p * 3 + k] = static_cast<T>(std::clamp(std::floor(encoded[p][k] + 0.5f + s), 0.0f, top));
   }
   return out;
+}
+
+// 8 bits. Dithers where neighbors differ by less than a step, since only there bands can show; grain needs no
+// more noise. All channels of a pixel get the same, so gray stays gray.
+std::vector<std::uint8_t> dithered(const Vec3f* pixels, int width, int height) {
+  const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+  const std::vector<Vec3f> encoded = encode(pixels, w * h, 255);
+  return quantize<std::uint8_t>(encoded, 255, [&](std::size_t p) {
+    const auto step = [&](std::size_t q) { return (encoded[p] - encoded[q]).cwiseAbs().maxCoeff() >= 1; };
+    const std::size_t x = p % w, y = p / w;
+    const bool rough = (x > 0 && step(p - 1)) || (x + 1 < w && step(p + 1)) || (y > 0 && step(p - w)) ||
+                       (y + 1 < h && step(p + w));
+    return rough ? 0.0f : dither(p);
+  });
 }
 
 }  // namespace
@@ -85,10 +108,9 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
     written = out->write_image(OIIO::TypeDesc::FLOAT, pixels);
   else if (deep)
     written =
-        out->write_image(OIIO::TypeDesc::UINT16, quantize<std::uint16_t>(pixels, count, 65535, false).data());
+        out->write_image(OIIO::TypeDesc::UINT16, quantize<std::uint16_t>(encode(pixels, count, 65535), 65535, [](std::size_t) { return 0.0f; }).data());
   else
-    written =
-        out->write_image(OIIO::TypeDesc::UINT8, quantize<std::uint8_t>(pixels, count, 255, true).data());
+    written = out->write_image(OIIO::TypeDesc::UINT8, dithered(pixels, image.width, image.height).data());
   if (!written) throw unwritable(path, out->geterror());
   if (!out->close()) throw unwritable(path, out->geterror());
   if (!in_memory) return;
