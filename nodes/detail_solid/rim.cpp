@@ -92,8 +92,37 @@ void smooth_far(std::vector<Vec3f>& rim) {
   }
 }
 
+// The smallest value that half of the weight does not exceed.
+float median_by_weight(std::vector<std::pair<float, double>>& values) {
+  std::sort(values.begin(), values.end());
+  double all = 0, below = 0;
+  for (const auto& [value, weight] : values) all += weight;
+  for (const auto& [value, weight] : values)
+    if ((below += weight) >= all / 2) return value;
+  return values.back().first;
+}
+
 // Bin of a depth among n.
 std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std::size_t>(depth), n - 1); }
+
+// A profile in which hues vary far more than in the others of its group holds two stones, or a stone and soil. Its
+// stones would get patches of several hues, so its broad contrast of chroma is limited: at most 1.3 times the
+// median by area, or three robust standard deviations above it.
+void limit_chroma(Detail& detail, std::size_t groups) {
+  for (std::size_t g = 1; g <= groups; ++g) {
+    std::vector<std::pair<float, double>> contrast;  // with the profile's area
+    for (std::size_t k = 0; k < detail.profile_group.size(); ++k)
+      if (detail.profile_group[k] == static_cast<std::int32_t>(g))
+        contrast.emplace_back(detail.profile_broad[k].y(), std::pow(double{detail.profile_size[k]}, 2));
+    if (contrast.empty()) continue;
+    const float middle = median_by_weight(contrast);
+    for (auto& [value, area] : contrast) value = std::abs(value - middle);
+    const float limit = std::max(1.3f * middle, middle + 3 * 1.4826f * median_by_weight(contrast));
+    for (std::size_t k = 0; k < detail.profile_group.size(); ++k)
+      if (detail.profile_group[k] == static_cast<std::int32_t>(g))
+        detail.profile_broad[k].y() = std::min(detail.profile_broad[k].y(), limit);
+  }
+}
 
 }  // namespace
 
@@ -199,6 +228,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     detail.profile_contrast.push_back(of_grain[k]), detail.profile_broad.push_back(of_broad[k]);
     detail.profile_size.push_back(size[k + 1]);
   }
+  limit_chroma(detail, p.group_color.size());
   const auto divided = [](const Vec3f& offset, const Eigen::Vector2f& by) {
     const Vec3f gray = Vec3f::Constant(offset.mean());
     return Vec3f(gray / by.x() + (offset - gray) / by.y());

@@ -9,6 +9,7 @@
 
 #include "nodes/common/geometry/principal_axes.h"
 #include "nodes/common/texture/lane_fft.h"
+#include "nodes/detail_solid/isotropy.h"
 
 namespace terrazzo::detail_solid {
 namespace {
@@ -220,6 +221,7 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
     data[i] = {Lane{v.x(), v.y(), v.z(), 0}, Lane{0, 0, 0, 0}};
   }
   transform(fft, data, false, work);
+  equalize_directions(data, size, work);
   const SlicePower have(data, size, bins);
   std::array<std::vector<double>, 3> gain;
   for (std::size_t c = 0; c < 3; ++c)
