@@ -20,7 +20,7 @@ void encode(const Detail& v, Writer& w) {
     w.pod(p.slope), w.bytes(p.tilt.data(), sizeof(float) * 2);
     w.pod<std::uint64_t>(p.rims.size());
     for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset), w.raw_array(rim.right), w.raw_array(rim.up);
-    w.array(p.gain), w.raw_array(p.tile), w.raw_array(p.broad);
+    w.array(p.gain), w.array(p.grain_gain), w.raw_array(p.tile), w.raw_array(p.broad);
   }
 }
 
@@ -35,7 +35,7 @@ Detail decode_detail(Reader& r) {
   if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
       v.profile_size.size() != profiles || v.profile_group.size() != profiles)
     throw Error("damaged", "the stored detail has lists of different length");
-  v.phases.resize(r.count(48));
+  v.phases.resize(r.count(56));
   for (const std::int32_t group : v.profile_group)
     if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
       throw Error("damaged", "the stored detail has a profile of an unknown group");
@@ -51,7 +51,7 @@ Detail decode_detail(Reader& r) {
       if (rim.right.size() != rim.up.size() || (!rim.up.empty() && rim.up.size() != rim.offset.size()))
         throw Error("damaged", "the stored detail has a rim with lists of different length");
     }
-    p.gain = r.array<float>();
+    p.gain = r.array<float>(), p.grain_gain = r.array<float>();
     p.tile = r.raw_array<Vec3f>(), p.broad = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
       throw Error("damaged", "the stored detail has a tile of the wrong size");
@@ -83,6 +83,7 @@ nlohmann::json describe(const Detail& v) {
          {"tilt", {p.tilt.x(), p.tilt.y()}},
          {"rims", rims(p.rims)},
          {"gain", p.gain},
+         {"grain_gain", p.grain_gain},
          {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
   }
   return {{"pixel_size", v.pixel_size},

@@ -52,8 +52,9 @@ struct Detail {
     Eigen::Vector2f tilt = Eigen::Vector2f::Zero();
     // Beside profiles of different sizes, ascending; none if empty.
     std::vector<Rim> rims;
-    // Factors of the tile at i + ½ pixels from the nearest outline. The last one holds beyond; 1 if empty.
-    std::vector<float> gain;
+    // Factors of the tile and of what is broad at i + ½ pixels from the nearest outline, and in particles others
+    // of the tile alone. The last one holds beyond; 1 if empty.
+    std::vector<float> gain, grain_gain;
     std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };

@@ -23,6 +23,7 @@ constexpr int kSizes = 3;             // of profiles whose rims are measured apa
 constexpr double kNarrow = 1.3;       // sizes with a smaller ratio count as one
 constexpr double kLeastProfile = 60;  // pixels of a profile whose slope and contrast count
 constexpr int kDeep = 4;              // pixels from the outline
+constexpr float kBlurred = 2.5f;      // the same, within which pixels do not tell the contrast of a profile
 constexpr std::size_t kEnoughDeep = 4000;
 constexpr double kLeastContrast = 0.03;
 constexpr double kGrainArea = 10, kBroadArea = 200;  // pixels that count as one sample of a deviation
@@ -106,22 +107,33 @@ float median_by_weight(std::vector<std::pair<float, double>>& values) {
 std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std::size_t>(depth), n - 1); }
 
 // A profile in which hues vary far more than in the others of its group holds two stones, or a stone and soil. Its
-// stones would get patches of several hues, so its broad contrast of chroma is limited: at most 1.3 times the
-// median by area, or three robust standard deviations above it.
-void limit_chroma(Detail& detail, std::size_t groups) {
+// stones would get patches of several hues, so its contrasts of chroma are limited: to 1.3 times the median by
+// area, or three robust standard deviations above it.
+void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::Vector2f>& of_profile) {
   for (std::size_t g = 1; g <= groups; ++g) {
     std::vector<std::pair<float, double>> contrast;  // with the profile's area
     for (std::size_t k = 0; k < detail.profile_group.size(); ++k)
       if (detail.profile_group[k] == static_cast<std::int32_t>(g))
-        contrast.emplace_back(detail.profile_broad[k].y(), std::pow(double{detail.profile_size[k]}, 2));
+        contrast.emplace_back(of_profile[k].y(), std::pow(double{detail.profile_size[k]}, 2));
     if (contrast.empty()) continue;
     const float middle = median_by_weight(contrast);
     for (auto& [value, area] : contrast) value = std::abs(value - middle);
     const float limit = std::max(1.3f * middle, middle + 3 * 1.4826f * median_by_weight(contrast));
     for (std::size_t k = 0; k < detail.profile_group.size(); ++k)
       if (detail.profile_group[k] == static_cast<std::int32_t>(g))
-        detail.profile_broad[k].y() = std::min(detail.profile_broad[k].y(), limit);
+        of_profile[k].y() = std::min(of_profile[k].y(), limit);
   }
+}
+
+// Deviations by distance from the nearest outline relative to that of all, from 1/2 to 2. `squares`: their sums,
+// in one component.
+std::vector<float> relative_gains(const Bins& squares) {
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < squares.sum.size(); ++k) sum += squares.sum[k].x(), count += squares.count[k];
+  std::vector<float> gains;
+  for (const Vec3f& m : squares.means())
+    gains.push_back(sum > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(sum / count)), 0.5f, 2.0f) : 1.0f);
+  return gains;
 }
 
 }  // namespace
@@ -162,32 +174,39 @@ void split_rims(Phases& p, const Labels& labels, Detail& detail) {
 
 void split_gains(Phases& p, const Labels& labels, Detail& detail) {
   const std::vector<float> depth = depths_of(p, labels);
-  std::vector<Bins> bins(detail.phases.size(), Bins(kBins));  // of squares, in one component
-  std::vector<double> square(bins.size(), 0.0);
-  for (std::size_t i = 0; i < p.phase.size(); ++i) {
-    if (p.phase[i] < 0) continue;
-    const auto phase = static_cast<std::size_t>(p.phase[i]);
-    const double v = p.offset[i].squaredNorm();
+  std::vector<Bins> all(detail.phases.size(), Bins(kBins)), grain = all;
+  const auto add = [&](std::vector<Bins>& bins, std::size_t i, const Vec3f& v) {
+    Bins& b = bins[static_cast<std::size_t>(p.phase[i])];
     const std::size_t k = bin_of(depth[i], kBins);
-    bins[phase].sum[k].x() += v, ++bins[phase].count[k];
-    square[phase] += v;
-  }
-  for (std::size_t k = 0; k < bins.size(); ++k) {
-    const double all = square[k] / std::max<double>(static_cast<double>(p.pixels[k]), 1);
-    for (const Vec3f& m : bins[k].means())
-      detail.phases[k].gain.push_back(
-          all > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(all)), 0.5f, 2.0f) : 1.0f);
-  }
+    b.sum[k].x() += v.squaredNorm(), ++b.count[k];
+  };
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] >= 0) add(all, i, p.offset[i]);
+  for (std::size_t k = 0; k < all.size(); ++k) detail.phases[k].gain = relative_gains(all[k]);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
     const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].gain;
     if (!gain.empty()) p.offset[i] /= gain[bin_of(depth[i], gain.size())];
   }
+  const auto w = static_cast<std::size_t>(p.width), h = static_cast<std::size_t>(p.height);
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    const std::size_t x = i % w, y = i / w % h;
+    if (p.phase[i] <= 0 || x == 0 || y == 0 || x + 1 == w || y + 1 == h) continue;
+    const std::array<std::size_t, 4> neighbors{i - 1, i + 1, i - w, i + w};
+    const auto alike = [&](std::size_t j) {
+      return p.phase[j] == p.phase[i] && labels.ids[j] == labels.ids[i];
+    };
+    if (!std::all_of(neighbors.begin(), neighbors.end(), alike)) continue;
+    Vec3f mean = Vec3f::Zero();
+    for (const std::size_t j : neighbors) mean += p.offset[j] / 4;
+    add(grain, i, p.offset[i] - mean);
+  }
+  for (std::size_t k = 1; k < grain.size(); ++k) detail.phases[k].grain_gain = relative_gains(grain[k]);
 }
 
 void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail, const Work& work) {
   struct Sum {
-    double count = 0;
+    double pixels = 0, count = 0;  // all, and those whose grain and broad part are summed
     Vec2 grain = Vec2::Zero(), broad = Vec2::Zero();  // squares of the mean of the channels, and of the rest
     std::size_t group = 0;
   };
@@ -199,10 +218,15 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   const std::vector<Vec3f> broad = split_broad(grain, labels, work.quiet());
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
   const std::vector<float> size = residual::sizes_of_particles(labels.ids, image.pixel_size);
+  const std::vector<float> depth = depths_of(p, labels);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] <= 0) continue;
+    if (const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].grain_gain; !gain.empty())
+      grain.offset[i] /= gain[bin_of(depth[i], gain.size())];
     Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
     s.group = static_cast<std::size_t>(p.phase[i]) - 1;
+    ++s.pixels;
+    if (depth[i] < kBlurred) continue;  // the blur of the outline counts as grain there
     for (Sum* sum : {&s, &group[s.group]})
       ++sum->count, sum->grain += squares(grain.offset[i]), sum->broad += squares(broad[i]);
   }
@@ -220,15 +244,16 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   std::vector<Eigen::Vector2f> of_grain(profile.size(), Eigen::Vector2f(1, 1)), of_broad = of_grain;
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const Sum &s = profile[k], &g = group[s.group];
-    if (s.count < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
-    if (g.grain.sum() > 0) of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
-    if (g.broad.sum() > 0) of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
+    if (s.pixels < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
+    if (s.count > 0 && g.grain.sum() > 0) of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
+    if (s.count > 0 && g.broad.sum() > 0) of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
     detail.profile_color.push_back(p.profile_color[k]);
     detail.profile_group.push_back(static_cast<std::int32_t>(s.group) + 1);
     detail.profile_contrast.push_back(of_grain[k]), detail.profile_broad.push_back(of_broad[k]);
     detail.profile_size.push_back(size[k + 1]);
   }
-  limit_chroma(detail, p.group_color.size());
+  limit_chroma(detail, p.group_color.size(), detail.profile_contrast);
+  limit_chroma(detail, p.group_color.size(), detail.profile_broad);
   const auto divided = [](const Vec3f& offset, const Eigen::Vector2f& by) {
     const Vec3f gray = Vec3f::Constant(offset.mean());
     return Vec3f(gray / by.x() + (offset - gray) / by.y());

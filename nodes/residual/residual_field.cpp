@@ -145,6 +145,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
       tiles_.back().zones = true;
     }
     tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
+    tiles_.back().grain_gain = phase.grain_gain;
     tiles_.back().limit = kSteepest * phase.slope, tiles_.back().tilt = phase.tilt;
   }
   place_particles(detail, particles);
@@ -333,7 +334,7 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
     if (shown_[p] > 0) {
       const Vec3f across = nearest_image(mm - places_[p].center) / (shown_[p] / 2);
       const float limit = tile.tilt.norm();  // at the profile's edge
-      own += Vec3f::Constant(limited(across.dot(tile.tilt.x() * right + tile.tilt.y() * up), 1.5f * limit));
+      own += Vec3f::Constant(limited(across.dot(tile.tilt.x() * right + tile.tilt.y() * up), limit));
     }
     sum += cover * scales_[p] * own;
   }
@@ -353,7 +354,8 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
     return Vec3f(contrast.x() * gray + contrast.y() * (offset - gray));
   };
   const Vec3f at = in_tile(places_[p], mm);
-  Vec3f offset = scaled(tile.spline.at(at), contrast_[p]);
+  const float grain = tile.grain_gain.empty() ? 1 : Detail::at_distance(tile.grain_gain, bins);
+  Vec3f offset = grain * scaled(tile.spline.at(at), contrast_[p]);
   if (tile.zones) offset += scaled(tile.broad.at(at), broad_contrast_[p]);
   return scales_[p] * (gain * offset + rim + Vec3f::Constant(slope));
 }

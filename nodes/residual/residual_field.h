@@ -66,7 +66,7 @@ class ResidualField {
     bool zones = false;        // whether there is a broad part
     Vec3f mean = Vec3f::Zero();
     std::vector<Detail::Rim> rims;
-    std::vector<float> gain;
+    std::vector<float> gain, grain_gain;
     float limit = 0;  // of what slopes add
     Eigen::Vector2f tilt = Eigen::Vector2f::Zero();
   };
