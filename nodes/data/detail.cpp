@@ -19,7 +19,8 @@ void encode(const Detail& v, Writer& w) {
     w.bytes(p.color.data(), sizeof(float) * 3);
     w.pod(p.slope), w.bytes(p.tilt.data(), sizeof(float) * 2);
     w.pod<std::uint64_t>(p.rims.size());
-    for (const auto& rim : p.rims) w.pod(rim.size), w.raw_array(rim.offset), w.raw_array(rim.right), w.raw_array(rim.up);
+    for (const auto& rim : p.rims)
+      w.pod(rim.size), w.raw_array(rim.offset), w.raw_array(rim.right), w.raw_array(rim.up);
     w.array(p.gain), w.array(p.grain_gain), w.raw_array(p.tile), w.raw_array(p.broad);
   }
 }
@@ -64,7 +65,8 @@ nlohmann::json describe(const Detail& v) {
     nlohmann::json list = nlohmann::json::array();
     for (const auto& rim : all) {
       nlohmann::json one = {{"size", rim.size}};
-      for (const auto& [name, values] : {std::pair("offset", &rim.offset), {"right", &rim.right}, {"up", &rim.up}}) {
+      for (const auto& [name, values] :
+           {std::pair("offset", &rim.offset), {"right", &rim.right}, {"up", &rim.up}}) {
         one[name] = nlohmann::json::array();
         for (const Vec3f& o : *values) one[name].push_back(json_of(o));
       }
@@ -117,7 +119,8 @@ Vec3f Detail::rim_at(const std::vector<Rim>& rims, float distance, float size) {
   return between_sizes(rims, size, [&](const Rim& r) { return at_distance(r.offset, distance); });
 }
 
-Vec3f Detail::light_at(const std::vector<Rim>& rims, float distance, float size, const Eigen::Vector2f& normal) {
+Vec3f Detail::light_at(const std::vector<Rim>& rims, float distance, float size,
+                       const Eigen::Vector2f& normal) {
   return between_sizes(rims, size, [&](const Rim& r) {
     if (r.up.empty()) return Vec3f(Vec3f::Zero());
     return Vec3f(normal.x() * at_distance(r.right, distance) + normal.y() * at_distance(r.up, distance));

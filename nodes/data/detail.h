@@ -47,13 +47,13 @@ struct Detail {
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
     // distance of one radius from its center. 0 for the binder.
     float slope = 0;
-    // Mean slope of lightness across a profile, to the right and upwards in the photograph, from its light: the
-    // offset at a distance of one radius from the center. 0 for the binder.
+    // Mean slope of lightness across a profile, to the right and upwards in the photograph, from its light:
+    // the offset at a distance of one radius from the center. 0 for the binder.
     Eigen::Vector2f tilt = Eigen::Vector2f::Zero();
     // Beside profiles of different sizes, ascending; none if empty.
     std::vector<Rim> rims;
-    // Factors of the tile and of what is broad at i + ½ pixels from the nearest outline, and in particles others
-    // of the tile alone. The last one holds beyond; 1 if empty.
+    // Factors of the tile and of what is broad at i + ½ pixels from the nearest outline, and in particles
+    // others of the tile alone. The last one holds beyond; 1 if empty.
     std::vector<float> gain, grain_gain;
     std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing

@@ -10,8 +10,8 @@ namespace terrazzo::detail_solid {
 namespace {
 
 constexpr int kTowards = 48;  // on half of the sphere
-constexpr float kWidth = 10;     // of the window: exp(width (cos² − 1))
-constexpr double kShell = 4;     // thickness of the shells over which power is summed, frequencies
+constexpr float kWidth = 10;  // of the window: exp(width (cos² − 1))
+constexpr double kShell = 4;  // thickness of the shells over which power is summed, frequencies
 constexpr float kLeastFactor = 0.25f, kMostFactor = 4;
 
 std::array<Vec3f, kTowards> directions() {
@@ -40,8 +40,8 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
     return i <= n / 2 ? static_cast<float>(i) : static_cast<float>(i) - static_cast<float>(n);
   };
   const auto shells = static_cast<std::size_t>(std::sqrt(3.0) * size / 2 / kShell) + 2;
-  // Calls use(element, shell below, share of the shell above, weights of the directions) for each frequency of
-  // a plane but the origin.
+  // Calls use(element, shell below, share of the shell above, weights of the directions) for each frequency
+  // of a plane but the origin.
   const auto each = [&](std::size_t z, auto&& use) {
     std::array<float, kTowards> weight;
     for (std::size_t y = 0; y < n; ++y)
@@ -89,9 +89,10 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
       for (int c = 0; c < 4; ++c) {
         const Shell& s = sums[r];
         const float mean = s.count > 0 ? s.all[c] / s.count : 0;
-        gain[r][k][c] = s.weight[k] > 1 && s.power[k][c] > 0 && mean > 0
-                            ? std::clamp(std::sqrt(mean * s.weight[k] / s.power[k][c]), kLeastFactor, kMostFactor)
-                            : 1.0f;
+        gain[r][k][c] =
+            s.weight[k] > 1 && s.power[k][c] > 0 && mean > 0
+                ? std::clamp(std::sqrt(mean * s.weight[k] / s.power[k][c]), kLeastFactor, kMostFactor)
+                : 1.0f;
       }
   work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t z = begin; z < end; ++z)

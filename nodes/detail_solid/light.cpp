@@ -15,9 +15,9 @@ namespace {
 using Vec2f = Eigen::Vector2f;
 
 constexpr double kLeastTilted = 60;  // pixels of a profile whose slope counts
-constexpr double kLeastLit = 400;     // pixels of a bin
-constexpr float kNear = 8;            // pixels from the outline that tell whether there is light
-constexpr int kFade = 8;              // bins over which it fades
+constexpr double kLeastLit = 400;    // pixels of a bin
+constexpr float kNear = 8;           // pixels from the outline that tell whether there is light
+constexpr int kFade = 8;             // bins over which it fades
 
 // Directions of several profiles, and how sure their mean is.
 struct Directions {
@@ -90,8 +90,8 @@ void split_tilts(Phases& p, const Labels& labels, Detail& detail) {
   each([&](std::size_t i, std::size_t k) {
     if (fits[k].n < kLeastTilted) return;
     const Vec2 across = (place(i) - fits[k].center()) / std::sqrt(fits[k].n / std::numbers::pi);
-    p.offset[i] -= Vec3f::Constant(
-        static_cast<float>(across.dot(detail.phases[static_cast<std::size_t>(group[k])].tilt.cast<double>())));
+    p.offset[i] -= Vec3f::Constant(static_cast<float>(
+        across.dot(detail.phases[static_cast<std::size_t>(group[k])].tilt.cast<double>())));
   });
 }
 
@@ -128,8 +128,8 @@ void split_phase(Phases& p, int phase, const residual::Outlines& outlines, const
   std::size_t longest = 0;
   for (const Detail::Rim& rim : rims) longest = std::max(longest, rim.offset.size());
   std::vector<std::vector<PlaneFit>> bins(rims.size(), std::vector<PlaneFit>(longest));
-  std::vector<std::vector<std::pair<Vec2, double>>> near(rims.size(),
-                                                         std::vector<std::pair<Vec2, double>>(sizes.size(), {Vec2::Zero(), 0.0}));
+  std::vector<std::vector<std::pair<Vec2, double>>> near(
+      rims.size(), std::vector<std::pair<Vec2, double>>(sizes.size(), {Vec2::Zero(), 0.0}));
   each([&](std::size_t i) {
     const std::size_t r = rim_of(size_at(i));
     const Vec2 normal = outlines.normal[i].cast<double>();

@@ -106,9 +106,9 @@ float median_by_weight(std::vector<std::pair<float, double>>& values) {
 // Bin of a depth among n.
 std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std::size_t>(depth), n - 1); }
 
-// A profile in which hues vary far more than in the others of its group holds two stones, or a stone and soil. Its
-// stones would get patches of several hues, so its contrasts of chroma are limited: to 1.3 times the median by
-// area, or three robust standard deviations above it.
+// A profile in which hues vary far more than in the others of its group holds two stones, or a stone and
+// soil. Its stones would get patches of several hues, so its contrasts of chroma are limited: to 1.3 times
+// the median by area, or three robust standard deviations above it.
 void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::Vector2f>& of_profile) {
   for (std::size_t g = 1; g <= groups; ++g) {
     std::vector<std::pair<float, double>> contrast;  // with the profile's area
@@ -125,14 +125,15 @@ void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::V
   }
 }
 
-// Deviations by distance from the nearest outline relative to that of all, from 1/2 to 2. `squares`: their sums,
-// in one component.
+// Deviations by distance from the nearest outline relative to that of all, from 1/2 to 2. `squares`: their
+// sums, in one component.
 std::vector<float> relative_gains(const Bins& squares) {
   double sum = 0, count = 0;
   for (std::size_t k = 0; k < squares.sum.size(); ++k) sum += squares.sum[k].x(), count += squares.count[k];
   std::vector<float> gains;
   for (const Vec3f& m : squares.means())
-    gains.push_back(sum > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(sum / count)), 0.5f, 2.0f) : 1.0f);
+    gains.push_back(sum > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(sum / count)), 0.5f, 2.0f)
+                            : 1.0f);
   return gains;
 }
 
@@ -206,7 +207,7 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
 
 void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail, const Work& work) {
   struct Sum {
-    double pixels = 0, count = 0;  // all, and those whose grain and broad part are summed
+    double pixels = 0, count = 0;                     // all, and those whose grain and broad part are summed
     Vec2 grain = Vec2::Zero(), broad = Vec2::Zero();  // squares of the mean of the channels, and of the rest
     std::size_t group = 0;
   };
@@ -245,8 +246,10 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const Sum &s = profile[k], &g = group[s.group];
     if (s.pixels < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
-    if (s.count > 0 && g.grain.sum() > 0) of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
-    if (s.count > 0 && g.broad.sum() > 0) of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
+    if (s.count > 0 && g.grain.sum() > 0)
+      of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
+    if (s.count > 0 && g.broad.sum() > 0)
+      of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
     detail.profile_color.push_back(p.profile_color[k]);
     detail.profile_group.push_back(static_cast<std::int32_t>(s.group) + 1);
     detail.profile_contrast.push_back(of_grain[k]), detail.profile_broad.push_back(of_broad[k]);

@@ -16,13 +16,16 @@ namespace terrazzo::detail_solid {
 void split_rims(Phases&, const Labels&, Detail&);
 
 // Deviations of the offsets by distance from the nearest outline, relative to that of the phase. Divides the
-// offsets by them and stores them in the detail.
+// offsets by them and stores them in the detail. In particles, stores those of the grain besides, from pixels
+// and their four neighbors, which the blur of outlines hardly enters; split_contrasts divides the grain by
+// them.
 void split_gains(Phases&, const Labels&, Detail&);
 
 // Deviations of each profile's grain and of its broad part relative to its group's, of gray and of chroma.
 // Divides both by them and stores them with the profile's color in the detail: stones with strong zones need
-// not have strong grain. `image`: the photograph. Small profiles are left as they are, and contrasts from few
-// pixels are moved towards those of the group.
+// not have strong grain. `image`: the photograph. Small profiles are left as they are, contrasts from few
+// pixels are moved towards those of the group, and pixels within 2.5 pixels of an outline do not count.
+// Contrasts of chroma that exceed the others of their group by far are limited.
 void split_contrasts(Phases&, const Image&, const Labels&, Detail&, const Work& = {});
 
 // Leaves out what is close to outlines, where blur, sharpening and compression change the grain: of each

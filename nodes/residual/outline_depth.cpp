@@ -8,7 +8,7 @@
 namespace terrazzo::residual {
 
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap) {
-  constexpr int kMargin = 32;  // of the repeated picture, where edges join
+  constexpr int kMargin = 32;      // of the repeated picture, where edges join
   constexpr double kSmooth = 1.5;  // pixels over which normals are smoothed
   const int margin = wrap ? kMargin : 0, w = width + 2 * margin, h = height + 2 * margin;
   const auto id = [&](int x, int y) {

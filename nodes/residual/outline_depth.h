@@ -16,7 +16,8 @@ struct Outlines {
   // picture without outlines and particles.
   std::vector<std::int32_t> particle;
   // The outward normal of that outline, to the right and upwards in the picture: of length 1, and shorter
-  // where outlines on several sides are about equally near, so that it changes smoothly. Zero without outlines.
+  // where outlines on several sides are about equally near, so that it changes smoothly. Zero without
+  // outlines.
   std::vector<Eigen::Vector2f> normal;
 };
 

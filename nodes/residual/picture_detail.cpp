@@ -25,9 +25,8 @@ void add_to_picture(Vec3f* pixels, const PicturePlane& plane, std::span<const st
         const Vec3f mm = (plane.origin + u * plane.right + v * plane.up).cast<float>();
         const float share = std::min(cover[at], 1.0f), depth = outlines.depth[at] * pixel,
                     size = sizes[outlines.particle[at]];
-        const Vec3f offset =
-            detail.mixed(mm, owner[at], share, depth, size) +
-            detail.light(mm, owner[at], share, depth, size, outlines.normal[at], right, up);
+        const Vec3f offset = detail.mixed(mm, owner[at], share, depth, size) +
+                             detail.light(mm, owner[at], share, depth, size, outlines.normal[at], right, up);
         pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
       }
   });

@@ -45,11 +45,11 @@ class ResidualField {
   // each phase it does not depend on colors.
   Vec3f behind(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
 
-  // What the photograph's light adds to such a pixel of a picture. `normal`: of the nearest outline, outwards,
-  // to the right and upwards in the picture, whose axes in space are `right` and `up`. Light belongs to the
-  // picture, not to the solid, so `mixed` leaves it out.
-  Vec3f light(const Vec3f& mm, int particle, float cover, float depth, float size, const Eigen::Vector2f& normal,
-              const Vec3f& right, const Vec3f& up) const;
+  // What the photograph's light adds to such a pixel of a picture. `normal`: of the nearest outline,
+  // outwards, to the right and upwards in the picture, whose axes in space are `right` and `up`. Light
+  // belongs to the picture, not to the solid, so `mixed` leaves it out.
+  Vec3f light(const Vec3f& mm, int particle, float cover, float depth, float size,
+              const Eigen::Vector2f& normal, const Vec3f& right, const Vec3f& up) const;
 
   Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }

@@ -106,7 +106,7 @@ namespace terrazzo {
 
 NodeType shape_study_node() {
   using namespace shape_study;
-  return NodeType("ShapeStudy", 3)
+  return NodeType("ShapeStudy", 4)
       .doc_(
           "Creates a study with people that runs from a folder: a page with screens of three images, where "
           "the center and one side show the original and the other side a decoy, and the key to the answers.")

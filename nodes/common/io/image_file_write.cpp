@@ -107,8 +107,10 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
   if (linear)
     written = out->write_image(OIIO::TypeDesc::FLOAT, pixels);
   else if (deep)
-    written =
-        out->write_image(OIIO::TypeDesc::UINT16, quantize<std::uint16_t>(encode(pixels, count, 65535), 65535, [](std::size_t) { return 0.0f; }).data());
+    written = out->write_image(OIIO::TypeDesc::UINT16,
+                               quantize<std::uint16_t>(encode(pixels, count, 65535), 65535, [](std::size_t) {
+                                 return 0.0f;
+                               }).data());
   else
     written = out->write_image(OIIO::TypeDesc::UINT8, dithered(pixels, image.width, image.height).data());
   if (!written) throw unwritable(path, out->geterror());

@@ -107,6 +107,21 @@ TEST(ImageFile, DitherKeepsTheMeanBetweenLevels) {
   EXPECT_NEAR(sum / (64 * 64) * 255, 100.3, 0.03);
 }
 
+TEST(ImageFile, GrayStaysGrayAndGrainIsNotDithered) {
+  Image image(64, 64, 1, 1, srgb_to_linear(Vec3f::Constant(100.3f / 255.0f)));
+  for (int y = 32; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      image.at(x, y) =
+          srgb_to_linear(Vec3f::Constant((100.3f + 5 * static_cast<float>((x + y) % 2)) / 255.0f));
+  const auto path = test::temporary_folder() / "gray.png";
+  write_image(path, image);
+  const Image back = read_image(path);
+  for (const Vec3f& p : back.pixels) ASSERT_EQ(p.x(), p.z());
+  for (int y = 33; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      ASSERT_NEAR(linear_to_srgb(back.at(x, y)).x() * 255, 100 + 5 * ((x + y) % 2), 0.01) << x << ", " << y;
+}
+
 TEST(ImageFile, GrayAlphaAndOrientation) {
   const auto folder = test::temporary_folder();
   write_raw(folder / "gray.png", 2, 1, 1, {0, 255});
