@@ -90,11 +90,11 @@ fs::path example_file(const NodeType& type) {
   return fs::path(TERRAZZO_SOURCE) / "nodes" / (type.name == "KMatrix" ? "kmatrix" : folder) / "example.yaml";
 }
 
-json example_contents(const Registry& registry, const NodeType& type, int threads) {
+json example_contents(const Registry& registry, const NodeType& type, int threads, const fs::path& cache) {
   Diagnostics found;
   const Graph graph = load_graph(example_file(type), registry, {}, found);
   for (const auto& d : found) throw std::runtime_error(d.text());
-  Store store(value_types(), {});
+  Store store(value_types(), cache);
   FileHashes hashes;
   Evaluator evaluator(value_types(), store, hashes);
   RunOptions options;

@@ -102,7 +102,7 @@ TEST(RenderVolume, TranslucencyNeedsTheProcessor) {
   Parameters deeper = muscle;
   deeper["classes"] = "[muscle -30 150 penetration=50]";
   const auto light = [&](const Parameters& p) {
-    const NodeRun rendered = run(in, p);  // holds the picture
+    const test::NodeRun rendered = run(in, p);  // holds the picture
     Vec3f sum = Vec3f::Zero();
     for (const Vec3f& v : rendered.output<Image>("image").pixels) sum += v;
     return sum.sum();
