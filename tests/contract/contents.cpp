@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "nodes/common/io/picture_codec.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
 #include "tests/support/arithmetic.h"
@@ -21,6 +22,7 @@ namespace {
 
 // Versions of the loaded shared libraries that compute or decode, from their file names.
 std::string libraries() {
+  picture_codec();  // loads those for pictures
   static const std::vector<std::string> that_matter = {
       "libopenvdb", "libOpenImageIO.", "libOpenColorIO", "libopencv_core", "libopencv_imgproc", "libembree",
       "libvoro",    "libnifti",        "libdcmdata",     "libdcmjpeg",     "libjpeg.",          "libpng",
