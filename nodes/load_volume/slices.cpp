@@ -45,8 +45,7 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
     if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
     // The list of voxels may exist twice while it grows.
-    const auto pixels =
-        in.samples<double>(Sample::Double, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
+    const auto pixels = in.samples<double>(Sample::Double, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
     const double top = largest(spec.sample);
     for (int y = spec.height - 1; y >= 0; --y)
       for (int x = 0; x < spec.width; ++x) {

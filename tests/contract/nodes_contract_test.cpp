@@ -48,8 +48,8 @@ fs::path folder(const NodeType& t) {
   return fs::path(TERRAZZO_SOURCE) / "nodes" / name;
 }
 
-// A cache folder for results of so many threads, which lasts as long as the process. Examples share many nodes,
-// and three of the tests below run each example.
+// A cache folder for results of so many threads, which lasts as long as the process. Examples share many
+// nodes, and three of the tests below run each example.
 const fs::path& cache_of(int threads) {
   static std::map<int, fs::path> folders;
   fs::path& folder = folders[threads];

@@ -16,7 +16,8 @@ struct Start {
 // The libraries that glibc's loader reports.
 Start start(const std::vector<std::string>& arguments) {
   const auto run = test::run_program(arguments, {.environment = "LD_DEBUG=files"});
-  Start s{.exit_code = run.exit_code, .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos,
+  Start s{.exit_code = run.exit_code,
+          .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos,
           .pictures = run.err.find("libOpenImageIO.so") != std::string::npos};
   for (std::size_t at = 0; (at = run.err.find("calling init: ", at)) != std::string::npos; ++at)
     ++s.libraries;

@@ -11,7 +11,7 @@ namespace terrazzo {
 
 const PictureCodec& picture_codec() {
   // Address space that the libraries need, including the allocations of their constructors.
-  constexpr std::uint64_t room = 320'000'000;
+  constexpr std::uint64_t room = 260'000'000;
   static const PictureCodec& loaded = []() -> const PictureCodec& {
     if (const std::uint64_t left = available_address_space(); left < room)
       throw Error("no-memory",

@@ -1,6 +1,6 @@
-// Decodes and encodes picture files. OpenImageIO does it, but it brings 260 shared libraries, which take 0.2 s of
-// CPU time to load. So only the module in nodes/common/io/openimageio/ is linked to it, and picture_codec() loads
-// that module with the first picture. Nothing else may include OpenImageIO's headers.
+// Decodes and encodes picture files. OpenImageIO does it, but it brings 260 shared libraries, which take 0.2
+// s of CPU time to load. So only the module in nodes/common/io/openimageio/ is linked to it, and
+// picture_codec() loads that module with the first picture. Nothing else may include OpenImageIO's headers.
 #pragma once
 
 #include <cstddef>
@@ -63,15 +63,15 @@ class PictureCodec {
   // with the reason, which may be empty.
   virtual std::unique_ptr<PictureDecoder> open(const std::filesystem::path&, const std::string& format,
                                                const PictureAttributes& options) const = 0;
-  // Returns the bytes of the file; the extension determines the format. Formats that are not encoded in memory,
-  // such as TIFF, are written to the path, and the result is empty. `samples` have the type of the encoding.
-  // Throws std::runtime_error with the reason.
+  // Returns the bytes of the file; the extension determines the format. Formats that are not encoded in
+  // memory, such as TIFF, are written to the path, and the result is empty. `samples` have the type of the
+  // encoding. Throws std::runtime_error with the reason.
   virtual std::string encode(const std::filesystem::path&, const PictureEncoding&,
                              const void* samples) const = 0;
 };
 
-// Loads the module on the first call. Throws Error "program" if it cannot be loaded, "no-memory" if the address
-// space is too small for it.
+// Loads the module on the first call. Throws Error "program" if it cannot be loaded, "no-memory" if the
+// address space is too small for it.
 const PictureCodec& picture_codec();
 
 }  // namespace terrazzo

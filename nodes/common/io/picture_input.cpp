@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <new>
 #include <stdexcept>
 
 #include "nodes/common/io/picture_check.h"
@@ -69,8 +70,7 @@ void PictureInput::require(double bytes_per_sample, double more) const {
   if (native > largest_ratio(format_, compression) * static_cast<double>(size_) + 1e6)
     throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width,
                                  s.height, s.count()));
-  const double tile =
-      double(s.tile_width) * s.tile_height * s.count() * static_cast<double>(s.sample_bytes);
+  const double tile = double(s.tile_width) * s.tile_height * s.count() * static_cast<double>(s.sample_bytes);
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,
                    fmt::format("the image '{}' of {} × {} pixels", path_.string(), s.width, s.height));
@@ -84,6 +84,8 @@ void PictureInput::decode(Sample type, void* to) {
   std::string thrown;
   try {
     good = in_->read(type, to);
+  } catch (const std::bad_alloc&) {
+    throw;  // not the file's fault
   } catch (const std::exception& e) {
     thrown = printable(e.what());
   }

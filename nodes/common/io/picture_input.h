@@ -24,9 +24,10 @@ class PictureInput {
   const PictureDecoder& attributes() const { return *in_; }
   bool seek(int page) { return in_->seek(page); }
 
-  // All samples of the page, converted to T, which is `type`, as OpenImageIO does. `more` is the number of additional bytes per
-  // pixel that the caller will need. Throws Error "unreadable-image" if the page cannot be decoded, or if the
-  // file is too small for its header; "too-large" if the page and `more` exceed the memory budget.
+  // All samples of the page, converted to T, which is `type`, as OpenImageIO does. `more` is the number of
+  // additional bytes per pixel that the caller will need. Throws Error "unreadable-image" if the page cannot
+  // be decoded, or if the file is too small for its header; "too-large" if the page and `more` exceed the
+  // memory budget.
   template <class T>
   std::vector<T> samples(Sample type, double more) {
     require(sizeof(T), more);

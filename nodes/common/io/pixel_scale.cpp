@@ -60,8 +60,7 @@ std::optional<PixelScale> of_camera(const PictureDecoder& in) {
     const int unit = in.whole("Exif:FocalPlaneResolutionUnit", 2);
     const double mm = unit >= 2 && unit <= 5 ? units[unit] : 0;
     // The picture may have been reduced since it was taken.
-    const double taken = std::max(in.whole("Exif:PixelXDimension"),
-                                  in.whole("Exif:PixelYDimension"));
+    const double taken = std::max(in.whole("Exif:PixelXDimension"), in.whole("Exif:PixelYDimension"));
     per_focal = mm / resolution * (taken > 0 ? taken / longest : 1) / focal, uncertainty = 0.1;
   } else if (const int equivalent = in.whole("Exif:FocalLengthIn35mmFilm"); equivalent > 0) {
     per_focal = 36.0 / longest / equivalent, uncertainty = 0.15;
@@ -73,8 +72,7 @@ std::optional<PixelScale> of_camera(const PictureDecoder& in) {
 }
 
 std::optional<PixelScale> of_scan(const PictureDecoder& in) {
-  if (in.number("Exif:FocalLength") > 0 || in.number("ExposureTime") > 0 ||
-      in.number("FNumber") > 0)
+  if (in.number("Exif:FocalLength") > 0 || in.number("ExposureTime") > 0 || in.number("FNumber") > 0)
     return {};
   const double x = in.number("XResolution"), y = in.number("YResolution", x);
   const std::string unit = in.text("ResolutionUnit");

@@ -15,7 +15,8 @@ std::string warning_of(const std::string& name, const std::function<void(Picture
   const auto path = (test::temporary_folder() / name).string();
   PictureAttributes attributes;
   set(attributes);
-  test::write_picture(path, 40, 30, 3, Sample::UInt8, std::vector<std::uint8_t>(40 * 30 * 3, 128), attributes);
+  test::write_picture(path, 40, 30, 3, Sample::UInt8, std::vector<std::uint8_t>(40 * 30 * 3, 128),
+                      attributes);
   const auto run = test::run_node("LoadImage", {}, {{"path", path}, {"pixel_size", pixel_size}});
   EXPECT_EQ(run.output<Image>("image").pixel_size, std::stod(pixel_size)) << "never applied silently";
   EXPECT_LE(run.warnings.size(), 1u);
@@ -23,7 +24,8 @@ std::string warning_of(const std::string& name, const std::function<void(Picture
 }
 
 void resolution(PictureAttributes& spec, float x, const char* unit) {
-  spec.emplace_back("XResolution", x), spec.emplace_back("YResolution", x), spec.emplace_back("ResolutionUnit", unit);
+  spec.emplace_back("XResolution", x), spec.emplace_back("YResolution", x),
+      spec.emplace_back("ResolutionUnit", unit);
 }
 
 TEST(PixelScale, IsOfferedFromAScan) {

@@ -32,8 +32,8 @@ TEST(LoadLabels, InstancesKeepTheirOrder) {
     EXPECT_EQ(l.count(), 3);
     EXPECT_EQ(l.pixel_size, 0.5);
   }
-  const Labels wide = load(
-      write(folder / "f.tif", 3, 1, 1, std::vector<float>{0, 70000, 2}, Sample::Float), "instances");
+  const Labels wide =
+      load(write(folder / "f.tif", 3, 1, 1, std::vector<float>{0, 70000, 2}, Sample::Float), "instances");
   EXPECT_EQ(wide.ids, (std::vector<std::int32_t>{0, 2, 1}));
 }
 

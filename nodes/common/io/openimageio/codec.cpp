@@ -123,8 +123,8 @@ class Codec : public PictureCodec {
     OIIO::ImageSpec spec(encoding.width, encoding.height, encoding.channels, type);
     if (encoding.alpha >= 0) spec.alpha_channel = encoding.alpha;
     set(spec, encoding.attributes);
-    // In memory where possible: on a full disk libjpeg would end the program, and other formats report no error.
-    // TIFF reports errors, and cannot write Exif to memory.
+    // In memory where possible: on a full disk libjpeg would end the program, and other formats report no
+    // error. TIFF reports errors, and cannot write Exif to memory.
     OIIO::Filesystem::IOVecOutput memory;
     const bool in_memory =
         std::string(out->format_name()) != "tiff" && out->supports("ioproxy") && out->set_ioproxy(&memory);
