@@ -65,8 +65,7 @@ class Slurm : public ::testing::Test {
     for (const char* file : {"terrazzo", "libterrazzo_graph.so", "libterrazzo_runtime.so",
                              "libterrazzo_nodes.so", "libterrazzo_pictures.so", "libterrazzo_studio.so"})
       build += std::to_string(fs::last_write_time(test::build_folder() / file).time_since_epoch().count());
-    const fs::path caches = test::build_folder() / "slurm_local_cache",
-                   own = caches / hash_of(build).text();
+    const fs::path caches = test::build_folder() / "slurm_local_cache", own = caches / hash_of(build).text();
     fs::create_directories(own);
     for (const auto& e : fs::directory_iterator(caches))
       if (std::error_code gone; e.path() != own) fs::remove_all(e.path(), gone);
