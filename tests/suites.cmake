@@ -1,4 +1,4 @@
-# Writes a CTest file with one entry per test suite of PROGRAM, since every start of it takes 0.2 s. The tests of suites in ALONE, which
+# Writes a CTest file with one entry per test suite of PROGRAM, since every start of it takes 0.1 s. The tests of suites in ALONE, which
 # mostly wait, get entries of their own. Entries of suites in SLOW start first. One that hangs is stopped after 900 s.
 # cmake -DPROGRAM=FILE -DFOLDER=WORKING_FOLDER -DOUT=FILE -DALONE=NAMES -DSLOW=NAMES -P suites.cmake
 cmake_minimum_required(VERSION 3.25)

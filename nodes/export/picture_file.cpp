@@ -1,14 +1,14 @@
 #include "nodes/export/picture_file.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/io/image_file.h"
+#include "nodes/common/io/picture_codec.h"
 #include "nodes/common/texture/color.h"
 
 namespace terrazzo::exporting {
@@ -20,13 +20,28 @@ Error incomplete(std::string why) {
                "check the output folder and the free disk space");
 }
 
+std::string encode(const std::filesystem::path& path, const PictureEncoding& encoding, const void* samples) {
+  const PictureCodec& codec = picture_codec();
+  try {
+    return codec.encode(path, encoding, samples);
+  } catch (const std::runtime_error& e) {
+    throw incomplete(e.what());
+  }
+}
+
 // Decodes the whole file to check that it is complete.
 void verify(const std::filesystem::path& path) {
-  auto in = OIIO::ImageInput::open(path.string());
-  if (!in) throw incomplete(OIIO::geterror());
-  const auto& spec = in->spec();
-  std::vector<unsigned char> pixels(static_cast<std::size_t>(spec.image_bytes()));
-  if (!in->read_image(0, 0, 0, spec.nchannels, spec.format, pixels.data())) throw incomplete(in->geterror());
+  const PictureCodec& codec = picture_codec();
+  std::unique_ptr<PictureDecoder> in;
+  try {
+    in = codec.open(path, "", {});
+  } catch (const std::runtime_error& e) {
+    throw incomplete(e.what());
+  }
+  const PictureHeader& header = in->header();
+  std::vector<unsigned char> pixels(static_cast<std::size_t>(header.width) * header.height *
+                                    header.channels.size() * header.sample_bytes);
+  if (!in->read(header.sample, pixels.data())) throw incomplete(in->error());
 }
 
 }  // namespace
@@ -46,15 +61,10 @@ std::string png_of(const Image& image) {
     const Vec3f c = linear_to_srgb(image.pixels[i].cwiseMax(0.0f).cwiseMin(1.0f));
     for (int k = 0; k < 3; ++k) bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * c[k])));
   }
-  auto out = OIIO::ImageOutput::create("image.png");
-  if (!out) throw incomplete(OIIO::geterror());
-  OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  OIIO::Filesystem::IOVecOutput memory;
-  if (!out->set_ioproxy(&memory) || !out->open("image.png", spec) ||
-      !out->write_image(OIIO::TypeDesc::UINT8, bytes.data()) || !out->close())
-    throw incomplete(out->geterror());
-  return {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()};
+  PictureEncoding encoding;
+  encoding.width = image.width, encoding.height = image.height;
+  encoding.attributes = {{"oiio:ColorSpace", "sRGB"}};
+  return encode("image.png", encoding, bytes.data());
 }
 
 void write_labels(const std::filesystem::path& path, const Labels& labels, int section,
@@ -73,26 +83,21 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
     throw Error("too-many-labels", fmt::format("id {} does not fit the 16 bits of a .png", *high),
                 "use .tif or .exr");
 
-  auto out = OIIO::ImageOutput::create(path.string());
-  if (!out) throw incomplete(OIIO::geterror());
-  OIIO::ImageSpec spec(labels.width, labels.height, 1, png ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT32);
-  spec.attribute("oiio:ColorSpace", "Raw");  // no gamma chunk: these are ids, not intensities
-  if (!png) spec.attribute("compression", "zip");
-  if (!provenance.empty()) spec.attribute("ImageDescription", provenance);
-  OIIO::Filesystem::IOVecOutput memory;  // as in write_image
-  const bool in_memory = path.extension() != ".tif" && out->supports("ioproxy") && out->set_ioproxy(&memory);
-  if (!out->open(path.string(), spec)) throw incomplete(out->geterror());
-  bool written = false;
+  PictureEncoding encoding;
+  encoding.width = labels.width, encoding.height = labels.height, encoding.channels = 1;
+  encoding.sample = png ? Sample::UInt16 : Sample::UInt32;
+  encoding.attributes = {{"oiio:ColorSpace", "Raw"}};  // no gamma chunk: these are ids, not intensities
+  if (!png) encoding.attributes.emplace_back("compression", "zip");
+  if (!provenance.empty()) encoding.attributes.emplace_back("ImageDescription", provenance);
+  std::string bytes;
   if (png) {
     const std::vector<std::uint16_t> narrow(ids, ids + count);
-    written = out->write_image(OIIO::TypeDesc::UINT16, narrow.data());
+    bytes = encode(path, encoding, narrow.data());
   } else {
     const std::vector<std::uint32_t> wide(ids, ids + count);
-    written = out->write_image(OIIO::TypeDesc::UINT32, wide.data());
+    bytes = encode(path, encoding, wide.data());
   }
-  if (!written || !out->close()) throw incomplete(out->geterror());
-  if (in_memory)
-    write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
+  if (!bytes.empty()) write_bytes(path, bytes);
   verify(path);
 }
 

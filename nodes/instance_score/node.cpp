@@ -41,8 +41,7 @@ NodeType instance_score_node() {
   return NodeType("InstanceScore", 1)
       .doc_(
           "Compares found particles with masks, drawn by hand or known from a synthetic photograph: how many "
-          "masks are "
-          "found, how many particles are not there, and how well the areas agree.")
+          "masks are found, how many particles have no mask, and how well the areas agree.")
       .source_("Average precision of instances: Stringer et al. 2021 (Cellpose)")
       .input("labels", "Labels", "Particles to judge")
       .input("masks", "Labels", "True particles of the same image")

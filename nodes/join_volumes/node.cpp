@@ -45,9 +45,8 @@ NodeType join_volumes_node() {
   using namespace join_volumes;
   return NodeType("JoinVolumes", 1)
       .doc_(
-          "Joins the blocks of a solid into one volume. The result equals the volume that was made at once, "
-          "bit "
-          "for bit.")
+          "Joins the blocks of a solid into one volume. The result equals, bit for bit, the volume computed "
+          "in one piece.")
       .source_("None: copies voxels")
       .input_list(
           "volumes", {"Volume"},

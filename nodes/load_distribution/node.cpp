@@ -24,9 +24,8 @@ NodeType load_distribution_node() {
   using namespace load_distribution;
   return NodeType("LoadDistribution", 1)
       .doc_(
-          "Reads a size distribution that Export wrote to .json, with every number as it was. Distribution "
-          "makes "
-          "one of a law or of a list of classes.")
+          "Reads a size distribution that Export wrote to .json, without loss of precision. Distribution "
+          "makes one from a law or a list of classes.")
       .output("distribution", "SizeDistribution", "Particles per volume of each shape, class and size class")
       .parameter(Parameter::input_path("path").doc_("JSON file of a size distribution"))
       .compute_(compute);

@@ -74,12 +74,12 @@ NodeType load_ebsd_node() {
           "Reads an EBSD map and finds its grains: regions in which the orientation of the crystal changes "
           "little.")
       .output("labels", "Labels",
-              "Grains. Points outside of them are 0. Classes are the phases of the map, from 0.")
+              "Grains. Points outside all grains are 0. Classes are the phases of the map, from 0.")
       .output("image", "Image", "The map as a picture of equal size, for Segment")
       .output("table", "Table",
-              "A row per grain: phase, size, mean orientation (Bunge's Euler angles), spread, quality")
-      .parameter(Parameter::input_path("path").doc_(
-          "Map of EDAX/TSL (.ang) or Oxford/HKL (.ctf). Lengths in the file are taken for micrometers."))
+              "One row per grain: phase, size, mean orientation (Bunge's Euler angles), spread, quality")
+      .parameter(Parameter::input_path("path").doc_("Map of EDAX/TSL (.ang) or Oxford/HKL (.ctf). Lengths in "
+                                                    "the file are assumed to be in micrometers."))
       .parameter(Parameter::number("misorientation", 10)
                      .unit_("degrees")
                      .range(0.5, 60)
@@ -98,7 +98,7 @@ NodeType load_ebsd_node() {
                      .range(1, 1'000'000)
                      .doc_("Smaller grains are removed"))
       .parameter(Parameter::integer("fill", 0).unit_("pixels").range(0, 1000).doc_(
-          "Points of no grain join a grain that is at most this far. 0: they stay binder."))
+          "Points that belong to no grain join a grain at most this far away. 0: they stay binder."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Ints, "phases", "all")
               .range(1, 1000)

@@ -72,23 +72,22 @@ NodeType load_image_node() {
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
           "PNG, TIFF, OpenEXR, Radiance HDR, BMP and PNM; color spaces are converted through OpenColorIO. A "
-          "truncated file is an error; other complaints of the decoder are warnings.")
+          "truncated file is an error; other decoder messages become warnings.")
       .output("image", "Image", "One section per file, in file name order")
       .parameter(Parameter::input_path("path").doc_(
           "Image file. A glob names a stack of sections of equal size and scale."))
       .parameter(Parameter::number("pixel_size", 1)
                      .unit_("mm")
                      .above(0)
-                     .doc_("Edge length of a pixel. A warning tells if the file's metadata (EXIF, scanner "
-                           "resolution, ImageJ "
-                           "calibration) state another one."))
+                     .doc_("Edge length of a pixel. A warning appears if the file's metadata (EXIF, scanner "
+                           "resolution, ImageJ calibration) state another size."))
       .parameter(Parameter::text("colorspace", "auto")
                      .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
                            "$OCIO if set, then in the built-in one. auto: sRGB for integer formats, "
                            "scene-linear for float formats."))
       .parameter(Parameter::text("color_config", color_config_id())
-                     .doc_("Identity of the OpenColorIO configuration in use. It makes a change of $OCIO a "
-                           "change of input. Set it only to require a certain configuration."))
+                     .doc_("Identity of the OpenColorIO configuration in use, so that a changed $OCIO counts "
+                           "as a changed input. Set it only to require a particular configuration."))
       .compute_(compute);
 }
 

@@ -21,7 +21,7 @@ namespace terrazzo {
 NodeType load_kmatrix_node() {
   using namespace load_kmatrix;
   return NodeType("LoadKMatrix", 1)
-      .doc_("Reads a K matrix that Export wrote to .json, with every number as it was.")
+      .doc_("Reads a K matrix that Export wrote to .json, without loss of precision.")
       .output("kmatrix", "KMatrix", "The K matrix of each shape")
       .parameter(Parameter::input_path("path").doc_("JSON file of a K matrix"))
       .compute_(compute);

@@ -16,9 +16,9 @@ namespace {
 
 // Reads samples in the file's own type, so that no value is scaled, and checks that each is a whole number.
 template <class T>
-std::vector<std::uint32_t> read_as(PictureInput& in, const std::filesystem::path& path, OIIO::TypeDesc type) {
+std::vector<std::uint32_t> read_as(PictureInput& in, const std::filesystem::path& path, Sample type) {
   // The memory estimate covers one integer per sample and one per pixel.
-  const auto samples = in.samples<T>(type, 4.0 * in.spec().nchannels + 4);
+  const auto samples = in.samples<T>(type, 4.0 * in.header().count() + 4);
   std::vector<std::uint32_t> out(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double v = static_cast<double>(samples[i]);
@@ -61,38 +61,36 @@ Labels with_any(Labels labels) {
 }  // namespace
 
 RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);
-  PictureInput in(path, reading, hints);
-  const OIIO::ImageSpec s = in.spec();
+  PictureInput in(path, reading, {{"oiio:UnassociatedAlpha", 1}});
+  const PictureHeader s = in.header();
   if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
     throw in.unreadable("it is not a plain 2D image");
-  const bool alpha = s.alpha_channel >= 0 && s.nchannels > 1;
-  const int colors = s.nchannels - (alpha ? 1 : 0);
+  const bool alpha = s.alpha >= 0 && s.count() > 1;
+  const int colors = s.count() - (alpha ? 1 : 0);
 
   std::vector<std::uint32_t> samples;
-  if (s.format == OIIO::TypeDesc::UINT8)
-    samples = read_as<std::uint8_t>(in, path, s.format);
-  else if (s.format == OIIO::TypeDesc::UINT16)
-    samples = read_as<std::uint16_t>(in, path, s.format);
-  else if (s.format == OIIO::TypeDesc::INT16)
-    samples = read_as<std::int16_t>(in, path, s.format);
-  else if (s.format == OIIO::TypeDesc::UINT32)
-    samples = read_as<std::uint32_t>(in, path, s.format);
-  else if (s.format == OIIO::TypeDesc::INT32)
-    samples = read_as<std::int32_t>(in, path, s.format);
+  if (s.sample == Sample::UInt8)
+    samples = read_as<std::uint8_t>(in, path, s.sample);
+  else if (s.sample == Sample::UInt16)
+    samples = read_as<std::uint16_t>(in, path, s.sample);
+  else if (s.sample == Sample::Int16)
+    samples = read_as<std::int16_t>(in, path, s.sample);
+  else if (s.sample == Sample::UInt32)
+    samples = read_as<std::uint32_t>(in, path, s.sample);
+  else if (s.sample == Sample::Int32)
+    samples = read_as<std::int32_t>(in, path, s.sample);
   else
-    samples = read_as<float>(in, path, OIIO::TypeDesc::FLOAT);
+    samples = read_as<float>(in, path, Sample::Float);
 
   RawMask mask{s.width, s.height, {}};
   mask.values.resize(static_cast<std::size_t>(s.width) * s.height);
   for (std::size_t p = 0; p < mask.values.size(); ++p) {
-    const std::uint32_t* v = &samples[p * s.nchannels];
-    if (alpha && v[s.alpha_channel] == 0) continue;
+    const std::uint32_t* v = &samples[p * s.count()];
+    if (alpha && v[s.alpha] == 0) continue;
     if (colors < 3 || (v[0] == v[1] && v[1] == v[2])) {
       mask.values[p] = v[0];
     } else {
-      if (s.format != OIIO::TypeDesc::UINT8)
+      if (s.sample != Sample::UInt8)
         throw Error("bad-labels", "'" + path.string() + "' has colors of more than 8 bits per channel",
                     "save the mask as gray numbers or as 8-bit colors")
             .parameter("path");

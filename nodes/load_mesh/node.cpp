@@ -90,19 +90,19 @@ NodeType load_mesh_node() {
       .parameter(Parameter::input_path("path").doc_(
           "Mesh file: .obj, .ply, .stl, .off, .glb or .gltf. A glob loads several "
           "shapes."))
-      .parameter(
-          Parameter::number("scale", 1)
-              .unit_("mm")
-              .above(0)
-              .doc_("Length of the file's unit. glTF files are in meters by definition, so for them it "
-                    "is the length of what they call a millimeter."))
+      .parameter(Parameter::number("scale", 1)
+                     .unit_("mm")
+                     .above(0)
+                     .doc_("Length of the file's unit. glTF files are in meters by definition; for them, the "
+                           "length that one millimeter in the file stands for."))
       .parameter(Parameter::boolean("repair", false)
                      .doc_("Joins close vertices, drops degenerate and duplicate triangles, makes all "
                            "triangles face outward and fills holes. A warning lists the changes."))
-      .parameter(Parameter::optional_integer("max_triangles", "all")
-                     .range(4, 1e8)
-                     .doc_("Simplifies a mesh with more triangles to this number by collapsing edges, those "
-                           "first that change the surface least. all: keeps the mesh as it is."))
+      .parameter(
+          Parameter::optional_integer("max_triangles", "all")
+              .range(4, 1e8)
+              .doc_("Simplifies a mesh with more triangles to this number by collapsing edges, starting with "
+                    "those that change the surface least. all: keeps the mesh as it is."))
       // A shape is named after its file. The action key includes the names of companion files, so renaming a
       // file changes the key.
       .companion_files_([](const std::filesystem::path& path) { return std::vector{path}; })

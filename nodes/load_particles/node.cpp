@@ -40,9 +40,8 @@ NodeType load_particles_node() {
   using namespace load_particles;
   return NodeType("LoadParticles", 1)
       .doc_(
-          "Reads a packing that Export wrote to .json, or that an interrupted Anneal or Pack left, with "
-          "every "
-          "number as it was. Connect it to `start` of Anneal to continue an interrupted packing.")
+          "Reads a packing that Export wrote to .json, or that an interrupted Anneal or Pack saved, without "
+          "loss of precision. Connect it to `start` of Anneal to continue an interrupted packing.")
       .output("particles", "Particles", "The packing, without its shapes")
       .parameter(Parameter::input_path("path").doc_("JSON file with the fields of particles"))
       .compute_(compute);

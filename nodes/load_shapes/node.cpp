@@ -25,8 +25,7 @@ NodeType load_shapes_node() {
   return NodeType("LoadShapes", 1)
       .doc_(
           "Reads a set of shapes that Export wrote to .json, with probabilities, classes, colors and "
-          "measures, "
-          "and every number as it was. LoadMesh reads meshes of other programs.")
+          "measures, without loss of precision. LoadMesh reads meshes of other programs.")
       .output("shapes", "Shapes", "The shapes, in the order of the file")
       .parameter(Parameter::input_path("path").doc_("JSON file of shapes"))
       .compute_(compute);

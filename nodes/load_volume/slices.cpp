@@ -11,19 +11,19 @@ namespace {
 
 // OpenImageIO normalizes integers by the largest value of their type. Multiplying by it restores the stored
 // number.
-double largest(OIIO::TypeDesc type) {
-  switch (type.basetype) {
-    case OIIO::TypeDesc::UINT8:
+double largest(Sample sample) {
+  switch (sample) {
+    case Sample::UInt8:
       return 255;
-    case OIIO::TypeDesc::INT8:
+    case Sample::Int8:
       return 127;
-    case OIIO::TypeDesc::UINT16:
+    case Sample::UInt16:
       return 65535;
-    case OIIO::TypeDesc::INT16:
+    case Sample::Int16:
       return 32767;
-    case OIIO::TypeDesc::UINT32:
+    case Sample::UInt32:
       return 4294967295.0;
-    case OIIO::TypeDesc::INT32:
+    case Sample::Int32:
       return 2147483647.0;
     default:
       return 0;
@@ -32,13 +32,10 @@ double largest(OIIO::TypeDesc type) {
 
 // Appends the pages of one file, bottom row first.
 void append(const std::filesystem::path& path, LoadedScan& scan, const Work& work, const Reading& reading) {
-  OIIO::ImageSpec config;
-  config["oiio:RawColor"] = 1;
-  config["oiio:UnassociatedAlpha"] = 1;
-  PictureInput in(path, reading, config);
+  PictureInput in(path, reading, {{"oiio:RawColor", 1}, {"oiio:UnassociatedAlpha", 1}});
   for (int page = 0; in.seek(page); ++page) {
     work.check();
-    const OIIO::ImageSpec spec = in.spec();
+    const PictureHeader spec = in.header();
     if (scan.size.z() == 0) scan.size = Vec3i(spec.width, spec.height, 0);
     if (spec.width != scan.size.x() || spec.height != scan.size.y())
       throw Error("size-mismatch",
@@ -48,13 +45,12 @@ void append(const std::filesystem::path& path, LoadedScan& scan, const Work& wor
     const double count = double(spec.width) * spec.height * std::max(1, spec.depth) * (scan.size.z() + 1.0);
     if (count > 2147483648.0) throw Error("too-large", "'" + path.string() + "' has more than 2^31 voxels");
     // The list of voxels may exist twice while it grows.
-    const auto pixels =
-        in.samples<double>(OIIO::TypeDesc::DOUBLE, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
-    const double top = largest(spec.format);
+    const auto pixels = in.samples<double>(Sample::Double, 3.0 * sizeof(float) * (scan.size.z() + 1.0));
+    const double top = largest(spec.sample);
     for (int y = spec.height - 1; y >= 0; --y)
       for (int x = 0; x < spec.width; ++x) {
-        const double* p = &pixels[(static_cast<std::size_t>(y) * spec.width + x) * spec.nchannels];
-        if (spec.nchannels >= 3 && (p[0] != p[1] || p[0] != p[2]))
+        const double* p = &pixels[(static_cast<std::size_t>(y) * spec.width + x) * spec.count()];
+        if (spec.count() >= 3 && (p[0] != p[1] || p[0] != p[2]))
           throw Error("not-a-volume", "'" + path.string() + "' is a color image",
                       "a volume needs one number per voxel: convert the images to gray");
         scan.values.push_back(static_cast<float>(top > 0 ? std::round(p[0] * top) : p[0]));

@@ -135,8 +135,9 @@ NodeType measure3d_node() {
           "Torquato 2002 (correlations); Ohser and Mücklich 2000 (surfaces); Lantuéjoul 1991, Kanit et al. "
           "2003 (representative "
           "volume); Zingg 1935 (aspect)")
-      .optional_input("particles", {"Particles"},
-                      "Particles, measured from their meshes. With the volume, they tell voids apart.")
+      .optional_input(
+          "particles", {"Particles"},
+          "Particles, measured from their meshes. With the volume, they show which labels are voids.")
       .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
       .optional_input("volume", {"Volume"},
                       "Volume for correlations, surface and representative size: labels, such as Voxelize's "
@@ -156,24 +157,23 @@ NodeType measure3d_node() {
       .output("subvolumes", "Table",
               "Standard deviation of the volume fraction in cubes, with its standard error, and as expected "
               "from the integral range")
-      .output("figure", "Image", "Plots of these")
-      .parameter(Parameter::choice("phase", "particles", {"particles", "voids", "binder"})
-                     .doc_("What surface, correlations and representative size are those of. voids: "
-                           "particles that are voids. "
-                           "With binder, particles are measured as with particles."))
+      .output("figure", "Image", "Plots of these measures")
+      .parameter(
+          Parameter::choice("phase", "particles", {"particles", "voids", "binder"})
+              .doc_(
+                  "Phase whose surface, correlations and representative size are measured. voids: particles "
+                  "that are voids. binder: the particles themselves are measured as with particles."))
       .parameter(Parameter::text("grid", "")
                      .doc_("Grid of the volume to measure. Empty: id, else density, else the only one."))
       .parameter(Parameter::optional_number("threshold", "auto")
                      .range(-1e30, 1e30)
-                     .doc_("Smallest value in particles; smaller ones are the binder. auto: 0 for labels, "
-                           "0.5 for other "
-                           "grids. 1 if the labels of a file begin at 1."))
+                     .doc_("Smallest value that counts as particle; smaller values are binder. auto: 0 for "
+                           "labels, 0.5 for other grids. Use 1 if the labels of a file begin at 1."))
       .parameter(Parameter::optional_number("contact_gap", "auto")
                      .above(0)
                      .unit_("mm")
-                     .doc_("Particles are in contact if their surfaces are nearer than this. auto: 2 % of "
-                           "their mean diameter. "
-                           "Labels are in contact if they share a face of voxels."))
+                     .doc_("Particles are in contact if their surfaces are closer than this. auto: 2 % of "
+                           "their mean diameter. Labels are in contact if they share a face of voxels."))
       .parameter(Parameter::number("precision", 0.05)
                      .range(1e-6, 1)
                      .doc_("Two standard deviations of the volume fraction of a representative volume, "

@@ -97,8 +97,7 @@ NodeType morph_solids_node() {
   return NodeType("MorphSolids", 1)
       .doc_(
           "Synthesizes a solid texture between two, for a transition between materials. Structures and "
-          "colors "
-          "change from one to the other and do not fade into each other.")
+          "colors morph from one to the other instead of cross-fading.")
       .source_(
           "Laursen, Ersbøll, Bærentzen 2011, section 8, which proposes it; patches of two textures with "
           "interpolated histograms after Ruiters, Schnabel, Klein 2010; Kopf et al. 2007")
@@ -137,9 +136,10 @@ NodeType morph_solids_node() {
                      .range(0.001, 10)
                      .doc_("Width of the mean shift at the end of each level, in standard deviations of the "
                            "colors. It starts ten times as wide. Wide windows blur."))
-      .parameter(Parameter::number("overuse", 1)
-                     .range(0, 100)
-                     .doc_("Penalty on patches that are used more often than average. 0 repeats motifs."))
+      .parameter(
+          Parameter::number("overuse", 1)
+              .range(0, 100)
+              .doc_("Penalty on patches that are used more often than average. With 0, motifs repeat."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

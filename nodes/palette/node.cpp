@@ -55,7 +55,9 @@ namespace terrazzo {
 NodeType palette_node() {
   using namespace palette;
   return NodeType("Palette", 2)
-      .doc_("Colors written in the graph, instead of the colors of a photograph's profiles")
+      .doc_(
+          "Defines particle and binder colors in the graph, in place of the colors of a photograph's "
+          "profiles")
       .output("profiles", "Profiles",
               "One profile of 1 mm² per color, weighted by its share, without outlines or densities")
       .parameter(Parameter::texts("colors", {"#b0785a", "#3c3c40", "#d8d2c4"})

@@ -22,7 +22,9 @@ namespace terrazzo {
 NodeType pattern_node() {
   using namespace pattern;
   return NodeType("Pattern", 1)
-      .doc_("A section through a procedural material made of noise: an exemplar without a photograph")
+      .doc_(
+          "Draws a section through a procedural material made of noise, as an exemplar that needs no "
+          "photograph")
       .source_("Gradient noise: Perlin 2002; cells: Worley 1996")
       .output("image", "Image", "Section in scene-linear color")
       .parameter(Parameter::choice("kind", "wood", {"wood", "marble", "muscle", "fat", "bone"})

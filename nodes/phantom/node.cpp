@@ -42,7 +42,7 @@ namespace terrazzo {
 NodeType phantom_node() {
   using namespace phantom;
   return NodeType("Phantom", 1)
-      .doc_("Synthetic scan of a limb in Hounsfield units, with skin, fat, muscles and bones")
+      .doc_("Makes a synthetic scan of a limb in Hounsfield units, with skin, fat, muscles and bones")
       .output("volume", "Volume", "Grid `density` in Hounsfield units. The limb is cut at z = 0.")
       .parameter(
           Parameter::ints("resolution", {120})

@@ -242,8 +242,8 @@ NodeType render_volume_node() {
           .parameter(Parameter::number("penetration", 4)
                          .above(0)
                          .unit_("mm")
-                         .doc_("Distance within tissue on which that light falls to 1/e, for classes without "
-                               "a penetration of their own"))
+                         .doc_("Distance within tissue over which that light falls to 1/e, for classes "
+                               "without a penetration of their own"))
           .parameter(Parameter::numbers("lamp", {-0.45, 0.55, 0.75})
                          .range(-1e6, 1e6)
                          .count(3, 3)

@@ -164,8 +164,8 @@ NodeType section_node() {
                       "Fine detail from DetailSolid, added to the colors of particles and "
                       "binder. Not used for volumes, whose colors contain it")
       .optional_input("like", {"Image"},
-                      "Picture whose pixel size the sections take, and of free and random planes also the "
-                      "width and height, up to 1,024 pixels. Parameters that are set apply instead.")
+                      "Picture that sets the pixel size of the sections and, for free and random planes, "
+                      "their width and height, up to 1,024 pixels. Parameters that are set take precedence.")
       .output("image", "Image", "Stack of all sections, particles antialiased over the binder")
       .output("labels", "Labels", "Profile at each pixel's center; 0 is binder")
       .output("profiles", "Profiles",

@@ -25,7 +25,7 @@ NodeType shape_deviation_node() {
   return NodeType("ShapeDeviation", 2)
       .doc_(
           "Averages the deviations of shape methods' section measures over several originals: one row per "
-          "measure and kind of section, one column per method. Also tells by analysis of variance whether "
+          "measure and kind of section, one column per method. Also tests by analysis of variance whether "
           "the measures depend on the method and on the original.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.1 and table II")
       .input_list("tables", {"Table"},

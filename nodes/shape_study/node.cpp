@@ -108,8 +108,8 @@ NodeType shape_study_node() {
   using namespace shape_study;
   return NodeType("ShapeStudy", 4)
       .doc_(
-          "Creates a study with people that runs from a folder: a page with screens of three images, where "
-          "the center and one side show the original and the other side a decoy, and the key to the answers.")
+          "Creates a user study that runs from a folder: a page with screens of three images, where the "
+          "center and one side show the original and the other side a decoy, and the key to the answers.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.2")
       .writes_files_()
       .input_list("images", {"Image"},

@@ -57,12 +57,13 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType solid_block_node() {
-  NodeType type = NodeType("SolidBlock", 1)
-                      .doc_(
-                          "Makes one block of a solid texture that is too large for memory. Its voxels are "
-                          "those of the whole solid at its place, in whatever order blocks are made.")
-                      .source_("See SolidOptimize, method blockwise")
-                      .input("base", "SolidBase", "Data that all blocks share");
+  NodeType type =
+      NodeType("SolidBlock", 1)
+          .doc_(
+              "Makes one block of a solid texture that is too large for memory. Its voxels equal those of "
+              "the whole solid at its place, whatever the order in which blocks are made.")
+          .source_("See SolidOptimize, method blockwise")
+          .input("base", "SolidBase", "Data that all blocks share");
   declare_solid(type)
       .parameter(Parameter::ints("blocks", {1})
                      .count(1, 3)

@@ -25,7 +25,7 @@ namespace terrazzo {
 NodeType strokes_node() {
   using namespace strokes;
   return NodeType("Strokes", 1)
-      .doc_("Strokes written in the graph, for TextureNib")
+      .doc_("Defines strokes in the graph, for TextureNib")
       .output("strokes", "Strokes", "Strokes in the order written")
       .parameter(Parameter::texts("strokes", {})
                      .required()

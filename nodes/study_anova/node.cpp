@@ -44,9 +44,9 @@ NodeType study_anova_node() {
   using namespace study_anova;
   return NodeType("StudyAnova", 3)
       .doc_(
-          "Evaluates the answers of ShapeStudy: how often each method's decoys were taken for the original, "
-          "how long people looked, and, by analysis of variance, whether method, shape or their interaction "
-          "matters.")
+          "Evaluates the answers of ShapeStudy: how often each method's decoys were mistaken for the "
+          "original, how long people looked, and, by analysis of variance, whether method, shape or their "
+          "interaction matters.")
       .source_(
           "Jagnow, Dorsey, Rushmeier 2008, section 4.2.3, figures 16 and 17; Greenhouse and Geisser 1959")
       .output(
@@ -59,7 +59,7 @@ NodeType study_anova_node() {
               "stands for screens without a decoy, where 50 % is chance.")
       .output("by_shape", "Table", "The same for each shape and method")
       .output("figure", "Image",
-              "Figure 16 of the paper: decoys taken for originals, and seconds, by method. Whiskers are "
+              "Figure 16 of the paper: decoys mistaken for originals, and seconds, by method. Whiskers are "
               "standard deviations over people.")
       .output("figure_by_shape", "Image", "Figure 17 of the paper: the same by shape and method")
       .parameter(Parameter::input_path("answers").doc_(

@@ -31,23 +31,19 @@ NodeType synthetic_photo_node() {
   using namespace synthetic_photo;
   return NodeType("SyntheticPhoto", 6)
       .doc_(
-          "Photographs of imaginary aggregates, with the exact labels of their particles: pictures to train "
-          "and "
-          "to test segmentation. Shapes, sizes, colors, textures, light and camera vary with the seed.")
+          "Renders photographs of imaginary aggregates with exact labels of their particles, to train and "
+          "test segmentation. Shapes, sizes, colors, textures, light and camera vary with the seed.")
       .source_("Wicksell 1925 for the sizes of profiles; JPEG: ITU-T T.81; see README")
       .output("image", "Image", "The photographs, one section each")
       .output("labels", "Labels", "Visible part of each particle that a person would outline")
       .output("not_material", "Labels", "1 where a ruler, frame, chart or caption covers the material")
-      .output(
-          "unclear", "Labels",
-          "1 on particles without a label: they are too small, too faint or cut off by others, and nobody "
-          "can say whether a person would outline them")
-      .parameter(
-          Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop"})
-              .doc_("bank: stones in and on soil. heap: loose stones on each other. section: a plane section "
-                    "through particles in a binder. any: each picture draws one of these three. outcrop: a "
-                    "bank whose stones "
-                    "have about the colors of the soil."))
+      .output("unclear", "Labels",
+              "1 on particles without a label: too small, too faint or too hidden to say whether a person "
+              "would outline them")
+      .parameter(Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop"})
+                     .doc_("bank: stones in and on soil. heap: loose stones on each other. section: a plane "
+                           "section through particles in a binder. any: each picture draws one of these "
+                           "three. outcrop: a bank whose stones have nearly the colors of the soil."))
       .parameter(Parameter::integer("pictures", 1).range(1, 4096).doc_("Number of pictures"))
       .parameter(Parameter::integer("width", 256).range(16, 4096).unit_("pixels").doc_("Width of a picture"))
       .parameter(
@@ -60,7 +56,7 @@ NodeType synthetic_photo_node() {
                   "Area of the particles relative to the picture's. Stones of a bank or heap that hide each "
                   "other count in full. auto: drawn for each picture."))
       .parameter(Parameter::boolean("objects", true)
-                     .doc_("Some pictures contain rulers, frames, color charts or captions."))
+                     .doc_("Adds rulers, frames, color charts or captions to some pictures"))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

@@ -116,21 +116,19 @@ NodeType texture_nib_node() {
           Parameter::integer("scales", 1)
               .range(1, 8)
               .doc_("Number of scales. Offsets are also used 2, 4, … times as long, up to 2^(scales − 1)."))
-      .parameter(
-          Parameter::optional_number("threshold", "auto")
-              .range(0, 10)
-              .doc_(
-                  "Threshold φ in units of space: pixels whose color is farther than this from all levels "
-                  "are ignored. auto: 1.25 times the distance that 99 % of the region's pixels stay within."))
+      .parameter(Parameter::optional_number("threshold", "auto")
+                     .range(0, 10)
+                     .doc_("Threshold φ in units of the color space: pixels whose color is farther than this "
+                           "from all levels are ignored. auto: 1.25 times the distance that 99 % of the "
+                           "region's pixels stay within."))
       .parameter(
           Parameter::integer("passes", 4)
               .range(1, 1000)
               .doc_("Visits per pixel of a dab. Every pixel is visited once before any is visited again."))
-      .parameter(
-          Parameter::choice("pairs", "touching", {"touching", "painted"})
-              .doc_("Pairs of pixels that are compared with the region's: touching: those with at least one "
-                    "painted pixel, so that the texture continues its surroundings. painted: those with "
-                    "two, as in the paper; the surroundings have no influence."))
+      .parameter(Parameter::choice("pairs", "touching", {"touching", "painted"})
+                     .doc_("Pairs of pixels whose statistics are matched to the region's. touching: those "
+                           "with at least one painted pixel, so that the texture continues its surroundings. "
+                           "painted: those with two, as in the paper; the surroundings have no influence."))
       .parameter(Parameter::choice("finish", "patches", {"levels", "colors", "patches"})
                      .doc_("levels: the clustered colors, as in the paper. colors: colors of region pixels "
                            "with the same level and similar neighborhoods. patches: the region's pixels, "

@@ -118,8 +118,8 @@ NodeType texture_observer_node() {
                            "as if seen from farther away"))
       .parameter(Parameter::integer("crops", 500)
                      .range(16, 100000)
-                     .doc_("Number of crops per picture to judge, up to one cell of 2 × 2 crops more. Larger "
-                           "pictures are sampled at random."))
+                     .doc_("Number of crops to judge per picture; up to one cell of 2 × 2 crops more are "
+                           "used. Larger pictures are sampled at random."))
       .parameter(Parameter::texts("names", {"a", "b"}).count(2, 2).doc_("Names of a and b in the figure"))
       .parameter(Parameter::seed())
       .check_(check)

@@ -192,12 +192,11 @@ NodeType unfold_node() {
                     "ShapeEstimate makes with class: each, and all shapes without a class, by their "
                     "probabilities (eq. 10 to 12). by_class: class 0 has the first shape, class 1 the "
                     "second, and so on (eq. 9)."))
-      .parameter(
-          Parameter::integer("bootstrap", 100)
-              .range(0, 100000)
-              .doc_(
-                  "Number of bootstrap repetitions for the 90 % intervals. They resample profiles, or whole "
-                  "sections from ten sections on; em also draws the bias of smoothing. 0: no intervals."))
+      .parameter(Parameter::integer("bootstrap", 100)
+                     .range(0, 100000)
+                     .doc_("Number of bootstrap repetitions for the 90 % intervals. They resample profiles, "
+                           "or whole sections if there are at least ten; em also samples the bias of "
+                           "smoothing. 0: no intervals."))
       .parameter(Parameter::seed().doc_("Random seed of the bootstrap"))
       .compute_(compute);
 }

@@ -130,8 +130,8 @@ NodeType unfold_study_node() {
               .doc_("Expected number of profiles per observation. The actual number is Poisson distributed."))
       .parameter(Parameter::integer("sections", 1)
                      .range(1, 10000)
-                     .doc_("Number of sections that the profiles are spread over. From 10 on, the intervals "
-                           "resample whole sections."))
+                     .doc_("Number of sections that the profiles are spread over. With 10 or more, the "
+                           "intervals resample whole sections."))
       .parameter(Parameter::integer("classes", 10).range(1, 200).doc_("Number of size classes to recover"))
       .parameter(
           Parameter::choice("d_max", "estimated", {"estimated", "known", "largest_profile"})

@@ -61,9 +61,8 @@ void compute(Context& c) {
 NodeType wang_cubes_node() {
   return NodeType("WangCubes", 1)
       .doc_(
-          "Makes a large solid texture from a small one without repeating it: cubes with colored faces, of "
-          "which "
-          "any two continue each other where the colors agree")
+          "Makes a large solid texture from a small one without repeating it. The cubes have colored faces, "
+          "and two cubes match where their face colors agree.")
       .source_(
           "Lu, Ebert, Qiao, Kraus, Mora 2007, which Laursen, Ersbøll, Bærentzen 2011 propose in section 8; "
           "the "
@@ -81,8 +80,8 @@ NodeType wang_cubes_node() {
                      .doc_("Number of colors of faces across each axis. At most colors⁶ different cubes are "
                            "made, 64 by default. 1 repeats the solid."))
       .parameter(Parameter::integer("rim", 2).range(1, 64).unit_("voxels").doc_(
-          "Distance from a face within which cubes depend on its color only. Within this "
-          "distance of two faces all cubes are the solid."))
+          "Distance from a face within which cubes depend on its color only. Within this distance of two "
+          "faces, all cubes equal the solid."))
       .parameter(Parameter::ints("iterations", {30, 8})
                      .count(1, 8)
                      .range(1, 1000)

@@ -48,7 +48,7 @@ void add_slurm_options(CLI::App& command, SlurmOptions& o, const std::string& wh
       ->check(CLI::IsMember({job_role::coordinator, job_role::finisher}))
       ->group("");
   command.add_option("--job-plan", o.job_plan)->group("");
-  command.add_option("--poll", o.poll, "Seconds between two looks at Slurm's queue")
+  command.add_option("--poll", o.poll, "Seconds between polls of Slurm's queue")
       ->type_name(placeholder::number)
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

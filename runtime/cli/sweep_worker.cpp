@@ -207,9 +207,9 @@ void add_sweep_worker(CLI::App& app, const Program& program, int& exit_code) {
       ->required();
   command->add_option("--chunk", o->chunk, "Run part K of N of the points, K from 0; skips finished points")
       ->type_name("K/N");
-  command->add_flag("--shared", o->shared, "Compute only what all points share");
+  command->add_flag("--shared", o->shared, "Compute only the work that all points share");
   command->add_flag("--need-shared", o->need_shared,
-                    "Stop if the cache lacks what all points share, instead of computing it");
+                    "Stop if the cache lacks the work that all points share, instead of repeating it");
   command->add_option("--expect", o->expected, "Refuse to run if this is not the sweep's hash")
       ->type_name("HASH");
   command->add_option("--threads", o->threads, "Number of threads; 0: one per CPU core")

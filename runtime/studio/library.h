@@ -1,5 +1,5 @@
 // The functions that the program uses from the studio and node libraries. It loads these libraries only when
-// a command needs them: they depend on 270 other shared libraries, and loading those takes longer than most
+// a command needs them: they depend on 100 other shared libraries, and loading those takes longer than many
 // commands.
 #pragma once
 

@@ -17,7 +17,7 @@ namespace terrazzo::studio {
 namespace {
 
 // Address space that the libraries need, including the allocations of their constructors.
-constexpr std::uint64_t kRoom = 520'000'000;
+constexpr std::uint64_t kRoom = 320'000'000;
 
 // A terminate handler, because exceptions thrown by the libraries' constructors cannot be caught.
 std::terminate_handler usual_end;

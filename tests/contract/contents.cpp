@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "nodes/common/io/picture_codec.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
 #include "tests/support/arithmetic.h"
@@ -21,6 +22,7 @@ namespace {
 
 // Versions of the loaded shared libraries that compute or decode, from their file names.
 std::string libraries() {
+  picture_codec();  // loads those for pictures
   static const std::vector<std::string> that_matter = {
       "libopenvdb", "libOpenImageIO.", "libOpenColorIO", "libopencv_core", "libopencv_imgproc", "libembree",
       "libvoro",    "libnifti",        "libdcmdata",     "libdcmjpeg",     "libjpeg.",          "libpng",
@@ -90,11 +92,11 @@ fs::path example_file(const NodeType& type) {
   return fs::path(TERRAZZO_SOURCE) / "nodes" / (type.name == "KMatrix" ? "kmatrix" : folder) / "example.yaml";
 }
 
-json example_contents(const Registry& registry, const NodeType& type, int threads) {
+json example_contents(const Registry& registry, const NodeType& type, int threads, const fs::path& cache) {
   Diagnostics found;
   const Graph graph = load_graph(example_file(type), registry, {}, found);
   for (const auto& d : found) throw std::runtime_error(d.text());
-  Store store(value_types(), {});
+  Store store(value_types(), cache);
   FileHashes hashes;
   Evaluator evaluator(value_types(), store, hashes);
   RunOptions options;

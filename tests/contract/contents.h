@@ -18,8 +18,9 @@ nlohmann::json this_machine();
 
 // Runs a node type's example. Returns, for each node of that type, "version", "key" (hash of type, version,
 // parameters and inputs) and "outputs" or "files" (content by name). Throws std::runtime_error if the example
-// fails.
-nlohmann::json example_contents(const Registry&, const NodeType&, int threads);
+// fails. `cache`: the cache folder, or none.
+nlohmann::json example_contents(const Registry&, const NodeType&, int threads,
+                                const std::filesystem::path& cache = {});
 
 std::filesystem::path example_file(const NodeType&);
 

@@ -1,28 +1,11 @@
-// Checks that every node's example produces the contents recorded for its version.
+// Tests the comparison of recorded contents. EveryNode.GivesTheRecordedContents applies it to every node.
 #include "tests/contract/contents.h"
-#include "tests/support/all_nodes.h"
 
 #include <gtest/gtest.h>
 
 namespace terrazzo {
 namespace {
 using nlohmann::json;
-
-class RecordedContents : public ::testing::TestWithParam<std::string> {};
-
-TEST_P(RecordedContents, AreGivenAgain) {
-  const json all = test::read_contents(), machine = test::this_machine();
-  const json* known = test::contents_on(all, machine);
-  if (!known) GTEST_SKIP() << "no contents are recorded for " << machine.dump() << "; run ./dev contents";
-  if (!known->contains(GetParam()))
-    GTEST_SKIP() << "no contents are recorded for this node; run ./dev contents";
-  const json now = test::example_contents(test::all_nodes(), *test::all_nodes().find(GetParam()), 2);
-  ASSERT_FALSE(now.empty()) << "the example does not use its node";
-  EXPECT_EQ(test::compare_contents(GetParam(), known->at(GetParam()), now), "");
-}
-
-INSTANTIATE_TEST_SUITE_P(Contract, RecordedContents, ::testing::ValuesIn(test::all_nodes().names()),
-                         [](const auto& info) { return info.param; });
 
 json contents(int version, const std::string& key, const std::string& content) {
   return {{"pack", {{"version", version}, {"key", key}, {"outputs", {{"particles", content}}}}}};

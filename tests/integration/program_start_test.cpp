@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
@@ -9,13 +10,15 @@ namespace {
 struct Start {
   int exit_code = 0;
   int libraries = 0;
-  bool nodes = false;
+  bool nodes = false, pictures = false;
 };
 
 // The libraries that glibc's loader reports.
 Start start(const std::vector<std::string>& arguments) {
   const auto run = test::run_program(arguments, {.environment = "LD_DEBUG=files"});
-  Start s{.exit_code = run.exit_code, .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos};
+  Start s{.exit_code = run.exit_code,
+          .nodes = run.err.find("libterrazzo_nodes.so") != std::string::npos,
+          .pictures = run.err.find("libOpenImageIO.so") != std::string::npos};
   for (std::size_t at = 0; (at = run.err.find("calling init: ", at)) != std::string::npos; ++at)
     ++s.libraries;
   return s;
@@ -47,6 +50,20 @@ TEST(ProgramStart, CommandsThatNeedNodesLoadThem) {
   const Start s = start({"nodes"});
   EXPECT_EQ(s.exit_code, 0);
   EXPECT_TRUE(s.nodes);
+}
+
+TEST(ProgramStart, OnlyPicturesLoadOpenImageIO) {
+  const auto nodes = test::source_folder() / "nodes";
+  const auto run = [&](const char* node) {
+    return start({"run", (nodes / node / "example.yaml").string(), "--no-cache", "--quiet", "--out",
+                  (test::temporary_folder() / "out").string()});
+  };
+  const Start shape = run("shape"), image = run("load_image");
+  EXPECT_EQ(shape.exit_code, 0);
+  EXPECT_FALSE(shape.pictures);
+  EXPECT_LT(shape.libraries, 120);
+  EXPECT_EQ(image.exit_code, 0);
+  EXPECT_TRUE(image.pictures);
 }
 
 }  // namespace

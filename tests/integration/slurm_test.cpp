@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "runtime/files.h"
+#include "runtime/hash.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 #include "tests/support/slurm_cluster.h"
@@ -41,7 +42,7 @@ class Slurm : public ::testing::Test {
     fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
   }
 
-  // A sweep of 24 points, with more arguments. `cache`: below the test's folder, like `out`.
+  // A sweep of 24 points, with more arguments. `out`, `cache`: below the test's folder, or absolute.
   ProgramRun sweep(const std::string& out, const std::string& cache, const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {
         "sweep",   (folder / "graph.yaml").string(), "--vary", "pack.seed=1:12:1",
@@ -56,6 +57,19 @@ class Slurm : public ::testing::Test {
   }
   std::future<ProgramRun> start(std::vector<std::string> more = {}, const char* chunk_size = "3") {
     return std::async(std::launch::async, [this, more, chunk_size] { return on_slurm(more, chunk_size); });
+  }
+
+  // The cache of local runs of this build of the program. Those of other builds are removed.
+  static fs::path local_cache() {
+    std::string build;
+    for (const char* file : {"terrazzo", "libterrazzo_graph.so", "libterrazzo_runtime.so",
+                             "libterrazzo_nodes.so", "libterrazzo_pictures.so", "libterrazzo_studio.so"})
+      build += std::to_string(fs::last_write_time(test::build_folder() / file).time_since_epoch().count());
+    const fs::path caches = test::build_folder() / "slurm_local_cache", own = caches / hash_of(build).text();
+    fs::create_directories(own);
+    for (const auto& e : fs::directory_iterator(caches))
+      if (std::error_code gone; e.path() != own) fs::remove_all(e.path(), gone);
+    return own;
   }
 
   // Content hash of every output of every point.
@@ -74,9 +88,9 @@ class Slurm : public ::testing::Test {
     return found;
   }
   static std::string fmt_point(int i) { return (i < 10 ? "point-00" : "point-0") + std::to_string(i); }
-  // The results without Slurm, from a cache of their own.
+  // The results without Slurm, from a cache that the processes of all these tests share.
   void expect_local_contents() {
-    const auto local = sweep("local", "local_cache", {"--jobs", "2", "--quiet"});
+    const auto local = sweep("local", local_cache().string(), {"--jobs", "2", "--quiet"});
     EXPECT_EQ(local.exit_code, 0) << local.err;
     const auto expected = contents("local");
     EXPECT_EQ(expected.size(), 24u * 12) << "every output of every point";

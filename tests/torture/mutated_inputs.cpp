@@ -17,6 +17,7 @@
 
 #include "graph/graph.h"
 #include "graph/raw_document.h"
+#include "nodes/common/io/picture_codec.h"
 #include "nodes/common/io/provenance.h"
 #include "nodes/data/volume.h"
 #include "runtime/codec.h"
@@ -96,6 +97,7 @@ void prepare() {
   OIIO::attribute("threads", 1);
   OIIO::attribute("exr_threads", -1);
   OIIO::ImageInput::create("png");
+  picture_codec();
 }
 
 void read_one(const std::string& reader, const Input& input, const fs::path& place, Verdicts& verdicts) {

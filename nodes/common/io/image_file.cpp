@@ -19,19 +19,17 @@ struct Channels {
   int alpha = -1;
 };
 
-Channels channels_of(const OIIO::ImageSpec& spec) {
+Channels channels_of(const PictureHeader& spec) {
   Channels c;
-  c.alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels && spec.nchannels > 1
-                ? spec.alpha_channel
-                : -1;
+  c.alpha = spec.alpha >= 0 && spec.alpha < spec.count() && spec.count() > 1 ? spec.alpha : -1;
   int found[3] = {-1, -1, -1};
-  for (int i = 0; i < spec.nchannels; ++i)
+  for (int i = 0; i < spec.count(); ++i)
     for (int k = 0; k < 3; ++k)
-      if (spec.channel_name(i) == std::string(1, "RGB"[k])) found[k] = i;
+      if (spec.channels[i] == std::string(1, "RGB"[k])) found[k] = i;
   if (found[0] >= 0 && found[1] >= 0 && found[2] >= 0) {
     std::copy(found, found + 3, c.rgb);
   } else {
-    const int colors = spec.nchannels - (c.alpha >= 0 ? 1 : 0);
+    const int colors = spec.count() - (c.alpha >= 0 ? 1 : 0);
     for (int k = 0; k < 3; ++k) c.rgb[k] = colors >= 3 ? k : 0;
   }
   return c;
@@ -73,17 +71,16 @@ Image upright(Image in, int orientation) {
 
 Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size,
                  const Reading& reading, std::optional<PixelScale>* scale) {
-  OIIO::ImageSpec hints;
-  hints.attribute("oiio:UnassociatedAlpha", 1);  // otherwise the reader multiplies encoded values by alpha
-  PictureInput in(path, reading, hints);
-  const OIIO::ImageSpec spec = in.spec();
+  // Otherwise the decoder multiplies encoded values by alpha.
+  PictureInput in(path, reading, {{"oiio:UnassociatedAlpha", 1}});
+  const PictureHeader spec = in.header();
   if (spec.deep) throw in.unreadable("deep images have no single color per pixel");
-  if (scale) *scale = pixel_scale_of(spec);
+  if (scale) *scale = pixel_scale_of(in.attributes());
   // The image, its upright copy, and alpha.
   constexpr double more = 2 * sizeof(Vec3f) + sizeof(float);
 
   const Channels channels = channels_of(spec);
-  const bool is_float = spec.format.is_floating_point();
+  const bool is_float = spec.is_float;
   const bool automatic = colorspace == "auto";
   std::vector<float> alpha;
   Image image;
@@ -92,23 +89,23 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
     if (channels.alpha < 0) return;
     alpha.resize(image.pixels.size());
     for (std::size_t p = 0; p < alpha.size(); ++p)
-      alpha[p] = static_cast<float>(samples[p * spec.nchannels + channels.alpha]) * scale;
+      alpha[p] = static_cast<float>(samples[p * spec.count() + channels.alpha]) * scale;
   };
-  if (spec.format == OIIO::TypeDesc::UINT8) {
-    const auto samples = in.samples<std::uint8_t>(OIIO::TypeDesc::UINT8, more);
+  if (spec.sample == Sample::UInt8) {
+    const auto samples = in.samples<std::uint8_t>(Sample::UInt8, more);
     make_room();
-    decode(samples, spec.nchannels, channels, decoding_table(256, automatic), image);
+    decode(samples, spec.count(), channels, decoding_table(256, automatic), image);
     take_alpha(samples, 1 / 255.0f);
   } else if (!is_float) {
-    const auto samples = in.samples<std::uint16_t>(OIIO::TypeDesc::UINT16, more);
+    const auto samples = in.samples<std::uint16_t>(Sample::UInt16, more);
     make_room();
-    decode(samples, spec.nchannels, channels, decoding_table(65536, automatic), image);
+    decode(samples, spec.count(), channels, decoding_table(65536, automatic), image);
     take_alpha(samples, 1 / 65535.0f);
   } else {
-    const auto samples = in.samples<float>(OIIO::TypeDesc::FLOAT, more);
+    const auto samples = in.samples<float>(Sample::Float, more);
     make_room();
     for (std::size_t p = 0; p < image.pixels.size(); ++p)
-      for (int k = 0; k < 3; ++k) image.pixels[p][k] = samples[p * spec.nchannels + channels.rgb[k]];
+      for (int k = 0; k < 3; ++k) image.pixels[p][k] = samples[p * spec.count() + channels.rgb[k]];
     take_alpha(samples, 1);
     for (std::size_t p = 0; p < image.pixels.size(); ++p)
       if (!image.pixels[p].allFinite())
@@ -129,9 +126,9 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
         std::to_string(std::max<std::int64_t>(1, 100 * clear / static_cast<std::int64_t>(alpha.size()))) +
         " % of the pixels are transparent and become black; cut them off, or tell Segment to ignore them");
   // Composite over black. If the file's color is already premultiplied by alpha, there is nothing to do.
-  if (!alpha.empty() && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0)
+  if (!alpha.empty() && in.attributes().whole("oiio:UnassociatedAlpha", 0) != 0)
     for (std::size_t p = 0; p < alpha.size(); ++p) image.pixels[p] *= alpha[p];
-  return upright(std::move(image), spec.get_int_attribute("Orientation", 1));
+  return upright(std::move(image), in.attributes().whole("Orientation", 1));
 }
 
 }  // namespace terrazzo

@@ -13,7 +13,7 @@ namespace terrazzo {
 
 // Reads an image as scene-linear Rec. 709. `colorspace` is an OpenColorIO name, or "auto": sRGB for 8 and 16
 // bit formats, scene-linear for float formats. Gray becomes three equal channels; alpha is composited over
-// black. A truncated file is an error; other complaints of the decoder are warnings. `scale`, if not null,
+// black. A truncated file is an error; other messages of the decoder become warnings. `scale`, if not null,
 // receives the size of a pixel that the metadata state. Throws Error
 // "unreadable-image", "too-large", and "bad-pixels" for NaN or infinity.
 Image read_image(const std::filesystem::path&, const std::string& colorspace = "auto", double pixel_size = 1,

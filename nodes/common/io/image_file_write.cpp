@@ -1,12 +1,11 @@
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/io/image_file.h"
+#include "nodes/common/io/picture_codec.h"
 #include "nodes/common/texture/color.h"
 #include "runtime/random.h"
 
@@ -78,46 +77,41 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  auto out = OIIO::ImageOutput::create(path.string());
-  if (!out) throw unwritable(path, OIIO::geterror());
-
   const bool linear = extension == ".exr" || extension == ".hdr";
   const bool deep = extension == ".tif" || extension == ".tiff";
-  OIIO::ImageSpec spec(image.width, image.height, 3,
-                       linear ? OIIO::TypeDesc::FLOAT
-                       : deep ? OIIO::TypeDesc::UINT16
-                              : OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", linear ? "Linear" : "sRGB");
-  if (extension == ".exr") spec.attribute("compression", "zip");
+  PictureEncoding encoding;
+  encoding.width = image.width, encoding.height = image.height;
+  encoding.sample = linear ? Sample::Float : deep ? Sample::UInt16 : Sample::UInt8;
+  auto& attributes = encoding.attributes;
+  attributes.emplace_back("oiio:ColorSpace", linear ? "Linear" : "sRGB");
+  if (extension == ".exr") attributes.emplace_back("compression", "zip");
   if (extension == ".jpg" || extension == ".jpeg") {
-    spec.attribute("compression", "jpeg:95");
-    spec.attribute("jpeg:subsampling", "4:4:4");
+    attributes.emplace_back("compression", "jpeg:95");
+    attributes.emplace_back("jpeg:subsampling", "4:4:4");
   }
   // JPEG stores this as Exif, which is limited to 64 KiB.
   if (!provenance.empty() &&
       (provenance.size() < 60000 || extension == ".png" || extension == ".exr" || deep))
-    spec.attribute("ImageDescription", provenance);
-  // Encode to memory and write the file here: on a full disk libjpeg would end the program, and other formats
-  // report no error. (TIFF reports errors, and cannot write Exif to memory.)
-  OIIO::Filesystem::IOVecOutput memory;
-  const bool in_memory = !deep && out->supports("ioproxy") && out->set_ioproxy(&memory);
-  if (!out->open(path.string(), spec)) throw unwritable(path, out->geterror());
+    attributes.emplace_back("ImageDescription", provenance);
 
-  bool written = false;
-  if (linear)
-    written = out->write_image(OIIO::TypeDesc::FLOAT, pixels);
-  else if (deep)
-    written = out->write_image(OIIO::TypeDesc::UINT16,
-                               quantize<std::uint16_t>(encode(pixels, count, 65535), 65535, [](std::size_t) {
-                                 return 0.0f;
-                               }).data());
-  else
-    written = out->write_image(OIIO::TypeDesc::UINT8, dithered(pixels, image.width, image.height).data());
-  if (!written) throw unwritable(path, out->geterror());
-  if (!out->close()) throw unwritable(path, out->geterror());
-  if (!in_memory) return;
+  const PictureCodec& codec = picture_codec();
+  std::string bytes;
   try {
-    write_bytes(path, {reinterpret_cast<const char*>(memory.buffer().data()), memory.buffer().size()});
+    if (linear)
+      bytes = codec.encode(path, encoding, pixels);
+    else if (deep)
+      bytes = codec.encode(path, encoding,
+                           quantize<std::uint16_t>(encode(pixels, count, 65535), 65535, [](std::size_t) {
+                             return 0.0f;
+                           }).data());
+    else
+      bytes = codec.encode(path, encoding, dithered(pixels, image.width, image.height).data());
+  } catch (const std::runtime_error& e) {
+    throw unwritable(path, e.what());
+  }
+  if (bytes.empty()) return;  // written already
+  try {
+    write_bytes(path, bytes);
   } catch (const Error& e) {
     throw unwritable(path, e.diagnostic().message);
   }

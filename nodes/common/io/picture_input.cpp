@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <new>
+#include <stdexcept>
 
 #include "nodes/common/io/picture_check.h"
 
@@ -16,9 +18,8 @@ const std::map<std::string, Check> checks = {{"jpeg", check_jpeg},
                                              {"openexr", check_exr},
                                              {"bmp", check_bmp}};
 
-// The library's message about the last failure. Reading it also clears it.
-std::string last_words(const OIIO::ImageInput* in) {
-  const std::string words = printable(in ? in->geterror() : OIIO::geterror());
+std::string reason(const std::string& message) {
+  const std::string words = printable(message);
   return words.empty() ? "the decoder gave no reason" : words;
 }
 
@@ -31,7 +32,7 @@ Error PictureInput::unreadable(const std::string& why) const {
       .parameter("path");
 }
 
-PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OIIO::ImageSpec& hints)
+PictureInput::PictureInput(std::filesystem::path path, Reading reading, const PictureAttributes& options)
     : path_(std::move(path)), reading_(std::move(reading)) {
   const std::string name = path_.filename().string();
   try {
@@ -51,24 +52,25 @@ PictureInput::PictureInput(std::filesystem::path path, Reading reading, const OI
   }
   // Select the reader of this format. Given only the file name, OpenImageIO would try one reader after
   // another.
-  in_ = OIIO::ImageInput::create(format_);
-  if (!in_) throw unreadable(last_words(nullptr));
-  OIIO::ImageSpec first;
-  if (!in_->open(path_.string(), first, hints)) throw unreadable(last_words(in_.get()));
+  const PictureCodec& codec = picture_codec();
+  try {
+    in_ = codec.open(path_, format_, options);
+  } catch (const std::runtime_error& e) {
+    throw unreadable(reason(e.what()));
+  }
 }
 
 void PictureInput::require(double bytes_per_sample, double more) const {
-  const OIIO::ImageSpec& s = spec();
-  if (s.width < 1 || s.height < 1 || s.nchannels < 1 || s.depth > 1)
+  const PictureHeader& s = header();
+  if (s.width < 1 || s.height < 1 || s.count() < 1 || s.depth > 1)
     throw unreadable("it is empty or three-dimensional");
-  const double pixels = double(s.width) * s.height, samples = pixels * s.nchannels;
-  const std::string compression = s.get_string_attribute("compression");
-  const double native = samples * static_cast<double>(s.format.size());
+  const double pixels = double(s.width) * s.height, samples = pixels * s.count();
+  const std::string compression = in_->text("compression");
+  const double native = samples * static_cast<double>(s.sample_bytes);
   if (native > largest_ratio(format_, compression) * static_cast<double>(size_) + 1e6)
     throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width,
-                                 s.height, s.nchannels));
-  const double tile =
-      double(s.tile_width) * s.tile_height * s.nchannels * static_cast<double>(s.format.size());
+                                 s.height, s.count()));
+  const double tile = double(s.tile_width) * s.tile_height * s.count() * static_cast<double>(s.sample_bytes);
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,
                    fmt::format("the image '{}' of {} × {} pixels", path_.string(), s.width, s.height));
@@ -77,22 +79,23 @@ void PictureInput::require(double bytes_per_sample, double more) const {
   }
 }
 
-void PictureInput::decode(OIIO::TypeDesc type, void* to) {
-  const int page = in_->current_subimage();
+void PictureInput::decode(Sample type, void* to) {
   bool good = false;
   std::string thrown;
   try {
-    good = in_->read_image(page, 0, 0, spec().nchannels, type, to);
+    good = in_->read(type, to);
+  } catch (const std::bad_alloc&) {
+    throw;  // not the file's fault
   } catch (const std::exception& e) {
     thrown = printable(e.what());
   }
-  if (!good) throw unreadable(thrown.empty() ? last_words(in_.get()) : thrown);
-  if (in_->has_error()) reading_.warn(path_.filename().string() + ": " + last_words(in_.get()));
+  if (!good) throw unreadable(thrown.empty() ? reason(in_->error()) : thrown);
+  if (in_->has_error()) reading_.warn(path_.filename().string() + ": " + reason(in_->error()));
 }
 
 std::string picture_text(const std::filesystem::path& path, const std::string& name, const Reading& reading) {
   try {
-    return PictureInput(path, reading, {}).spec().get_string_attribute(name);
+    return PictureInput(path, reading, {}).attributes().text(name);
   } catch (const Error&) {
     return "";
   }

@@ -2,14 +2,13 @@
 // budget.
 #pragma once
 
-#include <OpenImageIO/imageio.h>
-
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/picture_codec.h"
 #include "nodes/common/io/reading.h"
 
 namespace terrazzo {
@@ -17,20 +16,22 @@ namespace terrazzo {
 class PictureInput {
  public:
   // Opens a JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM file, detected by content, and checks its
-  // structure. A truncated file is an error; other complaints of the decoder are warnings. Throws Error
+  // structure. A truncated file is an error; other messages of the decoder become warnings. Throws Error
   // "unreadable-image" or "too-large".
-  PictureInput(std::filesystem::path, Reading, const OIIO::ImageSpec& hints);
+  PictureInput(std::filesystem::path, Reading, const PictureAttributes& options);
 
-  const OIIO::ImageSpec& spec() const { return in_->spec(); }
-  bool seek(int page) { return in_->seek_subimage(page, 0); }
+  const PictureHeader& header() const { return in_->header(); }
+  const PictureDecoder& attributes() const { return *in_; }
+  bool seek(int page) { return in_->seek(page); }
 
-  // All samples of the page, converted to T as OpenImageIO does. `more` is the number of additional bytes per
-  // pixel that the caller will need. Throws Error "unreadable-image" if the page cannot be decoded, or if the
-  // file is too small for its header; "too-large" if the page and `more` exceed the memory budget.
+  // All samples of the page, converted to T, which is `type`, as OpenImageIO does. `more` is the number of
+  // additional bytes per pixel that the caller will need. Throws Error "unreadable-image" if the page cannot
+  // be decoded, or if the file is too small for its header; "too-large" if the page and `more` exceed the
+  // memory budget.
   template <class T>
-  std::vector<T> samples(OIIO::TypeDesc type, double more) {
+  std::vector<T> samples(Sample type, double more) {
     require(sizeof(T), more);
-    std::vector<T> out(static_cast<std::size_t>(spec().width) * spec().height * spec().nchannels);
+    std::vector<T> out(static_cast<std::size_t>(header().width) * header().height * header().count());
     decode(type, out.data());
     return out;
   }
@@ -39,13 +40,13 @@ class PictureInput {
 
  private:
   void require(double bytes_per_sample, double more) const;
-  void decode(OIIO::TypeDesc, void* to);
+  void decode(Sample, void* to);
 
   std::filesystem::path path_;
   Reading reading_;
   std::uint64_t size_ = 0;
   std::string format_;
-  std::unique_ptr<OIIO::ImageInput> in_;
+  std::unique_ptr<PictureDecoder> in_;
 };
 
 // A text attribute of the file, such as "ImageDescription"; "" if there is none or the file is not an image.

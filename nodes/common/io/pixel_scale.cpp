@@ -38,32 +38,31 @@ double mm_of_unit(const std::string& unit) {
   return 0;
 }
 
-std::optional<PixelScale> of_imagej(const OIIO::ImageSpec& spec) {
-  const std::string text = spec.get_string_attribute("ImageDescription");
+std::optional<PixelScale> of_imagej(const PictureDecoder& in) {
+  const std::string text = in.text("ImageDescription");
   if (text.rfind("ImageJ=", 0) != 0) return {};
   const std::string unit = line_value(text, "unit");
-  const double per_unit = spec.get_float_attribute("XResolution"), mm = mm_of_unit(unit);
+  const double per_unit = in.number("XResolution"), mm = mm_of_unit(unit);
   if (mm <= 0 || per_unit <= 0) return {};
   return PixelScale{mm / per_unit, 0.01,
                     fmt::format("its calibration in ImageJ, {:g} pixels per {}", per_unit, unit)};
 }
 
-std::optional<PixelScale> of_camera(const OIIO::ImageSpec& spec) {
-  const double distance = 1000 * spec.get_float_attribute("Exif:SubjectDistance");
-  const double focal = spec.get_float_attribute("Exif:FocalLength");
+std::optional<PixelScale> of_camera(const PictureDecoder& in) {
+  const double distance = 1000 * in.number("Exif:SubjectDistance");
+  const double focal = in.number("Exif:FocalLength");
   if (distance <= 0 || focal <= 0 || distance <= 2 * focal) return {};
-  const double longest = std::max(spec.width, spec.height);
+  const double longest = std::max(in.header().width, in.header().height);
   double per_focal = 0, uncertainty = 0;  // pitch of the present pixels / focal length
-  const double resolution = spec.get_float_attribute("Exif:FocalPlaneXResolution");
+  const double resolution = in.number("Exif:FocalPlaneXResolution");
   if (resolution > 0) {
     static constexpr double units[6] = {0, 0, 25.4, 10, 1, 0.001};
-    const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
+    const int unit = in.whole("Exif:FocalPlaneResolutionUnit", 2);
     const double mm = unit >= 2 && unit <= 5 ? units[unit] : 0;
     // The picture may have been reduced since it was taken.
-    const double taken = std::max(spec.get_int_attribute("Exif:PixelXDimension"),
-                                  spec.get_int_attribute("Exif:PixelYDimension"));
+    const double taken = std::max(in.whole("Exif:PixelXDimension"), in.whole("Exif:PixelYDimension"));
     per_focal = mm / resolution * (taken > 0 ? taken / longest : 1) / focal, uncertainty = 0.1;
-  } else if (const int equivalent = spec.get_int_attribute("Exif:FocalLengthIn35mmFilm"); equivalent > 0) {
+  } else if (const int equivalent = in.whole("Exif:FocalLengthIn35mmFilm"); equivalent > 0) {
     per_focal = 36.0 / longest / equivalent, uncertainty = 0.15;
   }
   if (per_focal <= 0) return {};
@@ -72,12 +71,11 @@ std::optional<PixelScale> of_camera(const OIIO::ImageSpec& spec) {
       fmt::format("EXIF data, focal length {:g} mm and subject distance {:g} m", focal, distance / 1000)};
 }
 
-std::optional<PixelScale> of_scan(const OIIO::ImageSpec& spec) {
-  if (spec.get_float_attribute("Exif:FocalLength") > 0 || spec.get_float_attribute("ExposureTime") > 0 ||
-      spec.get_float_attribute("FNumber") > 0)
+std::optional<PixelScale> of_scan(const PictureDecoder& in) {
+  if (in.number("Exif:FocalLength") > 0 || in.number("ExposureTime") > 0 || in.number("FNumber") > 0)
     return {};
-  const double x = spec.get_float_attribute("XResolution"), y = spec.get_float_attribute("YResolution", x);
-  const std::string unit = spec.get_string_attribute("ResolutionUnit");
+  const double x = in.number("XResolution"), y = in.number("YResolution", x);
+  const std::string unit = in.text("ResolutionUnit");
   const double mm = unit == "in" ? 25.4 : unit == "cm" ? 10 : 0;
   if (mm <= 0 || x <= 0 || std::abs(x - y) > 0.001 * x) return {};
   const double per_inch = 25.4 * x / mm;
@@ -89,10 +87,10 @@ std::optional<PixelScale> of_scan(const OIIO::ImageSpec& spec) {
 
 }  // namespace
 
-std::optional<PixelScale> pixel_scale_of(const OIIO::ImageSpec& spec) {
-  std::optional<PixelScale> scale = of_imagej(spec);
-  if (!scale) scale = of_camera(spec);
-  if (!scale) scale = of_scan(spec);
+std::optional<PixelScale> pixel_scale_of(const PictureDecoder& in) {
+  std::optional<PixelScale> scale = of_imagej(in);
+  if (!scale) scale = of_camera(in);
+  if (!scale) scale = of_scan(in);
   // Between a nanometer and a meter; else the metadata are wrong.
   if (scale && !(scale->size >= 1e-6 && scale->size <= 1000)) scale.reset();
   return scale;

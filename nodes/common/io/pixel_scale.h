@@ -1,10 +1,10 @@
 // The size of a pixel as an image file's metadata state it.
 #pragma once
 
-#include <OpenImageIO/imageio.h>
-
 #include <optional>
 #include <string>
+
+#include "nodes/common/io/picture_codec.h"
 
 namespace terrazzo {
 
@@ -18,6 +18,6 @@ struct PixelScale {
 // the pitch of the sensor (EXIF 2.32), with the size of a pixel in the plane of the subject; and the
 // resolution of a scan. The resolution of a camera's picture, and resolutions that programs write by habit
 // (72, 96, 180, 240 and 300 per inch), say nothing. None if there is no such information or it is absurd.
-std::optional<PixelScale> pixel_scale_of(const OIIO::ImageSpec&);
+std::optional<PixelScale> pixel_scale_of(const PictureDecoder&);
 
 }  // namespace terrazzo

@@ -18,7 +18,8 @@ float signed_frequency(int i) { return static_cast<float>(i <= kSize / 2 ? i : i
 std::pair<double, double> power_along(const std::vector<LaneComplex>& data, const Vec3f& axis) {
   double along = 0, across = 0, n = 0, m = 0;
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Vec3f f(signed_frequency(static_cast<int>(i % kSize)), signed_frequency(static_cast<int>(i / kSize % kSize)),
+    const Vec3f f(signed_frequency(static_cast<int>(i % kSize)),
+                  signed_frequency(static_cast<int>(i / kSize % kSize)),
                   signed_frequency(static_cast<int>(i / kSize / kSize)));
     if (f.norm() < 4 || f.norm() > 14) continue;
     const float c = std::abs(f.normalized().dot(axis));
@@ -34,7 +35,8 @@ std::vector<LaneComplex> strokes(const Vec3f& axis) {
   std::vector<LaneComplex> data(kSize * kSize * kSize);
   Random random(3);
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const Vec3f f(signed_frequency(static_cast<int>(i % kSize)), signed_frequency(static_cast<int>(i / kSize % kSize)),
+    const Vec3f f(signed_frequency(static_cast<int>(i % kSize)),
+                  signed_frequency(static_cast<int>(i / kSize % kSize)),
                   signed_frequency(static_cast<int>(i / kSize / kSize)));
     const float c = f.norm() > 0 ? f.normalized().dot(axis) : 0;
     const auto a = static_cast<float>(1 - 0.8 * c * c);

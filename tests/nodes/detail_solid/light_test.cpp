@@ -74,7 +74,10 @@ TEST(DetailLight, WithoutLightThereIsNone) {
   const auto drawn = test::draw_disks(640, 80, 28, [&](int x, int y, int id) {
     const auto dx = static_cast<float>(x % 80 + 0.5 - 40), dy = static_cast<float>(y % 80 + 0.5 - 40);
     float v = id > 0 ? 0.35f : 0.5f;
-    if (id > 0) v += (slope[static_cast<std::size_t>(id) - 1].x() * dx + slope[static_cast<std::size_t>(id) - 1].y() * dy) / 28;
+    if (id > 0)
+      v += (slope[static_cast<std::size_t>(id) - 1].x() * dx +
+            slope[static_cast<std::size_t>(id) - 1].y() * dy) /
+           28;
     return Vec3f(Vec3f::Constant(v));
   });
   const Detail d = light_of(drawn);

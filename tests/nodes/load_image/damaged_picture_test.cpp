@@ -1,5 +1,4 @@
 // Images that are truncated, damaged, or whose headers claim more than they contain.
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 

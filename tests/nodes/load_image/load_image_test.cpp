@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -6,6 +5,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/io/image_file.h"
 #include "tests/support/code_of.h"
+#include "tests/support/picture.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -30,12 +30,9 @@ TEST(LoadImage, StackInTheOrderOfNames) {
 // Half of the picture is cut out; black would otherwise pass for material.
 TEST(LoadImage, TellsOfTransparentPixels) {
   const std::string path = (test::temporary_folder() / "cut_out.png").string();
-  OIIO::ImageSpec spec(4, 2, 4, OIIO::TypeDesc::UINT8);
-  const auto out = OIIO::ImageOutput::create(path);
   std::vector<std::uint8_t> samples(4 * 2 * 4, 200);
   for (std::size_t i = 3; i < samples.size(); i += 8) samples[i] = 0;
-  ASSERT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, samples.data()) &&
-              out->close());
+  test::write_picture(path, {4, 2, 4, 3, Sample::UInt8, {}}, samples.data());
   const auto run = test::run_node("LoadImage", {}, {{"path", path}});
   ASSERT_EQ(run.warnings.size(), 1u);
   EXPECT_NE(run.warnings[0].find("50 % of the pixels are transparent"), std::string::npos) << run.warnings[0];

@@ -1,32 +1,31 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "nodes/common/io/image_file.h"
+#include "tests/support/picture.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 
 // Writes a gray picture of 40 × 30 pixels with these attributes, and returns what LoadImage warns of.
-std::string warning_of(const std::string& name, const std::function<void(OIIO::ImageSpec&)>& set,
+std::string warning_of(const std::string& name, const std::function<void(PictureAttributes&)>& set,
                        const std::string& pixel_size = "1") {
   const auto path = (test::temporary_folder() / name).string();
-  OIIO::ImageSpec spec(40, 30, 3, OIIO::TypeDesc::UINT8);
-  set(spec);
-  const auto out = OIIO::ImageOutput::create(path);
-  const std::vector<std::uint8_t> gray(40 * 30 * 3, 128);
-  EXPECT_TRUE(out && out->open(path, spec) && out->write_image(OIIO::TypeDesc::UINT8, gray.data()) &&
-              out->close());
+  PictureAttributes attributes;
+  set(attributes);
+  test::write_picture(path, 40, 30, 3, Sample::UInt8, std::vector<std::uint8_t>(40 * 30 * 3, 128),
+                      attributes);
   const auto run = test::run_node("LoadImage", {}, {{"path", path}, {"pixel_size", pixel_size}});
   EXPECT_EQ(run.output<Image>("image").pixel_size, std::stod(pixel_size)) << "never applied silently";
   EXPECT_LE(run.warnings.size(), 1u);
   return run.warnings.empty() ? "" : run.warnings[0];
 }
 
-void resolution(OIIO::ImageSpec& spec, float x, const char* unit) {
-  spec.attribute("XResolution", x), spec.attribute("YResolution", x), spec.attribute("ResolutionUnit", unit);
+void resolution(PictureAttributes& spec, float x, const char* unit) {
+  spec.emplace_back("XResolution", x), spec.emplace_back("YResolution", x),
+      spec.emplace_back("ResolutionUnit", unit);
 }
 
 TEST(PixelScale, IsOfferedFromAScan) {
@@ -47,7 +46,7 @@ TEST(PixelScale, IsOfferedFromImageJ) {
   const auto imagej = [](const char* description) {
     return warning_of("a.tif", [&](auto& s) {
       resolution(s, 4, "none");
-      s.attribute("ImageDescription", description);
+      s.emplace_back("ImageDescription", description);
     });
   };
   EXPECT_NE(imagej("ImageJ=1.53t\nunit=micron\n").find("set pixel_size: 0.00025"), std::string::npos);
@@ -58,21 +57,21 @@ TEST(PixelScale, IsOfferedFromImageJ) {
 
 // A lens of 50 mm at 1050 mm from the subject reduces 20 times; a sensor of 36 mm is 40 pixels wide.
 TEST(PixelScale, IsOfferedFromACamera) {
-  const auto camera = [](OIIO::ImageSpec& s) {
-    s.attribute("Exif:FocalLength", 50.0f), s.attribute("Exif:SubjectDistance", 1.05f);
+  const auto camera = [](PictureAttributes& s) {
+    s.emplace_back("Exif:FocalLength", 50.0f), s.emplace_back("Exif:SubjectDistance", 1.05f);
     resolution(s, 350, "in");
   };
   EXPECT_NE(warning_of("a.jpg",
                        [&](auto& s) {
                          camera(s);
-                         s.attribute("Exif:FocalLengthIn35mmFilm", 50);
+                         s.emplace_back("Exif:FocalLengthIn35mmFilm", 50);
                        })
                 .find("set pixel_size: 18"),
             std::string::npos);
   const std::string plane = warning_of("b.jpg", [&](auto& s) {
     camera(s);
-    s.attribute("Exif:FocalPlaneXResolution", 100.0f), s.attribute("Exif:FocalPlaneResolutionUnit", 3);
-    s.attribute("Exif:PixelXDimension", 80);  // the picture was halved
+    s.emplace_back("Exif:FocalPlaneXResolution", 100.0f), s.emplace_back("Exif:FocalPlaneResolutionUnit", 3);
+    s.emplace_back("Exif:PixelXDimension", 80);  // the picture was halved
   });
   EXPECT_NE(plane.find("set pixel_size: 4"), std::string::npos) << plane;
   EXPECT_EQ(warning_of("c.jpg", camera), "")

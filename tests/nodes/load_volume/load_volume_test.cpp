@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,6 +10,7 @@
 #include "tests/nodes/load_volume/load.h"
 #include "tests/nodes/load_volume/nifti_file.h"
 #include "tests/support/code_of.h"
+#include "tests/support/picture.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -147,19 +147,15 @@ TEST(LoadVolume, DamagedNiftiNeverCrashes) {
   EXPECT_GT(loaded, 10);
 }
 
-fs::path slice(const fs::path& path, int channels, OIIO::TypeDesc type, const std::vector<std::uint16_t>& v,
-               int w, int h) {
-  auto out = OIIO::ImageOutput::create(path.string());
-  EXPECT_TRUE(out->open(path.string(), OIIO::ImageSpec(w, h, channels, type)));
-  EXPECT_TRUE(out->write_image(OIIO::TypeDesc::UINT16, v.data()));
-  out->close();
+fs::path slice(const fs::path& path, int channels, const std::vector<std::uint16_t>& v, int w, int h) {
+  test::write_picture(path, w, h, channels, Sample::UInt16, v);
   return path;
 }
 
 TEST(LoadVolume, PicturesAreSlicesFromBelow) {
   const auto folder = test::temporary_folder();
-  slice(folder / "s_1.png", 1, OIIO::TypeDesc::UINT16, {1, 2, 3, 4, 5, 65535}, 3, 2);
-  slice(folder / "s_2.png", 1, OIIO::TypeDesc::UINT16, {11, 12, 13, 14, 15, 16}, 3, 2);
+  slice(folder / "s_1.png", 1, {1, 2, 3, 4, 5, 65535}, 3, 2);
+  slice(folder / "s_2.png", 1, {11, 12, 13, 14, 15, 16}, 3, 2);
   EXPECT_EQ(code_of([&] { test::load_volume(folder / "s_*.png"); }), "no-spacing");
   const auto run =
       test::load_volume(folder / "s_*.png", {{"spacing", "0.5"}, {"slope", "2"}, {"intercept", "-1"}});
@@ -171,9 +167,9 @@ TEST(LoadVolume, PicturesAreSlicesFromBelow) {
   EXPECT_EQ(at(g, 2, 0, 1), 31);
   EXPECT_EQ(test::load_volume(folder / "s_*.png", {{"spacing", "1"}}).warnings.size(), 1u)
       << "no rescale in the file";
-  slice(folder / "s_3.png", 1, OIIO::TypeDesc::UINT16, {1, 2}, 1, 2);
+  slice(folder / "s_3.png", 1, {1, 2}, 1, 2);
   EXPECT_EQ(code_of([&] { test::load_volume(folder / "s_*.png", {{"spacing", "1"}}); }), "size-mismatch");
-  slice(folder / "c.png", 3, OIIO::TypeDesc::UINT16, {1, 2, 3}, 1, 1);
+  slice(folder / "c.png", 3, {1, 2, 3}, 1, 1);
   EXPECT_EQ(code_of([&] { test::load_volume(folder / "c.png", {{"spacing", "1"}}); }), "not-a-volume");
   std::ofstream(folder / "text.dat") << "no picture";
   EXPECT_EQ(code_of([&] { test::load_volume(folder / "text.dat", {{"spacing", "1"}}); }), "unreadable-image");

@@ -106,7 +106,7 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
       <div className="options"><Sections count={data.sections} section={section} set={setSection} />
         <label>Exposure <input type="range" min={-4} max={4} step={0.25} value={stops} onChange={e => setStops(Number(e.target.value))} onDoubleClick={() => setStops(0)} aria-valuetext={`${stops} stops`} /> {stops > 0 ? `+${stops}` : stops}</label>
         {!scope && !isPreview(value.hash) && data.sections === 1 && !tool && <button onClick={() => choose('nib')} title="Paint texture into the picture: it grows out of its surroundings">Nib</button>}
-        {tool && <span>{tool === 'region' ? 'Drag a rectangle over the texture that is painted.' : 'Drag over what is to go. Points with the keyboard: Space, then Enter.'}</span>}
+        {tool && <span>{tool === 'region' ? 'Drag a rectangle over the texture that is painted.' : 'Drag over what you want to erase. Points with the keyboard: Space, then Enter.'}</span>}
         {factor > 1 && <span>reduced from {data.fullWidth} × {data.fullHeight}</span>}</div>
     </>
   );

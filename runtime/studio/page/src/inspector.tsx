@@ -106,7 +106,7 @@ function NodeInspector({ node }: { node: DocNode }) {
   return (
     <>
       <div className="title">{inside ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
-        {inside ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Leave the node out: what reads it reads its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
+        {inside ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Bypass the node: its readers get its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
       {!!declaration?.inputs.length && <Inputs node={node} inputs={declaration.inputs} />}

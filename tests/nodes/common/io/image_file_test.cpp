@@ -1,6 +1,5 @@
 #include "nodes/common/io/image_file.h"
 
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +14,7 @@
 #include "nodes/common/texture/color.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
+#include "tests/support/picture.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -42,16 +42,13 @@ float largest_difference(const Image& a, const Image& b) {
 
 void write_raw(const std::filesystem::path& path, int w, int h, int channels,
                const std::vector<std::uint8_t>& data, int orientation = 1) {
-  auto out = OIIO::ImageOutput::create(path.string());
-  OIIO::ImageSpec spec(w, h, channels, OIIO::TypeDesc::UINT8);
-  if (orientation != 1) spec.attribute("Orientation", orientation);
+  PictureEncoding encoding{w, h, channels, -1, Sample::UInt8, {}};
+  if (orientation != 1) encoding.attributes.emplace_back("Orientation", orientation);
   if (channels == 2 || channels == 4) {
-    spec.alpha_channel = channels - 1;
-    spec.attribute("oiio:UnassociatedAlpha", 1);
+    encoding.alpha = channels - 1;
+    encoding.attributes.emplace_back("oiio:UnassociatedAlpha", 1);
   }
-  ASSERT_TRUE(out->open(path.string(), spec));
-  ASSERT_TRUE(out->write_image(OIIO::TypeDesc::UINT8, data.data()));
-  out->close();
+  test::write_picture(path, encoding, data.data());
 }
 
 // Sets $OCIO for a scope.
