@@ -27,12 +27,13 @@ double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
 
 }  // namespace
 
-Simplified simplified(const Mesh& mesh, double tolerance, const Work& work, std::size_t fewest) {
-  for (std::size_t most = fewest; most <= mesh.triangles.size() / 2; most *= 2) {
+Simplified simplified(const Mesh& mesh, double tolerance, const Work& work, std::size_t fewest, double step) {
+  const auto count = static_cast<double>(mesh.triangles.size());
+  for (double most = static_cast<double>(fewest); most <= count / step; most *= step) {
     work.check();
     Mesh fewer = mesh;
     try {
-      reduce_triangles(fewer, most, work);
+      reduce_triangles(fewer, static_cast<std::size_t>(most), work);
     } catch (const Error&) {
       break;
     }

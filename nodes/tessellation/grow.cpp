@@ -24,6 +24,7 @@ constexpr double kLargest = 4;        // largest factor of growth
 constexpr double kLongestEdge = 0.2;  // of meshes, in diameters of the shape
 constexpr double kDeviation = 0.005;  // of a simplified shape, in its size
 constexpr std::size_t kFewest = 500;  // triangles of a simplified shape
+constexpr double kFiner = 1.25;       // factor by which their number rises until the deviation is kept
 constexpr int kRounds = 60;           // of moving the planes
 constexpr double kEnough = 0.01;      // relative shortfall of a volume that needs no more rounds
 constexpr int kRepeats = 4;           // of correcting the volume of a cut mesh
@@ -45,12 +46,21 @@ struct Body {
   double wanted = 0;           // mm³
   double growth = 1;           // factor
   double pressure = 0;         // moves its planes outward, in squared radii
-  std::vector<Plane> planes;
-  double power = 0;    // of the norm that rounds edges between planes; 0: sharp
-  double no_edge = 0;  // planes no farther along than this share of the farthest make no edge
+  std::vector<Plane> planes;   // in the order of contacts
+  std::vector<Plane> nearest;  // the same, nearest first
+  double power = 0;            // of the norm that rounds edges between planes; 0: sharp
+  double no_edge = 0;          // planes no farther along than this share of the farthest make no edge
+  double alone = 1;            // the least share of the farthest plane in a norm of 1
   void set_power(double value) {
     power = value;
+    alone =
+        power > 0 ? std::pow(static_cast<double>(std::max<std::size_t>(planes.size(), 1)), -1 / power) : 1;
     no_edge = power > 0 ? std::pow(kNoEdge, 1 / power) : 1;
+  }
+  void sort_planes() {
+    nearest = planes;
+    std::stable_sort(nearest.begin(), nearest.end(),
+                     [](const Plane& a, const Plane& b) { return a.offset < b.offset; });
   }
 };
 
@@ -63,19 +73,23 @@ struct Contact {
 };
 
 // How far a point is towards the planes, as a norm that is 1 on the body's planes except near their edges,
-// where it is larger, and so rounds them.
+// where it is larger, and so rounds them. Results below `least` may be smaller than they are.
 // `shares` is working memory.
-double gauge(const Body& body, const Vec3& v, std::vector<double>& shares) {
-  shares.resize(body.planes.size());
-  double largest = 1e-9;
-  for (std::size_t k = 0; k < shares.size(); ++k) {
-    shares[k] = body.planes[k].normal.dot(v) / body.planes[k].offset;
-    largest = std::max(largest, shares[k]);
+double gauge(const Body& body, const Vec3& v, double least, std::vector<double>& shares) {
+  shares.clear();
+  const double length = v.norm();
+  double largest = std::max(1e-9, least * body.alone);
+  for (const Plane& p : body.nearest) {
+    // All planes from here on are too far to be reached or to make an edge.
+    if (length <= body.no_edge * largest * p.offset) break;
+    const double share = p.normal.dot(v) / p.offset;
+    shares.push_back(share);
+    largest = std::max(largest, share);
   }
-  const double least = body.no_edge * largest;
+  const double shortest = body.no_edge * largest;
   double sum = 0;
   for (const double share : shares)
-    if (share > least) sum += share == largest ? 1 : std::pow(share / largest, body.power);
+    if (share > shortest) sum += share == largest ? 1 : std::pow(share / largest, body.power);
   return largest * std::pow(sum, 1 / body.power);
 }
 
@@ -86,11 +100,11 @@ std::vector<double> limits_of(const Body& body) {
   if (body.power > 0) {
     std::vector<double> shares;
     for (std::size_t v = 0; v < limit.size(); ++v)
-      limit[v] = std::min(limit[v], 1 / gauge(body, body.mesh.vertices[v], shares));
+      limit[v] = std::min(limit[v], 1 / gauge(body, body.mesh.vertices[v], 1 / limit[v], shares));
     return limit;
   }
-  for (const Plane& p : body.planes) {
-    if (p.offset > body.reach) continue;
+  for (const Plane& p : body.nearest) {
+    if (p.offset > body.reach) break;
     for (std::size_t v = 0; v < limit.size(); ++v) {
       const double h = p.normal.dot(body.mesh.vertices[v]);
       if (h * limit[v] > p.offset) limit[v] = p.offset / h;
@@ -110,8 +124,7 @@ double volume_at(const Body& body, const std::vector<double>& limit, double grow
 }
 
 // The factor at which the body has its volume, at most kLargest. Returns the volume.
-double solve_growth(Body& body) {
-  const auto limits = limits_of(body);
+double solve_growth(Body& body, const std::vector<double>& limits) {
   double low = 0, high = kLargest, at_low = 0;
   double at_high = std::cbrt(volume_at(body, limits, high));
   const double goal = std::cbrt(body.wanted);
@@ -129,44 +142,99 @@ double solve_growth(Body& body) {
   return body.growth = at, body.wanted;
 }
 
-// Area of the triangles within `near` of a plane.
-double contact_area(const Mesh& mesh, const Body& body, double near) {
-  double area = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
-    for (const Plane& p : body.planes)
-      if (std::min({p.normal.dot(a), p.normal.dot(b), p.normal.dot(c)}) > p.offset - near) {
-        area += 0.5 * (b - a).cross(c - a).norm();
-        break;
-      }
-  }
-  return area;
-}
-
 struct Surface {
   double flat = 0, all = 0;  // area in contact with neighbors and in total, before edges are rounded, mm²
 };
 
+// An enlarged body between its planes.
+struct CutBody {
+  Mesh mesh;
+  std::vector<Vec3> sharp;    // the vertices before edges were rounded
+  std::vector<Plane> planes;  // those that limit it
+};
+
+// Area of the triangles within `near` of a plane.
+Surface surface_of(const CutBody& cut, double near) {
+  Surface surface;
+  std::vector<std::uint8_t> on(cut.sharp.size());
+  std::vector<std::uint8_t> flat(cut.mesh.triangles.size(), 0);
+  for (const Plane& p : cut.planes) {
+    for (std::size_t v = 0; v < on.size(); ++v) on[v] = p.normal.dot(cut.sharp[v]) > p.offset - near;
+    for (std::size_t t = 0; t < flat.size(); ++t) {
+      const Triangle& c = cut.mesh.triangles[t];
+      flat[t] |= on[c[0]] & on[c[1]] & on[c[2]];
+    }
+  }
+  for (std::size_t t = 0; t < flat.size(); ++t) {
+    const Triangle& c = cut.mesh.triangles[t];
+    const Vec3& corner = cut.sharp[c[0]];
+    const double area = 0.5 * (cut.sharp[c[1]] - corner).cross(cut.sharp[c[2]] - corner).norm();
+    surface.all += area;
+    if (flat[t]) surface.flat += area;
+  }
+  return surface;
+}
+
+double near_a_plane(const Body& body) { return 1e-9 * body.radius; }
+
 // Cuts the enlarged body at its planes. What lies beyond a plane moves onto it along rays from the center.
 // Then rounds the edges.
-Mesh cut(const Body& body, Surface& surface) {
-  Mesh mesh = body.mesh;
+CutBody cut(const Body& body) {
+  CutBody out;
+  Mesh& mesh = out.mesh = body.mesh;
   for (Vec3& v : mesh.vertices) v *= body.growth;
-  const double near = 1e-9 * body.radius;
-  for (const Plane& p : body.planes) {
+  const double near = near_a_plane(body), farthest = body.growth * body.radius;
+  for (const Plane& p : body.nearest) {
+    if (p.offset > farthest) break;
     double top = -1e300;
     for (const Vec3& v : mesh.vertices) top = std::max(top, p.normal.dot(v));
     if (top <= p.offset + near) continue;
+    out.planes.push_back(p);
     split_at_plane(mesh, p.normal, p.offset, near);
     for (Vec3& v : mesh.vertices)
       if (const double h = p.normal.dot(v); h > p.offset) v *= p.offset / h;
   }
-  surface = {contact_area(mesh, body, near), mesh_surface_area(mesh)};
+  out.sharp = mesh.vertices;
   std::vector<double> shares;
   if (body.power > 0)
     for (Vec3& v : mesh.vertices)
-      if (const double far = gauge(body, v, shares); far > 1) v /= far;
-  return mesh;
+      if (const double far = gauge(body, v, 1, shares); far > 1) v /= far;
+  return out;
+}
+
+// Cuts the body so that its mesh has the wanted volume. Cutting keeps what triangles across an edge leave out
+// of the volume at the vertices.
+CutBody cut_to_volume(Body& body, bool reached) {
+  CutBody out = cut(body);
+  const double wanted = body.wanted;
+  double volume = mesh_volume(out.mesh);
+  if (!reached && volume <= wanted) return out;
+  const auto limits = limits_of(body);
+  double low = 0, high = 0;  // factors of growth with too little and too much volume
+  double at_low = 0, at_high = 0;
+  const auto note = [&] {
+    if (volume > wanted)
+      high = body.growth, at_high = std::cbrt(volume);
+    else
+      low = body.growth, at_low = std::cbrt(volume);
+  };
+  note();
+  for (int k = 0; k < kRepeats && std::abs(wanted / volume - 1) >= kExact; ++k) {
+    body.wanted *= wanted / volume;
+    solve_growth(body, limits);
+    out = cut(body);
+    volume = mesh_volume(out.mesh);
+    note();
+  }
+  // Where a plane is close to the center, the vertices say too little about the volume.
+  for (int k = 0; k < kHalvings && high > low && volume > 1.02 * wanted; ++k) {
+    const double share = std::clamp((std::cbrt(wanted) - at_low) / (at_high - at_low), 0.1, 0.9);
+    body.growth = low + share * (high - low);
+    out = cut(body);
+    volume = mesh_volume(out.mesh);
+    note();
+  }
+  return out;
 }
 
 // The farthest vertices along directions all around, each once.
@@ -224,23 +292,26 @@ class Growth {
 
 void Growth::prepare(const Shapes& shapes, const std::vector<double>& volume) {
   std::vector<Mesh> fine(shapes.shapes.size());
+  std::vector<std::vector<Vec3>> outposts(fine.size());
   for (std::int32_t s : packed_.shape)
     if (fine[s].vertices.empty()) {
       // Each particle gets a mesh of its own, so it should have few triangles.
       fine[s] = packing::simplified(shapes.shapes[s].mesh, kDeviation * shapes.shapes[s].size(),
-                                    work_.quiet(), kFewest)
+                                    work_.quiet(), kFewest, kFiner)
                     .mesh;
       split_long_edges(fine[s], kLongestEdge * std::cbrt(6 / std::numbers::pi * shapes.shapes[s].volume));
+      outposts[s] = farthest_vertices(fine[s]);
     }
   work_.part(0, 0.1).parallel(bodies_.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Body& b = bodies_[i];
       b.mesh = fine[packed_.shape[i]];
-      transform(b.mesh, packed_.scale[i] * packed_.orientation[i].toRotationMatrix(), Vec3::Zero());
+      const Mat3 turn = packed_.scale[i] * packed_.orientation[i].toRotationMatrix();
+      transform(b.mesh, turn, Vec3::Zero());
       b.radius = mesh_bounding_radius(b.mesh);
-      b.outposts = farthest_vertices(b.mesh);
+      b.outposts = outposts[packed_.shape[i]];
+      for (Vec3& p : b.outposts) p = turn * p;
       b.wanted = volume[i];
-      if (options_.roundness > 0) b.set_power(3 / options_.roundness);
       for (const Triangle& t : b.mesh.triangles)
         b.wedges.push_back(b.mesh.vertices[t[0]].dot(b.mesh.vertices[t[1]].cross(b.mesh.vertices[t[2]])));
     }
@@ -306,6 +377,8 @@ void Growth::place_planes() {
     b.planes.push_back({-s.normal, 0, pairs[k].a});
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) separate_from_images(i);
+  if (options_.roundness > 0)
+    for (Body& b : bodies_) b.set_power(3 / options_.roundness);
 }
 
 // A particle that had to grow more than others presses more.
@@ -336,9 +409,10 @@ Grown Growth::run() {
     const Work part = work_.part(0.4 + 0.5 * round / (kRounds + 1), 0.4 + 0.5 * (round + 1) / (kRounds + 1));
     part.parallel(bodies_.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        reached[i] = solve_growth(bodies_[i]);
-        // Without room for round edges, they become sharper.
         Body& body = bodies_[i];
+        body.sort_planes();
+        reached[i] = solve_growth(body, limits_of(body));
+        // Without room for round edges, they become sharper.
         if (body.power > 0 && reached[i] < (1 - kEnough) * body.wanted)
           body.set_power(body.power < kSharpest ? kSharpen * body.power : 0);
       }
@@ -353,28 +427,9 @@ Grown Growth::run() {
   std::vector<Surface> surfaces(bodies_.size());
   work_.part(0.9, 1).parallel(bodies_.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      Body& body = bodies_[i];
-      out.meshes[i] = cut(body, surfaces[i]);
-      // Cutting keeps what triangles across an edge leave out of the volume at the vertices.
-      if (reached[i] == body.wanted || mesh_volume(out.meshes[i]) > body.wanted) {
-        const double wanted = body.wanted;
-        for (int k = 0; k < kRepeats; ++k) {
-          const double ratio = wanted / mesh_volume(out.meshes[i]);
-          if (std::abs(ratio - 1) < kExact) break;
-          body.wanted *= ratio;
-          solve_growth(body);
-          out.meshes[i] = cut(body, surfaces[i]);
-        }
-        // Where a plane is close to the center, the vertices say too little about the volume.
-        if (mesh_volume(out.meshes[i]) > 1.02 * wanted) {
-          double low = 0, high = body.growth;
-          for (int k = 0; k < kHalvings; ++k) {
-            body.growth = 0.5 * (low + high);
-            out.meshes[i] = cut(body, surfaces[i]);
-            (mesh_volume(out.meshes[i]) > wanted ? high : low) = body.growth;
-          }
-        }
-      }
+      CutBody cut = cut_to_volume(bodies_[i], reached[i] == bodies_[i].wanted);
+      surfaces[i] = surface_of(cut, near_a_plane(bodies_[i]));
+      out.meshes[i] = std::move(cut.mesh);
     }
   });
   double all = 0;

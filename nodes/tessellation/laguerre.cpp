@@ -160,7 +160,7 @@ Grains Laguerre::run() {
   const std::size_t n = wanted_.size();
   const Vec3 even_box = box_.cwiseQuotient(stretch_);
   std::vector<double> cell_volume = wanted_;
-  seeds_ = sphere_seeds(even_box, cell_volume, options_.seed, work_.part(0, 0.1));
+  seeds_ = sphere_seeds(even_box, cell_volume, options_.seed, options_.seed_fraction, work_.part(0, 0.1));
   out.iterations =
       fit_round_cells(seeds_, cell_volume, options_.tolerance, options_.rounds, work_.part(0.1, 0.6))
           .iterations;

@@ -18,7 +18,9 @@ struct LaguerreOptions {
   // If `gap` is nothing: the least gap, relative to the one that sharp grains would have. Edges are sharper
   // than `roundness` as far as that needs; 0: they never are.
   double least_gap = 0;
-  double roughness = 0;         // root mean square displacement of faces, in mean grain diameters
+  double roughness = 0;  // root mean square displacement of faces, in mean grain diameters
+  // Seeds are the centers of spheres packed to this volume fraction. The lower, the less regular are grains.
+  double seed_fraction = 0.55;
   int rounds = 5;               // of moving seeds to the centroids of their cells
   Vec3 stretch = Vec3::Ones();  // proportions of an equiaxed grain along x, y, z
   double tolerance = 1e-3;      // of volumes, relative

@@ -42,7 +42,7 @@ NodeType& declare_fill(NodeType& type) {
           Parameter::optional_integer("rounds", "auto")
               .range(0, 1000)
               .doc_("laguerre: how often each seed moves to the centroid of its cell. More rounds make "
-                    "rounder and more regular grains. auto: 5, or 1 where Pack chose cells for the stones "
+                    "rounder and more regular grains. auto: 5, or 0 where Pack chose cells for the stones "
                     "of a photograph."))
       .parameter(Parameter::numbers("stretch", {1})
                      .range(0.05, 20)

@@ -11,8 +11,8 @@
 
 namespace terrazzo::tessellation {
 
-Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint64_t seed, const Work& work) {
-  constexpr double kFraction = 0.55;
+Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint64_t seed, double fraction,
+                   const Work& work) {
   constexpr double kSteps = 600;
   const std::size_t n = volume.size();
   const double total = std::accumulate(volume.begin(), volume.end(), 0.0);
@@ -27,7 +27,7 @@ Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint
   packed.position.resize(n), packed.orientation.assign(n, Quat::Identity());
   std::vector<double> radius;
   for (std::size_t i : order) {
-    const double r = std::cbrt(0.75 / std::numbers::pi * volume[i] / total * kFraction * box.prod());
+    const double r = std::cbrt(0.75 / std::numbers::pi * volume[i] / total * fraction * box.prod());
     radius.push_back(std::min(r, 0.49 * box.minCoeff()));  // a sphere must fit the box
   }
   packed.scale = radius;
