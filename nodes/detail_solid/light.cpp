@@ -115,6 +115,7 @@ void smooth(std::vector<Vec3f>& values) {
 
 void split_phase(Phases& p, int phase, const residual::Outlines& outlines, const std::vector<float>& sizes,
                  std::vector<Detail::Rim>& rims) {
+  if (rims.empty()) return;  // too few pixels
   const auto size_at = [&](std::size_t i) { return sizes[static_cast<std::size_t>(outlines.particle[i])]; };
   const auto each = [&](auto&& use) {
     for (std::size_t i = 0; i < p.phase.size(); ++i)

@@ -93,13 +93,13 @@ void smooth_far(std::vector<Vec3f>& rim) {
   }
 }
 
-// The smallest value that half of the weight does not exceed.
-float median_by_weight(std::vector<std::pair<float, double>>& values) {
+// The smallest value that this share of the weight does not exceed. Sorts the values.
+float quantile_by_weight(std::vector<std::pair<float, double>>& values, double share) {
   std::sort(values.begin(), values.end());
   double all = 0, below = 0;
   for (const auto& [value, weight] : values) all += weight;
   for (const auto& [value, weight] : values)
-    if ((below += weight) >= all / 2) return value;
+    if ((below += weight) >= share * all) return value;
   return values.back().first;
 }
 
@@ -108,7 +108,7 @@ std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std
 
 // A profile in which hues vary far more than in the others of its group holds two stones, or a stone and
 // soil. Its stones would get patches of several hues, so its contrasts of chroma are limited: to 1.3 times
-// the median by area, or three robust standard deviations above it.
+// the median by area, or to what a fifth of the area exceeds.
 void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::Vector2f>& of_profile) {
   for (std::size_t g = 1; g <= groups; ++g) {
     std::vector<std::pair<float, double>> contrast;  // with the profile's area
@@ -116,9 +116,7 @@ void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::V
       if (detail.profile_group[k] == static_cast<std::int32_t>(g))
         contrast.emplace_back(of_profile[k].y(), std::pow(double{detail.profile_size[k]}, 2));
     if (contrast.empty()) continue;
-    const float middle = median_by_weight(contrast);
-    for (auto& [value, area] : contrast) value = std::abs(value - middle);
-    const float limit = std::max(1.3f * middle, middle + 3 * 1.4826f * median_by_weight(contrast));
+    const float limit = std::max(1.3f * quantile_by_weight(contrast, 0.5), quantile_by_weight(contrast, 0.8));
     for (std::size_t k = 0; k < detail.profile_group.size(); ++k)
       if (detail.profile_group[k] == static_cast<std::int32_t>(g))
         of_profile[k].y() = std::min(of_profile[k].y(), limit);

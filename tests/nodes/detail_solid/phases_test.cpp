@@ -144,6 +144,7 @@ TEST(DetailRims, SlopesAndContrastsAreMeasured) {
   // Along one axis, half of the square; relative to the color as Detail says.
   EXPECT_NEAR(slopes[0], 0.1 / 0.55 / std::sqrt(2.0), 0.015);
   Detail d;
+  d.phases.resize(p.pixels.size());
   split_contrasts(p, drawn.image, drawn.labels, d);
   ASSERT_EQ(d.profile_contrast.size(), 16u);
   EXPECT_NEAR(d.profile_contrast[0].x() / d.profile_contrast[1].x(), 2, 0.1);
@@ -251,6 +252,7 @@ TEST(DetailRims, ChromaAndGrayHaveContrastsOfTheirOwn) {
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
+  d.phases.resize(p.pixels.size());
   split_contrasts(p, drawn.image, drawn.labels, d);
   ASSERT_EQ(d.profile_contrast.size(), 16u);
   EXPECT_NEAR(d.profile_contrast[0].y() / d.profile_contrast[1].y(), 4, 0.3);
@@ -269,6 +271,7 @@ TEST(DetailRims, ZonesDoNotCountAsGrain) {
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
+  d.phases.resize(p.pixels.size());
   split_contrasts(p, drawn.image, drawn.labels, d);
   ASSERT_EQ(d.profile_contrast.size(), 16u);
   ASSERT_EQ(d.profile_broad.size(), 16u);
@@ -283,6 +286,7 @@ TEST(DetailRims, GrayPicturesHaveNoChromaToDivideBy) {
   });
   Phases p = find_phases(drawn.image, drawn.labels, {});
   Detail d;
+  d.phases.resize(p.pixels.size());
   split_contrasts(p, drawn.image, drawn.labels, d);
   for (const auto& c : d.profile_contrast) EXPECT_TRUE(c.allFinite());
   for (const Vec3f& v : p.offset) ASSERT_TRUE(v.allFinite());
