@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -11,8 +10,6 @@
 
 namespace terrazzo::detail_solid {
 namespace {
-
-using Vec2f = Eigen::Vector2f;
 
 constexpr double kLeastTilted = 60;  // pixels of a profile whose slope counts
 constexpr double kLeastLit = 400;    // pixels of a bin
@@ -167,14 +164,7 @@ void split_phase(Phases& p, int phase, const residual::Outlines& outlines, const
 
 void split_light(Phases& p, const Labels& labels, Detail& detail) {
   split_tilts(p, labels, detail);
-  residual::Outlines all;
-  for (int s = 0; s < p.sections; ++s) {
-    const auto one = residual::nearest_outlines(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
-                                                p.height, false);
-    all.depth.insert(all.depth.end(), one.depth.begin(), one.depth.end());
-    all.particle.insert(all.particle.end(), one.particle.begin(), one.particle.end());
-    all.normal.insert(all.normal.end(), one.normal.begin(), one.normal.end());
-  }
+  const residual::Outlines all = outlines_of(p, labels);
   const std::vector<float> sizes = residual::sizes_of_particles(labels.ids, detail.pixel_size);
   for (std::size_t k = 0; k < detail.phases.size(); ++k)
     split_phase(p, static_cast<int>(k), all, sizes, detail.phases[k].rims);

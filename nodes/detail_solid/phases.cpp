@@ -158,4 +158,16 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   return out;
 }
 
+residual::Outlines outlines_of(const Phases& p, const Labels& labels) {
+  residual::Outlines all;
+  for (int s = 0; s < p.sections; ++s) {
+    const auto one = residual::nearest_outlines(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
+                                                p.height, false);
+    all.depth.insert(all.depth.end(), one.depth.begin(), one.depth.end());
+    all.particle.insert(all.particle.end(), one.particle.begin(), one.particle.end());
+    all.normal.insert(all.normal.end(), one.normal.begin(), one.normal.end());
+  }
+  return all;
+}
+
 }  // namespace terrazzo::detail_solid

@@ -7,6 +7,7 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
+#include "nodes/residual/outline_depth.h"
 #include "runtime/work.h"
 
 namespace terrazzo::detail_solid {
@@ -49,5 +50,8 @@ void check_photograph(const Image&, const Labels&);
 // area); there are fewer groups if one would have too few pixels for a texture. The photograph must have
 // passed check_photograph.
 Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
+
+// Of all sections, one after the other, in the order of the pixels of the phases.
+residual::Outlines outlines_of(const Phases&, const Labels&);
 
 }  // namespace terrazzo::detail_solid

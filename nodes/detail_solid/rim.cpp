@@ -50,17 +50,6 @@ struct Bins {
   }
 };
 
-residual::Outlines outlines_of(const Phases& p, const Labels& labels) {
-  residual::Outlines all;
-  for (int s = 0; s < p.sections; ++s) {
-    const auto one = residual::nearest_outlines(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
-                                                p.height, false);
-    all.depth.insert(all.depth.end(), one.depth.begin(), one.depth.end());
-    all.particle.insert(all.particle.end(), one.particle.begin(), one.particle.end());
-  }
-  return all;
-}
-
 std::vector<float> depths_of(const Phases& p, const Labels& labels) { return outlines_of(p, labels).depth; }
 
 // Sizes that separate the classes: halfway, by the logarithm, between the sizes at the middle of each third
