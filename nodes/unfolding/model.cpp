@@ -32,8 +32,7 @@ void check(const KMatrix& k) {
   }
 }
 
-constexpr double kSliver = 0.05;      // of a class's width
-constexpr double kWidestClass = 3.0;  // upper edge of the first visible class / lower edge
+constexpr double kSliver = 0.05;  // of a class's width
 
 double size_of(const KMatrix::Entry& e) { return std::sqrt(4 * e.max_section_area / std::numbers::pi); }
 
@@ -53,10 +52,9 @@ Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profil
   return m;
 }
 
-UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible, bool divide) {
+UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible) {
   check(k);
   UnfoldModel m;
-  m.equal = classes;
   m.upper_edge = k.averaging == "upper_edge";
   m.edges = equal_edges(classes, d_max);
   if (!(smallest_visible < d_max))
@@ -72,12 +70,6 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
   const double sliver = kSliver * d_max / classes;
   while (m.first + 1 < classes && m.edges[m.first + 1] <= smallest_visible + sliver) ++m.first;
   m.edges[m.first] = smallest_visible;
-  if (divide && smallest_visible > 0) {
-    const double lo = smallest_visible, ratio = m.edges[m.first + 1] / lo;
-    const int parts = static_cast<int>(std::ceil(std::log(ratio) / std::log(kWidestClass)));
-    for (int i = parts - 1; i > 0; --i)
-      m.edges.insert(m.edges.begin() + m.first + 1, lo * std::pow(ratio, static_cast<double>(i) / parts));
-  }
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);
