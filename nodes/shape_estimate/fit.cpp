@@ -222,7 +222,8 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
       }
       return s;
     };
-    const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x) -> Eigen::VectorXd {
+    const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x,
+                                  std::size_t planes) -> Eigen::VectorXd {
       part.check();
       const Mesh mesh = family.body(x);
       if (mesh.triangles.empty()) return {};
@@ -267,21 +268,22 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     } else {
       modeled(2);
     }
-    const auto go = [&](Run& run, int rounds, double step, const Work& w) {
+    const auto go = [&](Run& run, int rounds, double step, std::size_t planes, const Work& w) {
       LeastSquaresOptions options;
       options.rounds = rounds;
       options.step = step;
-      run.at = least_squares([&](const Eigen::VectorXd& x) { return residuals_of(*run.family, x); }, run.at.x,
-                             options, w);
+      run.at = least_squares([&](const Eigen::VectorXd& x) { return residuals_of(*run.family, x, planes); },
+                             run.at.x, options, w);
     };
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
       const double share = 0.5 / static_cast<double>(runs.size());
-      go(runs[i], 1, 0.4, part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
+      go(runs[i], 1, 0.4, std::min(planes, kLeastPlanes),
+         part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
     }
     Run& best = *std::min_element(runs.begin(), runs.end(),
                                   [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
-    go(best, request.rounds, 0.25, part.part(0.5, 1));
+    go(best, request.rounds, 0.25, planes, part.part(0.5, 1));
     if (k == 0) kind = best.kind;
     // Do not start from the same modeled body again.
     if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};

@@ -107,7 +107,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 9)
+  return NodeType("ShapeEstimate", 10)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
           "of different particles are arranged in space is unknown; each method makes a different "

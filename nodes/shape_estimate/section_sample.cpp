@@ -6,24 +6,22 @@
 #include <numeric>
 
 #include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/mesh_section.h"
 #include "nodes/common/stereology/random_sections.h"
 
 namespace terrazzo::shape_estimate {
 
 std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::size_t first) {
   std::vector<CutProfile> out;
+  MeshCutter cutter(mesh);
   for (std::size_t i = 0; i < planes; ++i) {
     const auto k = static_cast<double>(first + i + 1);
     const auto part = [&](double step) { return std::fmod(0.5 + step * k, 1.0); };
     const double z = part(0.8191725133961645), phi = 2 * std::numbers::pi * part(0.6710436067037893),
                  depth = part(0.5497004779019703), r = std::sqrt(1 - z * z);
     const Vec3 u(r * std::cos(phi), r * std::sin(phi), z);
-    double low = 1e300, high = -1e300;
-    for (const Vec3& v : mesh.vertices) {
-      const double h = u.dot(v);
-      low = std::min(low, h), high = std::max(high, h);
-    }
-    for (auto& profile : section_profiles(section_loops(mesh, frame_about(u), low + depth * (high - low)))) {
+    const auto [low, high] = cutter.turn(u);
+    for (auto& profile : section_profiles(cutter.loops(frame_about(u), low + depth * (high - low)))) {
       CutProfile s;
       s.loop = std::move(profile[0]);
       const double area = loop_area(s.loop);

@@ -28,7 +28,7 @@ std::optional<LimitSensitivity> limit_sensitivity(const Profiles& profiles, cons
   const Split whole = split_at(r);
   if (!(whole.first + whole.others > 0) || !(whole.others > 0)) return {};
   unfolding::UnfoldOptions fewer = options;
-  fewer.bootstrap = 0, fewer.classes = r.model.classes(), fewer.d_max = r.distribution.d_max;
+  fewer.bootstrap = 0, fewer.classes = r.model.equal, fewer.d_max = r.distribution.d_max;
   fewer.smallest_visible = r.model.profile_edges[1];
   double fraction = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;

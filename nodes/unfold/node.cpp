@@ -94,10 +94,10 @@ void compute(Context& c) {
         "the estimated particles fill {:.3g} of the volume, but the profiles cover {:.3g} of the section",
         r.distribution.volume_fraction, fraction));
   const int asked = kmatrix.classes;
-  if (o.classes == 0 && r.model.classes() < asked)
+  if (o.classes == 0 && r.model.equal < asked)
     c.warn(fmt::format(
         "{} profiles support only {} size classes, not the {} of the K matrix; set classes to override this",
-        r.observations.used, r.model.classes(), asked));
+        r.observations.used, r.model.equal, asked));
   if (r.observations.relative)
     c.warn(
         "the observed area is unknown, so densities are relative and sum to 1; set observed_area where the "
@@ -146,7 +146,7 @@ namespace terrazzo {
 
 NodeType unfold_node() {
   using namespace unfold;
-  return NodeType("Unfold", 7)
+  return NodeType("Unfold", 8)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")
@@ -167,7 +167,8 @@ NodeType unfold_node() {
       .parameter(Parameter::optional_integer("classes", "auto")
                      .range(1, 200)
                      .doc_("Number of equal size classes from 0 to d_max. auto: as many as the K matrix has, "
-                           "but at most 2·n^⅓ for n profiles."))
+                           "but at most 2·n^⅓ for n profiles; em then divides the smallest visible class "
+                           "into parts of at most a factor of two, as far as its profiles suffice."))
       .parameter(Parameter::optional_number("smallest_visible", "auto")
                      .unit_("mm")
                      .range(0, 1e9)

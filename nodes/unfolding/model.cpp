@@ -32,9 +32,26 @@ void check(const KMatrix& k) {
   }
 }
 
-constexpr double kSliver = 0.05;  // of a class's width
+constexpr double kSliver = 0.05;      // of a class's width
+constexpr double kWidestClass = 2.0;  // upper edge of the first visible class / lower edge
 
 double size_of(const KMatrix::Entry& e) { return std::sqrt(4 * e.max_section_area / std::numbers::pi); }
+
+// Edges that divide the class from `low` to `high` geometrically. The lowest part holds as many profiles as a
+// class does on average: each small profile stands for many particles.
+std::vector<double> division(double low, double high, const std::vector<double>& profiles, int classes) {
+  if (profiles.empty() || !(low > 0) || !(high > kWidestClass * low)) return {};
+  const double parts = std::ceil(std::log(high / low) / std::log(kWidestClass));
+  std::vector<double> inner;
+  for (double i = 1; i < parts; ++i) {
+    const double edge = low * std::pow(high / low, i / parts);
+    const auto below =
+        std::count_if(profiles.begin(), profiles.end(), [&](double s) { return s >= low && s <= edge; });
+    if (!inner.empty() || static_cast<double>(below * classes) >= static_cast<double>(profiles.size()))
+      inner.push_back(edge);
+  }
+  return inner;
+}
 
 }  // namespace
 
@@ -52,9 +69,11 @@ Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profil
   return m;
 }
 
-UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible) {
+UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible,
+                       const std::vector<double>& profiles) {
   check(k);
   UnfoldModel m;
+  m.equal = classes;
   m.upper_edge = k.averaging == "upper_edge";
   m.edges = equal_edges(classes, d_max);
   if (!(smallest_visible < d_max))
@@ -70,6 +89,8 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
   const double sliver = kSliver * d_max / classes;
   while (m.first + 1 < classes && m.edges[m.first + 1] <= smallest_visible + sliver) ++m.first;
   m.edges[m.first] = smallest_visible;
+  const std::vector<double> inner = division(smallest_visible, m.edges[m.first + 1], profiles, classes);
+  m.edges.insert(m.edges.begin() + m.first + 1, inner.begin(), inner.end());
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
   m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);

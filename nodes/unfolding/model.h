@@ -13,6 +13,7 @@ namespace terrazzo::unfolding {
 // eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left out.
 struct UnfoldModel {
   std::vector<double> edges;          // n + 1, mm; edge `first` is raised to smallest_visible
+  int equal = 0;                      // number of classes before the first visible one was divided
   int first = 0;                      // first visible class
   std::vector<double> profile_edges;  // of the visible classes, mm; the first ≥ smallest_visible
   Eigen::MatrixXd matrix;             // visible classes: N_A (per mm²) = matrix (mm) · N_V (per mm³)
@@ -23,8 +24,12 @@ struct UnfoldModel {
   int visible() const { return classes() - first; }
 };
 
-// Throws Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
-UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible);
+// If the sizes of the profiles are given, the first visible class is divided geometrically where its edges
+// differ by more than a factor of two, as far as the lowest part holds as many profiles as a class does on
+// average: sizes in a class count as uniform, and the smallest particles are the most frequent ones. Throws
+// Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
+UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible,
+                       const std::vector<double>& profiles = {});
 
 // The model matrix for other classes: a row per profile class, a column per size class.
 Eigen::MatrixXd model_matrix(const KMatrix&, const std::vector<double>& profile_edges,

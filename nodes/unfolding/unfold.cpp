@@ -159,7 +159,10 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
                 "connect one shape per class, or set types: mixed")
         .parameter("types");
   if (d_max <= 0) d_max = estimate_d_max(o, k, options.types, classes, visible, work.part(0, 0.3));
-  r.model = make_model(k, classes, d_max, visible);
+  std::vector<double> profiles;
+  if (options.classes == 0 && options.method == Method::Em)
+    for (const auto& q : o.classes) profiles.insert(profiles.end(), q.size.begin(), q.size.end());
+  r.model = make_model(k, classes, d_max, visible, profiles);
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
   const bool em = options.method == Method::Em;
@@ -173,7 +176,7 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
     const KMatrix own = kmatrix_of(k, options.types, c);
     const UnfoldModel model =
-        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible) : m;
+        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles) : m;
     const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
     const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {

@@ -31,7 +31,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
           kBlock * Vec3i(b % blocks.x(), b / blocks.x() % blocks.y(), b / blocks.x() / blocks.y());
       const Vec3i hi = (lo.array() + kBlock).min(box_.size.array());
       block_distances(
-          mesh, tree, lo, hi, kBlockReach * spacing_, far_,
+          mesh, tree, lo, hi, kBlockReach * spacing_, far_, [](int, int, int) { return true; },
           [&](const Vec3& cell) { return Vec3(origin_ + spacing_ * cell); },
           [&](int i, int j, int k, double d) {
             const std::size_t at = box_.index(i, j, k);

@@ -46,9 +46,19 @@ struct Stamp {
   std::vector<float> distance;
 };
 
-// Fills scan and distance of the stamp. `sdf` uses the unit of the shape's mesh; without one (null),
-// distances are computed from the triangles.
-void make_stamp(Stamp&, const Particles&, const Shape&, const MeshSdf* sdf, double voxel);
+// Fills the scan of the stamp.
+void scan_stamp(Stamp&, const Particles&, const Shape&, double voxel);
+
+// Marks the cells of the slab inside a solid particle, after scan_stamp. `taken` has the cells of
+// Slab::index.
+void mark_inside(const Slab&, const std::vector<Stamp>&, const Particles&, std::vector<std::uint8_t>& taken,
+                 const Work&);
+
+// Fills the distances of a solid particle's stamp, except in cells inside other particles, where they do not
+// count: there they are kBand. `sdf` uses the unit of the shape's mesh; without one (null), distances are
+// computed from the triangles.
+void add_distances(Stamp&, const Slab&, const std::vector<std::uint8_t>& taken, const Particles&,
+                   const Shape&, const MeshSdf* sdf, double voxel);
 
 // Adds the stamps in order, independent of the number of threads. Reads no colors.
 void add_stamps(Slab&, const std::vector<Stamp>&, const Particles&, const Work&);

@@ -148,6 +148,7 @@ Slab Slabs::made(int z0, int z1, const Work& work) {
       boxes_.push_back(reach(particles_, shapes_.shapes[particles_.shape[p]], p, lattice_.voxel));
   }
   Slab slab(lattice_.size, z0, z1, particles_.void_count() > 0);
+  std::vector<std::uint8_t> taken(slab.distance.size(), 0);  // cells inside a particle
   std::vector<Stamp> stamps = stamps_of(boxes_, z0, z1, lattice_.size.z());
   for (std::size_t begin = 0; begin < stamps.size();) {
     std::size_t end = begin, cells = 0;
@@ -156,11 +157,20 @@ Slab Slabs::made(int z0, int z1, const Work& work) {
     std::vector<Stamp> batch(std::make_move_iterator(stamps.begin() + begin),
                              std::make_move_iterator(stamps.begin() + end));
     const Work part = work.part(double(begin) / stamps.size(), double(end) / stamps.size());
-    part.part(0, 0.8).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
+    const auto shape_of = [&](const Stamp& s) -> const Shape& {
+      return shapes_.shapes[static_cast<std::size_t>(particles_.shape[static_cast<std::size_t>(s.particle)])];
+    };
+    part.part(0, 0.2).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
+      for (std::size_t i = b; i < e; ++i)
+        scan_stamp(batch[i], particles_, shape_of(batch[i]), lattice_.voxel);
+    });
+    mark_inside(slab, batch, particles_, taken, part.part(0.2, 0.25));
+    part.part(0.25, 0.8).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
       for (std::size_t i = b; i < e; ++i) {
-        const std::size_t p = batch[i].particle;
-        make_stamp(batch[i], particles_, shapes_.shapes[particles_.shape[p]], distances_->of(p),
-                   lattice_.voxel);
+        const auto p = static_cast<std::size_t>(batch[i].particle);
+        if (!particles_.is_void(batch[i].particle))
+          add_distances(batch[i], slab, taken, particles_, shape_of(batch[i]), distances_->of(p),
+                        lattice_.voxel);
       }
     });
     add_stamps(slab, batch, particles_, part.part(0.8, 1));

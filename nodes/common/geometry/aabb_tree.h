@@ -34,23 +34,28 @@ class AabbTree {
   // bound)` returns the new, smaller or equal bound. Returns the last one.
   template <class Visit>
   double visit_near(const Vec3& p, double bound, Visit&& visit) const {
-    std::int32_t stack[64];  // of halves, so deep enough for any mesh
+    struct Open {
+      std::int32_t node;
+      double distance;  // squared, of its box
+    } stack[64];        // of halves, so deep enough for any mesh
     int top = 0;
-    if (!nodes.empty()) stack[top++] = 0;
+    if (!nodes.empty()) stack[top++] = {0, nodes[0].box.squared_distance(p)};
     while (top > 0) {
-      const std::int32_t k = stack[--top];
-      const Node& node = nodes[k];
-      if (node.box.squared_distance(p) > bound) continue;
+      const Open open = stack[--top];
+      if (open.distance > bound) continue;
+      const Node& node = nodes[open.node];
       if (node.right == 0) {
         for (std::int32_t m = node.first; m < node.first + node.count; ++m)
           bound = visit(triangles[m], bound);
         continue;
       }
       // The nearer child is pushed last, so that it is visited first and lowers the bound.
-      const bool left_first =
-          nodes[k + 1].box.squared_distance(p) <= nodes[node.right].box.squared_distance(p);
-      stack[top++] = left_first ? node.right : k + 1;
-      stack[top++] = left_first ? k + 1 : node.right;
+      const Open left{open.node + 1, nodes[open.node + 1].box.squared_distance(p)},
+          right{node.right, nodes[node.right].box.squared_distance(p)};
+      const bool left_first = left.distance <= right.distance;
+      const Open &nearer = left_first ? left : right, &farther = left_first ? right : left;
+      if (farther.distance <= bound) stack[top++] = farther;
+      if (nearer.distance <= bound) stack[top++] = nearer;
     }
     return bound;
   }

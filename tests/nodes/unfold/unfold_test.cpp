@@ -235,6 +235,57 @@ TEST(Unfold, FewProfilesGetFewerClassesAndAWarning) {
   EXPECT_EQ(classes_and_warnings("60").second, 1u);  // fewer profiles than classes
 }
 
+// Many particles of half a millimeter to one beside few of 6 to 14 mm.
+Profiles small_beside_large() {
+  Profiles p = section(0.5, 1, 0.03, 1e4, 4);
+  const Profiles large = section(6, 14, 0.0003, 1e4, 5);
+  p.profiles.insert(p.profiles.end(), large.profiles.begin(), large.profiles.end());
+  p.area_fraction += large.area_fraction;
+  return p;
+}
+
+TEST(Unfold, TheSmallestClassIsDividedWhereSizesDifferMuch) {
+  // In one class of 0.4 to 2 mm, whose sizes count as uniform, the same number of small particles would show
+  // far more profiles.
+  Profiles p = small_beside_large();
+  std::erase_if(p.profiles, [](const Profile& q) { return q.area < std::numbers::pi / 4 * 0.16; });
+  const double observed = static_cast<double>(p.profiles.size()) / p.observed_area;
+  // The profiles of spheres of these sizes, relative to those observed.
+  const auto shown = [&](int classes) {
+    UnfoldOptions o;
+    o.smallest_visible = 0.4, o.classes = classes;
+    const UnfoldResult r = unfolding::unfold(p, test::spheres<8>(), o, {});
+    EXPECT_LT(r.model.edges.back(), 16);
+    if (classes == 0) {
+      EXPECT_EQ(r.model.equal, 8);
+      EXPECT_GT(r.model.classes(), 8);
+      for (std::size_t i = 0; r.model.profile_edges[i] < 1; ++i)
+        EXPECT_LE(r.model.profile_edges[i + 1], 2 * r.model.profile_edges[i] * (1 + 1e-12));
+    } else {
+      EXPECT_EQ(r.model.classes(), classes);
+    }
+    double sum = 0;
+    for (int j = 0; j < r.model.visible(); ++j)
+      sum += r.fits[0].density[j] * r.model.matrix.col(j).sum() / observed;
+    return sum;
+  };
+  EXPECT_NEAR(shown(0), 1, 0.15);
+  EXPECT_GT(shown(8), 1.5);
+}
+
+TEST(Unfold, TheSmallestClassStaysWholeWhereItHoldsFewProfiles) {
+  Profiles p = section(6, 14, 0.0005, 1e4, 6);
+  p.profiles[0].area = 0.01;
+  UnfoldOptions o;
+  const UnfoldResult r = unfolding::unfold(p, test::spheres<8>(), o, {});
+  EXPECT_LT(r.model.profile_edges[0] * 2, r.model.profile_edges[1]);
+  const auto in_first = std::ranges::count_if(p.profiles, [&](const Profile& q) {
+    return std::sqrt(4 * q.area / std::numbers::pi) <= r.model.profile_edges[1];
+  });
+  EXPECT_LT(r.model.equal * in_first, static_cast<std::ptrdiff_t>(p.profiles.size()));
+  EXPECT_EQ(r.model.classes(), r.model.equal);
+}
+
 TEST(Unfold, EqualProfilesGiveSizesNearTheirs) {
   Profiles p;
   p.observed_area = 1e5;

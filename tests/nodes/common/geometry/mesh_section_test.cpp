@@ -273,6 +273,32 @@ TEST(MaxSection, NoSliceIsLarger) {
   }
 }
 
+TEST(MeshSection, ManyPlanesGiveTheLoopsOfEachToTheBit) {
+  int disjoint = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed)
+    for (const Mesh& m :
+         {bumpy(seed, false), bumpy(seed, true), hull_of_random_points(seed, 60), unit_cube()}) {
+      MeshCutter cutter(m);
+      Random r(seed, 7);
+      for (int i = 0; i < 40; ++i) {
+        const Mat3 f = frame(random_direction(r));
+        if (i % 3) {
+          const auto [low, high] = cutter.turn(f.col(2));
+          double lowest = 1e300;
+          for (const Vec3& v : m.vertices) lowest = std::min(lowest, f.col(2).dot(v));
+          EXPECT_NEAR(low, lowest, 1e-12);
+          EXPECT_LT(low, high);
+        }
+        const double h = i % 5 ? r.uniform(-1, 1) : f.col(2).dot(m.vertices[0]);  // also through a vertex
+        const auto one = section_loops(m, f, h), many = cutter.loops(f, h);
+        ASSERT_EQ(one.size(), many.size());
+        for (std::size_t k = 0; k < one.size(); ++k) EXPECT_EQ(one[k], many[k]);
+        disjoint += one.size() > 1;
+      }
+    }
+  EXPECT_GT(disjoint, 10);
+}
+
 TEST(MeasureShape, CentersAndRefuses) {
   const Shape s = measure_shape("cube", unit_cube(), 0.5);
   EXPECT_NEAR(mesh_centroid(s.mesh).norm(), 0, 1e-12);
