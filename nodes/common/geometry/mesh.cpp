@@ -14,24 +14,34 @@ namespace {
 
 // A directed edge of a triangle.
 struct HalfEdge {
-  std::int32_t from, to;
-  std::size_t triangle;
+  std::int32_t from = 0, to = 0;
+  std::size_t triangle = 0;
   std::int32_t low() const { return std::min(from, to); }
   std::int32_t high() const { return std::max(from, to); }
 };
 
-// Half-edges sorted so that those of the same edge are adjacent.
+// Half-edges sorted so that those of the same edge are adjacent: by lower vertex, by counting, then each
+// vertex's few by the rest.
 std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(mesh.triangles.size() * 3);
+  std::vector<std::size_t> end(mesh.vertices.size() + 1, 0);
+  for (const auto& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) ++end[static_cast<std::size_t>(std::min(t[k], t[(k + 1) % 3])) + 1];
+  for (std::size_t v = 1; v < end.size(); ++v) end[v] += end[v - 1];
+  std::vector<HalfEdge> edges(mesh.triangles.size() * 3);
+  std::vector<std::size_t> next(end.begin(), end.end() - 1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) edges.push_back({mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], t});
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    if (a.low() != b.low()) return a.low() < b.low();
-    if (a.high() != b.high()) return a.high() < b.high();
-    if (a.from != b.from) return a.from < b.from;
-    return a.triangle < b.triangle;
-  });
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdge e{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], t};
+      edges[next[static_cast<std::size_t>(e.low())]++] = e;
+    }
+  for (std::size_t v = 0; v + 1 < end.size(); ++v)
+    std::sort(edges.begin() + static_cast<std::ptrdiff_t>(end[v]),
+              edges.begin() + static_cast<std::ptrdiff_t>(end[v + 1]),
+              [](const HalfEdge& a, const HalfEdge& b) {
+                if (a.high() != b.high()) return a.high() < b.high();
+                if (a.from != b.from) return a.from < b.from;
+                return a.triangle < b.triangle;
+              });
   return edges;
 }
 

@@ -19,6 +19,26 @@ struct Candidate {
   double area;
 };
 
+// Upper bound of the section areas across a direction: the area of the shadow, with every fold counted.
+class Shadow {
+ public:
+  explicit Shadow(const Mesh& mesh) {
+    normals_.reserve(mesh.triangles.size());
+    for (const auto& t : mesh.triangles) {
+      const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+      normals_.push_back((b - a).cross(c - a) / 4);  // half, since a line enters as often as it leaves
+    }
+  }
+  double operator()(const Vec3& direction) const {
+    double sum = 0;
+    for (const Vec3& n : normals_) sum += std::abs(n.dot(direction));
+    return sum * (1 + 1e-9);
+  }
+
+ private:
+  std::vector<Vec3> normals_;
+};
+
 double largest(DepthSweep& sweep, const Vec3& direction) {
   // Skip ranges as thin as rounding errors (a face in the plane). The adjacent ranges reach the same area.
   const auto& ranges = sweep.sweep(direction);
@@ -32,7 +52,8 @@ double largest(DepthSweep& sweep, const Vec3& direction) {
 // Compass search over tilts of the direction, with the exact depth at each step. The largest section of a
 // polyhedron is often on a ridge (through vertices), so each round rotates the compass in order to find the
 // direction along the ridge.
-Candidate climb(DepthSweep& sweep, Candidate c, double step, double finest, const Work& work) {
+Candidate climb(DepthSweep& sweep, const Shadow& shadow, Candidate c, double step, double finest,
+                const Work& work) {
   constexpr double kGolden = 2.399963229728653;
   double turn = 0;
   while (step > finest) {
@@ -42,6 +63,7 @@ Candidate climb(DepthSweep& sweep, Candidate c, double step, double finest, cons
       const Vec3 a = c.direction.unitOrthogonal(), b = c.direction.cross(a);
       const double angle = turn + k * std::numbers::pi / 3;
       const Vec3 u = (c.direction + step * (std::cos(angle) * a + std::sin(angle) * b)).normalized();
+      if (shadow(u) <= c.area) continue;
       const double area = largest(sweep, u);
       if (area > c.area) {
         c = {u, area};
@@ -82,9 +104,10 @@ double max_section_area(const Mesh& mesh, const Work& work) {
     const auto near = [&](const Candidate& s) { return std::abs(s.direction.dot(c.direction)) > apart; };
     if (std::none_of(starts.begin(), starts.end(), near)) starts.push_back(c);
   }
+  const Shadow shadow(mesh);
   work.part(0.5, 1).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t) {
     DepthSweep sweep(mesh);
-    starts[begin] = climb(sweep, starts[begin], 2 / std::sqrt(static_cast<double>(n)), finest, work);
+    starts[begin] = climb(sweep, shadow, starts[begin], 2 / std::sqrt(static_cast<double>(n)), finest, work);
   });
   double best = 0;
   for (const Candidate& c : starts) best = std::max(best, c.area);
@@ -95,12 +118,24 @@ double quick_max_section_area(const Mesh& mesh) {
   if (mesh.vertices.empty() || mesh.triangles.empty()) return 0;
   const std::size_t directions = mesh.triangles.size() > 500 ? 16 : 80;  // many triangles are rounder
   DepthSweep sweep(mesh);
+  const Shadow shadow(mesh);
+  // The widest shadows first: once an area exceeds the next shadow, no other direction can exceed it.
+  struct Widest {
+    double shadow;
+    std::size_t index;
+  };
+  std::vector<Widest> order;
+  for (std::size_t i = 0; i < directions; ++i)
+    order.push_back({shadow(half_sphere_direction(i, directions)), i});
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Widest& a, const Widest& b) { return a.shadow > b.shadow; });
   Candidate best{Vec3::UnitZ(), 0};
-  for (std::size_t i = 0; i < directions; ++i) {
-    const Vec3 u = half_sphere_direction(i, directions);
+  for (const Widest& w : order) {
+    if (w.shadow <= best.area) break;
+    const Vec3 u = half_sphere_direction(w.index, directions);
     if (const double area = largest(sweep, u); area > best.area) best = {u, area};
   }
-  return climb(sweep, best, 0.25, 0.04, {}).area;
+  return climb(sweep, shadow, best, 0.25, 0.04, {}).area;
 }
 
 Shape measure_shape(std::string name, Mesh mesh, double probability, const Work& work) {
