@@ -12,6 +12,7 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/texture_nib/views.h"
 #include "runtime/base64.h"
+#include "runtime/studio/brush_queue.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
 
@@ -36,12 +37,6 @@ std::string bytes_of(const Image& image, const Rectangle& r) {
   return out;
 }
 
-Rectangle joined(const Rectangle& a, const Rectangle& b) {
-  if (a.x1 <= a.x0) return b;
-  if (b.x1 <= b.x0) return a;
-  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
-
 NibChoice choice_of(const json& j) {
   NibChoice c;
   c.region = j.at("region").get<std::vector<double>>();
@@ -54,16 +49,20 @@ NibChoice choice_of(const json& j) {
 
 }  // namespace
 
+// How long a request waits for points to be painted: one frame of a screen.
+constexpr double kBudget = 16, kLongestBudget = 60000;  // ms
+
 struct PaintServer::Impl {
   Painting& painting;
   SaveFile& save_file;
   const std::atomic<bool>* cancel;
   LocalServer server{"paint"};
-  std::mutex mutex = {};  // only one thread at a time may use the painting
+  std::mutex mutex = {};  // only one thread at a time may use the queue
+  BrushQueue queue{painting, cancel};
 
   Work work() const { return {cancel, nullptr}; }
 
-  // Wraps `act` in a handler that locks the painting.
+  // Wraps `act` in a handler that locks the queue.
   template <class Act>
   httplib::Server::Handler handler(Act act) {
     return server.handler([this, act](const httplib::Request& in, const json& body, httplib::Response& out) {
@@ -93,25 +92,31 @@ struct PaintServer::Impl {
             {"content", painting.content()}};
   }
 
+  // Queues steps of a stroke, if there are any, and answers with what changed within the budget.
   void stroke(const json& body, httplib::Response& out) {
     const auto start = std::chrono::steady_clock::now();
-    if (body.value("begin", false)) painting.begin_stroke(body.at("radius").get<double>());
-    Rectangle changed;
-    for (const auto& point : body.at("points")) {
+    const double budget = body.value("budget", kBudget);
+    if (!(budget >= 0 && budget <= kLongestBudget))
+      throw Error("bad-request", fmt::format("budget must be between 0 and {} ms", kLongestBudget));
+    if (body.value("begin", false)) queue.begin_stroke(body.at("radius").get<double>());
+    for (const auto& point : body.value("points", json::array())) {
       if (!point.is_array() || point.size() != 2) throw Error("bad-stroke", "a point is [x, y]");
-      changed =
-          joined(changed, painting.extend_stroke({point[0].get<double>(), point[1].get<double>()}, work()));
+      queue.extend_stroke({point[0].get<double>(), point[1].get<double>()});
     }
-    if (body.value("end", false)) painting.end_stroke();
+    if (body.value("end", false)) queue.end_stroke();
+    const auto progress = queue.wait(std::chrono::milliseconds(static_cast<int>(budget)));
+    const Rectangle& r = progress.changed;
+    std::string pixels;
+    if (r.x1 > r.x0) queue.read([&](const Image& shown) { pixels = encode_base64(bytes_of(shown, r)); });
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    const bool any = changed.x1 > changed.x0;
-    LocalServer::answer(out, {{"rectangle", {changed.x0, changed.y0, changed.x1, changed.y1}},
-                              {"pixels", any ? encode_base64(bytes_of(painting.picture(), changed)) : ""},
+    LocalServer::answer(out, {{"rectangle", {r.x0, r.y0, r.x1, r.y1}},
+                              {"pixels", pixels},
+                              {"pending", progress.points},
                               {"milliseconds", took.count()},
-                              {"strokes", painting.strokes()}});
+                              {"strokes", progress.strokes}});
   }
 
-  void view(const std::string& kind, httplib::Response& out) const {
+  void view(const std::string& kind, httplib::Response& out) {
     const Image& p = painting.picture();
     const Rectangle all{0, 0, p.width, p.height};
     if (kind == "picture") return out.set_content(bytes_of(p, all), "application/octet-stream");
@@ -138,26 +143,28 @@ struct PaintServer::Impl {
     server.add_page("/", "paint.html");
     for (const std::string name : {"paint.js", "paint.css"}) server.add_page("/" + name, name);
     const auto answer_state = [this](auto&, const json&, httplib::Response& out) {
-      LocalServer::answer(out, state());
+      queue.idle([&] { LocalServer::answer(out, state()); });
     };
     http.Get("/api/state", handler(answer_state));
     http.Get("/api/view", handler([this](const httplib::Request& in, const json&, httplib::Response& out) {
-               view(in.get_param_value("kind"), out);
+               queue.idle([&] { view(in.get_param_value("kind"), out); });
              }));
     http.Post("/api/nib", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                        httplib::Response& out) {
-                painting.choose(choice_of(body), work());
+                const NibChoice choice = choice_of(body);
+                queue.change([&] { painting.choose(choice, work()); });
                 answer_state(in, body, out);
               }));
     http.Post("/api/stroke", handler([this](const httplib::Request&, const json& body,
                                             httplib::Response& out) { stroke(body, out); }));
     http.Post("/api/undo", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                         httplib::Response& out) {
-                if (!painting.undo(work())) throw Error("nothing-to-undo", "there is nothing to undo");
+                if (!queue.undo()) throw Error("nothing-to-undo", "there is nothing to undo");
                 answer_state(in, body, out);
               }));
-    http.Post("/api/save",
-              handler([this](const httplib::Request&, const json&, httplib::Response& out) { save(out); }));
+    http.Post("/api/save", handler([this](const httplib::Request&, const json&, httplib::Response& out) {
+                queue.idle([&] { save(out); });
+              }));
   }
 };
 

@@ -13,8 +13,10 @@ class SaveFile;
 
 // GET /, /paint.js and /paint.css return the page. GET /api/state returns JSON. GET
 // /api/view?kind=picture|base_relative|occupancy returns pixels of four bytes (RGBA). POST /api/nib,
-// /api/stroke, /api/undo and /api/save take JSON. Errors are {code, message, hint}. Listens only on 127.0.0.1
-// and answers only clients that know its token (access.h).
+// /api/stroke, /api/undo and /api/save take JSON. /api/stroke answers within `budget` milliseconds (16), with
+// the number of points that are not painted yet (brush_queue.h); without points, it reports progress. Errors
+// are {code, message, hint}. Listens only on 127.0.0.1 and answers only clients that know its token
+// (access.h).
 class PaintServer {
  public:
   // /api/save writes only `save_file`. `cancel` stops a stroke that is being painted.

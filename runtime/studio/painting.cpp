@@ -78,7 +78,7 @@ void Painting::choose(const NibChoice& choice, const Work& work) {
   nib_ = std::move(nib);
 }
 
-void Painting::begin_stroke(double radius) {
+void Painting::check_nib(double radius) const {
   if (!nib_) throw Error("no-nib", "there is no nib yet", "pick a region of the image first");
   if (2 * radius > std::max(original_.width, original_.height))
     throw Error("nib-too-large",
@@ -86,6 +86,10 @@ void Painting::begin_stroke(double radius) {
                             original_.width, original_.height),
                 "reduce its size");
   check_stroke({{{Vec2::Zero()}}, radius, false});
+}
+
+void Painting::begin_stroke(double radius) {
+  check_nib(radius);
   end_stroke();
   nib_->begin_stroke(radius);
   stroke_ = Stroke{{{}}, radius, false};
@@ -112,6 +116,13 @@ void Painting::repaint(const Work& work) {
   if (layers_.empty()) return;
   nib_ = nib_of(layers_.back(), work);
   for (const auto& s : layers_.back().strokes) nib_->paint(s, work);
+}
+
+bool Painting::drop_stroke(const Work& work) {
+  if (!stroke_) return false;
+  stroke_.reset();
+  repaint(work);
+  return true;
 }
 
 bool Painting::undo(const Work& work) {

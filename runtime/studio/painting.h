@@ -22,8 +22,8 @@ struct NibChoice {
   std::uint64_t seed = 1;
 };
 
-// Methods that take a Work throw Cancelled when it is cancelled. The painting is then incomplete and must
-// only be destroyed.
+// Methods that take a Work throw Cancelled when it is cancelled. The painting is then incomplete: after
+// extend_stroke(), drop_stroke() makes it complete again; otherwise it must only be destroyed.
 class Painting {
  public:
   // Reads the image. Throws what read_image() throws.
@@ -43,9 +43,12 @@ class Painting {
   // Paint a stroke point by point. extend_stroke() returns the rectangle that the point changed. A stroke
   // that touches no pixel is dropped. Throw Error "no-nib", "no-stroke", "bad-stroke", "nib-too-large".
   void begin_stroke(double radius);
+  void check_nib(double radius) const;  // throws what begin_stroke() throws
   texture_nib::Rectangle extend_stroke(const Vec2& point, const Work& = {});
   void end_stroke();
 
+  // Undoes the stroke in progress, of which Cancelled may have interrupted a point. False if there is none.
+  bool drop_stroke(const Work& = {});
   // Undoes the last stroke, or the last nib if it has no strokes. False if there is nothing to undo.
   bool undo(const Work& = {});
 

@@ -12,6 +12,9 @@ let view = { scale: 1, x: 0, y: 0 }; // image position (0, 0) is at (x, y) on th
 let pointer = null; // its position in image pixels
 let drag = null; // { kind, from, to }
 let scheduled = false;
+let pending = 0; // points that the server has not painted yet
+let ended = false; // a stroke, whose state is not shown yet
+let began = 0, dabs = 0; // the time when the stroke began, and the number of its points
 
 // --- Server requests
 
@@ -68,23 +71,36 @@ async function chooseNib(region) {
   await reload();
 }
 
+// Sends points and shows what is painted of them within a frame; the rest follows.
 function paint(points, { begin = false, end = false }) {
   const radius = +$('size').value / 2;
-  enqueue(async () => {
-    const result = await (await ask('/api/stroke', { radius, points, begin, end })).json();
-    const [x0, y0, x1, y1] = result.rectangle;
-    state.strokes = result.strokes;
-    if (x1 > x0 && $('view').value === 'picture') {
-      const bytes = Uint8ClampedArray.from(atob(result.pixels), (c) => c.charCodeAt(0));
-      pixels.putImageData(new ImageData(bytes, x1 - x0, y1 - y0), x0, y0);
-      draw();
-    }
-    if (points.length > 0) tell(`${points.length === 1 ? 'A dab' : `${points.length} dabs`} in ${result.milliseconds.toFixed(1)} ms`);
-    if (end) {
+  if (begin) began = performance.now(), dabs = 0;
+  dabs += points.length;
+  enqueue(() => stroke({ radius, points, begin, end }));
+}
+
+async function stroke(body) {
+  const result = await (await ask('/api/stroke', body)).json();
+  const [x0, y0, x1, y1] = result.rectangle;
+  state.strokes = result.strokes;
+  pending = result.pending;
+  if (x1 > x0 && $('view').value === 'picture') {
+    const bytes = Uint8ClampedArray.from(atob(result.pixels), (c) => c.charCodeAt(0));
+    pixels.putImageData(new ImageData(bytes, x1 - x0, y1 - y0), x0, y0);
+    draw();
+  }
+  ended ||= body.end;
+  if (pending > 0) {
+    tell(`${pending === 1 ? 'A dab' : `${pending} dabs`} to paint`);
+    if (waiting === 1) enqueue(() => stroke({ points: [] }));
+  } else {
+    if (ended) {
+      ended = false;
+      tell(`Painted ${dabs === 1 ? 'a dab' : `${dabs} dabs`} in ${(performance.now() - began).toFixed(0)} ms`);
       take(await (await ask('/api/state')).json());
       if ($('view').value !== 'picture') await reload();
     }
-  });
+  }
 }
 
 // --- Pointer input
@@ -135,7 +151,9 @@ canvas.addEventListener('pointermove', (event) => {
     if (Math.hypot(next[0] - last[0], next[1] - last[1]) >= step && drag.corners.length < 2048) drag.corners.push(next);
   } else if (drag?.kind === 'paint') {
     const next = rounded(pointer);
-    if (Math.hypot(next[0] - drag.last[0], next[1] - drag.last[1]) >= 1) {
+    // A large nib takes longer than the pointer to move by a pixel: then points are further apart.
+    const step = pending > 4 ? Math.max(1, +$('size').value / 8) : 1;
+    if (Math.hypot(next[0] - drag.last[0], next[1] - drag.last[1]) >= step) {
       drag.last = next;
       paint([next], {});
     }
@@ -180,6 +198,7 @@ $('zoom').addEventListener('input', () => zoomTo(2 ** +$('zoom').value));
 function undo() {
   enqueue(async () => {
     take(await (await ask('/api/undo', {})).json());
+    pending = 0, ended = false;
     tell('Undone.');
     await reload();
   });

@@ -70,6 +70,7 @@ try {
   await page.fill('#extent', '2'); // another kernel for it
   await page.dispatchEvent('#extent', 'change');
   await settled();
+  await page.fill('#size', '60'); // a dab takes longer than a frame
   await drag([[56, 44], [64, 48], [70, 40]]);
   const last = await pixels();
   await page.click('#save');

@@ -115,21 +115,23 @@ TEST_F(PaintAttack, ASignalEndsALongStroke) {
       large.at(x, y) = (x / 3 + y / 5) % 3 ? Vec3f(0.7f, 0.5f, 0.2f) : Vec3f(0.1f, 0.2f, 0.3f);
   const fs::path file = folder / "large.png";
   write_image(file, large);
-  for (const int signal : {SIGTERM, SIGINT}) {
-    PaintProcess p({file.string()}, folder);
-    ASSERT_TRUE(is(p.post("/api/nib", R"({"region": [2, 2, 200, 200]})"), 200));
-    const std::string stroke =
-        R"({"begin": true, "radius": 600, "points": [[100, 700], [1900, 800], [100, 1300]]})";
-    const int s = p.connect();
-    test::send_all(s, p.head("POST", "/api/stroke",
-                             "Content-Type: application/json\r\nContent-Length: " +
-                                 std::to_string(stroke.size()) + "\r\n") +
-                          stroke);
-    struct pollfd answered = {s, POLLIN, 0};
-    ASSERT_EQ(::poll(&answered, 1, 1000), 0) << "the stroke was short";
-    EXPECT_EQ(p.end(signal), 0);
-    ::close(s);
-  }
+  for (const int signal : {SIGTERM, SIGINT})
+    for (const bool waits : {true, false}) {  // until the stroke is painted
+      PaintProcess p({file.string()}, folder);
+      ASSERT_TRUE(is(p.post("/api/nib", R"({"region": [2, 2, 200, 200]})"), 200));
+      const std::string stroke =
+          R"({"begin": true, "radius": 600, "points": [[100, 700], [1900, 800], [100, 1300]], "budget": )" +
+          std::string(waits ? "60000}" : "0}");
+      const int s = p.connect();
+      test::send_all(s, p.head("POST", "/api/stroke",
+                               "Content-Type: application/json\r\nContent-Length: " +
+                                   std::to_string(stroke.size()) + "\r\n") +
+                            stroke);
+      struct pollfd answered = {s, POLLIN, 0};
+      ASSERT_EQ(::poll(&answered, 1, waits ? 1000 : 60000), waits ? 0 : 1) << "the stroke was short";
+      EXPECT_EQ(p.end(signal), 0);
+      ::close(s);
+    }
 }
 
 // A session does not replace what an earlier session saved.

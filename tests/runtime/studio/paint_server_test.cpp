@@ -61,8 +61,10 @@ TEST_F(Paint, PaintsUndoesAndSaves) {
   const std::string picture = client.Get("/api/view?kind=picture")->body;
   EXPECT_EQ(picture.size(), 96u * 80 * 4);
   post("/api/nib", {{"region", {2, 2, 40, 60}}});
-  const json stroke =
-      post("/api/stroke", {{"begin", true}, {"end", true}, {"radius", 8}, {"points", {{60, 40}, {62, 44}}}});
+  const json stroke = post(
+      "/api/stroke",
+      {{"begin", true}, {"end", true}, {"radius", 8}, {"points", {{60, 40}, {62, 44}}}, {"budget", 60000}});
+  EXPECT_EQ(stroke["pending"], 0);
   EXPECT_EQ(stroke["rectangle"], json({52, 32, 70, 52}));
   EXPECT_EQ(stroke["strokes"], 1);
   EXPECT_EQ(stroke["pixels"].get<std::string>().size(), (18u * 20 * 4 + 2) / 3 * 4);
@@ -74,6 +76,67 @@ TEST_F(Paint, PaintsUndoesAndSaves) {
   EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), written["graph"]);
   post("/api/undo", json::object());
   EXPECT_EQ(client.Get("/api/view?kind=picture")->body, picture);
+}
+
+// A stroke with a nib as large as the picture, whose dabs take longer than a frame.
+json large_stroke(double budget) {
+  json points = json::array();
+  for (int i = 0; i < 40; ++i) points.push_back({30 + i, 40});
+  return {{"begin", true}, {"end", true}, {"radius", 40}, {"points", points}, {"budget", budget}};
+}
+
+TEST_F(Paint, AnswersBeforeALargeNibIsDone) {
+  post("/api/nib", {{"region", {2, 2, 40, 60}}});
+  const std::string picture = client.Get("/api/view?kind=picture")->body;
+  const json first = post("/api/stroke", large_stroke(0));
+  EXPECT_GT(first["pending"], 0);
+  EXPECT_EQ(first["strokes"], 0);
+  EXPECT_EQ(first["rectangle"], json({0, 0, 96, 80}));  // drafts of all points
+  EXPECT_EQ(first["pixels"].get<std::string>().size(), (96u * 80 * 4 + 2) / 3 * 4);
+  json last = first;
+  while (last["pending"] > 0) last = post("/api/stroke", {{"budget", 1000}});
+  const json state = json::parse(client.Get("/api/state")->body);
+  EXPECT_EQ(state["strokes"], 1);
+
+  // The same bits as without a queue.
+  studio::Painting direct{test::paint_picture()};
+  studio::NibChoice choice;
+  choice.region = {2, 2, 40, 60};
+  direct.choose(choice);
+  direct.begin_stroke(40);
+  for (int i = 0; i < 40; ++i) direct.extend_stroke(Vec2(30 + i, 40));
+  direct.end_stroke();
+  EXPECT_EQ(state["content"], direct.content());
+  EXPECT_NE(client.Get("/api/view?kind=picture")->body, picture);
+}
+
+TEST_F(Paint, UndoesWhatIsNotPaintedYet) {
+  post("/api/nib", {{"region", {2, 2, 40, 60}}});
+  const json small = {
+      {"begin", true}, {"end", true}, {"radius", 8}, {"points", {{60, 40}}}, {"budget", 60000}};
+  EXPECT_EQ(post("/api/stroke", small)["strokes"], 1);
+  const json before = json::parse(client.Get("/api/state")->body);
+  // In work: interrupted. The stroke after it, still queued: dropped.
+  EXPECT_GT(post("/api/stroke", large_stroke(0))["pending"], 0);
+  EXPECT_EQ(post("/api/undo", json::object())["content"], before["content"]);
+  EXPECT_EQ(post("/api/stroke", small)["strokes"], 2);
+  const json two = json::parse(client.Get("/api/state")->body);
+  EXPECT_NE(two["content"], before["content"]);
+  json longer = large_stroke(0), later = small;
+  longer["points"].erase(longer["points"].begin() + 3, longer["points"].end());
+  later["budget"] = 0;
+  post("/api/stroke", longer);
+  EXPECT_GT(post("/api/stroke", later)["pending"], 1);
+  EXPECT_EQ(post("/api/undo", json::object())["strokes"], 3);
+  EXPECT_EQ(post("/api/undo", json::object())["content"], two["content"]);
+  EXPECT_EQ(post("/api/stroke", {{"budget", 0}})["pending"], 0);
+}
+
+TEST_F(Paint, TellsOfAStrokeThatCannotGoOn) {
+  post("/api/nib", {{"region", {2, 2, 40, 60}}});
+  EXPECT_EQ(code_of_post("/api/stroke", {{"points", {{60, 40}}}}), "no-stroke");
+  EXPECT_EQ(code_of_post("/api/stroke", {{"begin", true}, {"radius", 8}, {"budget", -1}}), "bad-request");
+  EXPECT_EQ(code_of_post("/api/stroke", {{"points", 3}}), "bad-stroke");
 }
 
 TEST_F(Paint, ServesThePageAndNothingElse) {
