@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
+#include "nodes/colorize/colors_of_sizes.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/kmeans.h"
 #include "runtime/random.h"
@@ -65,64 +67,43 @@ Source usable(const Profiles& profiles, ColorReport& report) {
   return s;
 }
 
-// Indices of the profiles of a class.
+// The profiles of a class (−1: all), and which particles of that class show them.
 struct Group {
   std::vector<std::size_t> members, by_size;
+  std::optional<ColorsOfSizes> colors;
 
-  // Class −1: all profiles.
   Group(const Source& s, int cls) {
     for (std::size_t i = 0; i < s.count(); ++i)
       if (cls < 0 || s.cls[i] == cls) members.push_back(i);
     by_size = members;
     std::stable_sort(by_size.begin(), by_size.end(), [&](auto a, auto b) { return s.size[a] < s.size[b]; });
   }
+  void estimate(const Source& s, const Particles& particles, int cls, std::uint64_t seed, const Work& work) {
+    std::vector<ColoredProfile> profiles;
+    for (const std::size_t i : members) profiles.push_back({s.size[i], s.weight[i], s.color[i]});
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < particles.count(); ++i)
+      if (!particles.is_void(i) && (cls < 0 || particles.cls[i] == cls)) sizes.push_back(particles.size[i]);
+    if (!sizes.empty()) colors.emplace(profiles, sizes, seed, work);
+  }
+  // The profiles that a particle of this size may show.
+  Draw draw(const Source& s, double size) const {
+    Draw draw;
+    for (std::size_t k = 0; k < members.size(); ++k) draw.add(members[k], colors->weight(k, size));
+    if (draw.empty()) {
+      // No profile is between the particle's size and 0.95 of it, or all are larger: use the nearest below,
+      // or else the smallest.
+      const auto above = std::upper_bound(by_size.begin(), by_size.end(), size,
+                                          [&](double v, std::size_t i) { return v < s.size[i]; });
+      const std::size_t n = std::max<std::size_t>(1, by_size.size() / 10);
+      const std::size_t end = std::max<std::size_t>(above - by_size.begin(), n);
+      for (std::size_t i = end - n; i < end; ++i) draw.add(by_size[i], s.weight[by_size[i]]);
+    }
+    return draw;
+  }
 };
 
-// In proportion to the density of profiles like each member of the group among the particles of a class (−1:
-// all). A plane meets a particle in proportion to its size, and the likelihood is that of a range in
-// proportion to the size, so the factors cancel.
-std::vector<double> profiles_expected(const Source& s, const Group& group, const Particles& particles,
-                                      int cls, const Work& work) {
-  std::vector<double> sizes, expected(s.count(), 0);
-  for (std::size_t i = 0; i < particles.count(); ++i)
-    if (!particles.is_void(i) && (cls < 0 || particles.cls[i] == cls)) sizes.push_back(particles.size[i]);
-  work.parallel(group.members.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      for (const double size : sizes)
-        expected[group.members[k]] += profile_likelihood(s.size[group.members[k]], size);
-  });
-  return expected;
-}
-
-// Weights the profiles of a group by the probability that a particle of this size shows them, among all
-// particles that could (Bayes).
-Draw draw_by_size(const Source& s, const Group& group, const std::vector<double>& expected, double size) {
-  const std::vector<std::size_t>& by_size = group.by_size;
-  Draw draw;
-  for (const std::size_t i : group.members)
-    if (expected[i] > 0) draw.add(i, s.weight[i] * profile_likelihood(s.size[i], size) / expected[i]);
-  if (draw.empty()) {
-    // No profile is between the particle's size and 0.95 of it, or all are larger: use the nearest below, or
-    // else the smallest.
-    const auto above = std::upper_bound(by_size.begin(), by_size.end(), size,
-                                        [&](double v, std::size_t i) { return v < s.size[i]; });
-    const std::size_t n = std::max<std::size_t>(1, by_size.size() / 10);
-    const std::size_t end = std::max<std::size_t>(above - by_size.begin(), n);
-    for (std::size_t i = end - n; i < end; ++i) draw.add(by_size[i], s.weight[by_size[i]]);
-  }
-  return draw;
-}
-
 }  // namespace
-
-double profile_likelihood(double profile, double size) {
-  // P(diameter ≤ p) = 1 − √(1 − (p/s)²) over the depths of a plane that meets a sphere.
-  const auto below = [&](double p) {
-    const double t = std::clamp(p / size, 0.0, 1.0);
-    return 1 - std::sqrt(1 - t * t);
-  };
-  return below(profile + 0.05 * size) - below(profile - 0.05 * size);
-}
 
 ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorChoice& choice,
                      const Work& work) {
@@ -163,18 +144,15 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       if (particles.is_void(i) || groups.contains(c)) continue;
       require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
     }
-    std::map<int, std::vector<double>> expected;
-    for (const auto& [c, group] : groups)
-      expected.emplace(c, profiles_expected(source, group, particles, c, work));
+    for (auto& [c, group] : groups) group.estimate(source, particles, c, choice.seed, work);
     pick_all([&](std::size_t i, double u) {
-      const int c = own ? particles.cls[i] : -1;
-      return draw_by_size(source, groups.at(c), expected.at(c), particles.size[i]).pick(u);
+      return groups.at(own ? particles.cls[i] : -1).draw(source, particles.size[i]).pick(u);
     });
     return report;
   }
 
   if (!classed) {
-    const Group all(source, -1);
+    Group all(source, -1);
     if (profiles.classes <= 1) {
       std::vector<Vec3> lab;
       for (const auto& c : source.color) lab.push_back(linear_to_oklab(c).cast<double>());
@@ -184,12 +162,12 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       report.clusters = found.k, report.silhouette = found.silhouette;
       source.cls = std::move(found.of);
     }
-    const std::vector<double> expected = profiles_expected(source, all, particles, -1, work);
+    all.estimate(source, particles, -1, choice.seed, work);
     work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (!particles.is_void(i))
-          particles.cls[i] = source.cls[draw_by_size(source, all, expected, particles.size[i])
-                                            .pick(Random(choice.seed, kClass, i).uniform())];
+          particles.cls[i] =
+              source.cls[all.draw(source, particles.size[i]).pick(Random(choice.seed, kClass, i).uniform())];
     });
   }
   std::vector<Draw> draws;

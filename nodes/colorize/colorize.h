@@ -12,7 +12,7 @@ namespace terrazzo::colorize {
 
 enum class ColorMode {
   Random,  // any profile by its weight: unbiased if color does not depend on size
-  BySize,  // a profile, by the probability that a sphere of the particle's size shows it
+  BySize,  // a profile, by the probability that a particle of this size shows it (colors_of_sizes.h)
   Classes  // a profile of the particle's own class
 };
 
@@ -36,9 +36,5 @@ struct ColorReport {
 // Jagnow et al. 2004, section 4.2. Throws Error "no-profiles", "bad-profile" (NaN, no area), "no-class" (no
 // profile has a particle's class).
 ColorReport colorize(Particles&, const Profiles&, const ColorChoice&, const Work& = {});
-
-// The probability that a random section that meets a sphere of diameter `size` has a diameter within ±5 % of
-// `size` around `profile`; 0 if no section is that large.
-double profile_likelihood(double profile, double size);
 
 }  // namespace terrazzo::colorize

@@ -42,7 +42,7 @@ namespace terrazzo {
 
 NodeType colorize_node() {
   using namespace colorize;
-  return NodeType("Colorize", 4)
+  return NodeType("Colorize", 5)
       .doc_(
           "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
           "color. Voids stay black.")

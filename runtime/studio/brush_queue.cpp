@@ -158,8 +158,8 @@ void BrushQueue::refresh() {
   strokes_ = painting_.strokes();
   const NibChoice* choice = painting_.choice();
   if (!choice) return;
-  const auto region = texture_nib::pixels_of(
-      texture_nib::region_mask(choice->region, shown_.width, shown_.height));
+  const auto region =
+      texture_nib::pixels_of(texture_nib::region_mask(choice->region, shown_.width, shown_.height));
   around_ = {shown_.width, shown_.height, 0, 0};
   for (const auto p : region) {
     const int x = static_cast<int>(p) % shown_.width, y = static_cast<int>(p) / shown_.width;

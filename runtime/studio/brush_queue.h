@@ -1,6 +1,6 @@
-// Paints strokes on a thread of its own, so that a page gets an answer in every frame however large the nib is
-// (Malzbender and Spach 1993, section 4.2, paint as much as fits into a time step). What is painted depends on
-// the points alone and not on the time that they take.
+// Paints strokes on a thread of its own, so that a page gets an answer in every frame however large the nib
+// is (Malzbender and Spach 1993, section 4.2, paint as much as fits into a time step). What is painted
+// depends on the points alone and not on the time that they take.
 #pragma once
 
 #include <atomic>

@@ -1,5 +1,7 @@
 #include "nodes/colorize/colorize.h"
 
+#include "nodes/colorize/colors_of_sizes.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -110,6 +112,26 @@ TEST(Colorize, BySizeGivesEachSizeItsColorBack) {
   for (std::size_t i = 0; i < p.count(); ++i) (i < 100 ? large : small) += p.color[i].z();
   EXPECT_GT(large / 100, 0.93);  // 0.69 if the likelihood alone were the weight
   EXPECT_LT(small / 4000, 0.02);
+}
+
+// A small profile may be the cap of a large particle, but no large profile is blue, so the large particles
+// are not.
+TEST(Colorize, BySizeKeepsAColorThatOnlySmallProfilesHaveFromLargeParticles) {
+  Random random(4, 5, 6);
+  Profiles seen;
+  for (int k = 0; k < 120; ++k) {
+    const double gray = 0.2 + 0.1 * random.uniform(), depth = random.uniform(-1, 1);
+    seen.profiles.push_back(
+        profile(10 * std::sqrt(1 - depth * depth), Vec3f::Constant(static_cast<float>(gray))));
+  }
+  for (int k = 0; k < 8; ++k) seen.profiles.push_back(profile(1.2 + 0.05 * k, Vec3f(0.1f, 0.2f, 0.6f)));
+  Particles p = particles(1060, 10);
+  for (std::size_t i = 0; i < 60; ++i) p.size[i] = 1.7;
+  colorize::colorize(p, seen, {ColorMode::BySize, 3});
+  int large = 0, small = 0;
+  for (std::size_t i = 0; i < p.count(); ++i) (i < 60 ? small : large) += p.color[i].z() > 0.5f;
+  EXPECT_LE(large, 5);  // of 1,000; 30 if any particle large enough could have the color
+  EXPECT_GE(small, 50);
 }
 
 TEST(Colorize, ClassesTakeTheirOwnProfiles) {
