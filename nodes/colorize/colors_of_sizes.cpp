@@ -11,10 +11,11 @@ namespace {
 
 constexpr int kClusters = 16, kRounds = 40;
 constexpr std::size_t kBins = 24;  // of sizes, geometric
-// Colors change little from bin to bin: after each round, those of neighbors are averaged with a Gaussian (EMS,
-// Silverman et al. 1990), in bins.
+// Colors change little from bin to bin: after each round, those of neighbors are averaged with a Gaussian
+// (EMS, Silverman et al. 1990), in bins.
 constexpr double kSmooth = 1.5;
-// Number of profiles that the colors of all sizes together count for, where a bin and its neighbors show none.
+// Number of profiles that the colors of all sizes together count for, where a bin and its neighbors show
+// none.
 constexpr double kPrior = 0.02;
 
 // How well a profile stands for a particle: its likelihood, times its share of the particle's size, because
@@ -88,15 +89,14 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
         const double part = std::exp(-0.5 * apart * apart);
         for (std::size_t c = 0; c < clusters; ++c) near[c] += part * from[d][c], sum += part * from[d][c];
       }
-      for (std::size_t c = 0; c < clusters; ++c)
-        share_[b][c] = (near[c] + kPrior * all[c]) / (sum + kPrior);
+      for (std::size_t c = 0; c < clusters; ++c) share_[b][c] = (near[c] + kPrior * all[c]) / (sum + kPrior);
     }
   }
   work.parallel(profiles.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (const double s : sizes)
-        expected_[i] += evidence(profiles[i].size, s) *
-                        share_[bin_of(s)][static_cast<std::size_t>(cluster_[i])];
+        expected_[i] +=
+            evidence(profiles[i].size, s) * share_[bin_of(s)][static_cast<std::size_t>(cluster_[i])];
   });
 }
 

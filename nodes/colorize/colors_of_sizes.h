@@ -21,8 +21,8 @@ struct ColoredProfile {
 // A profile may come from any particle that is large enough. The weight of a profile for a particle is the
 // probability that this particle shows it, among all particles that could (Bayes); a profile counts less the
 // smaller it is compared with the particle. The probability depends on the colors that particles of each size
-// have, which are estimated by maximum likelihood (EM, as Richardson 1972 and Lucy 1974), so small profiles of a
-// color that large profiles lack come from small particles.
+// have, which are estimated by maximum likelihood (EM, as Richardson 1972 and Lucy 1974), so small profiles
+// of a color that large profiles lack come from small particles.
 class ColorsOfSizes {
  public:
   // `sizes`: of all particles, positive. Colors within 16 clusters (k-means in Oklab) are equal here.

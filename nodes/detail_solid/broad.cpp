@@ -26,7 +26,8 @@ struct Extent {
 // The mean of `value` around each used pixel of one label, within the label's extent, over pixels for which
 // `counts(pixel)`. Keeps what is there already where hardly any counts.
 void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t id, const Extent& e,
-                const std::vector<Vec3f>& value, const auto& counts, std::vector<Vec3f>& broad) {
+                double sigma, const std::vector<Vec3f>& value, const auto& counts,
+                std::vector<Vec3f>& broad) {
   constexpr float kLeast = 0.02f;  // weight of the pixels that count
   const int w = e.x1 - e.x0 + 1, h = e.y1 - e.y0 + 1;
   cv::Mat sum(h, w, CV_32FC4, cv::Scalar::all(0));
@@ -41,13 +42,13 @@ void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t
     const Vec3f& o = value[i];
     if (counts(i)) v = cv::Vec4f(o.x(), o.y(), o.z(), 1);
   });
-  cv::GaussianBlur(sum, sum, {0, 0}, kBroad, kBroad, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(sum, sum, {0, 0}, sigma, sigma, cv::BORDER_CONSTANT);
   each([&](std::size_t i, const cv::Vec4f& v) {
     if (v[3] > kLeast) broad[i] = Vec3f(v[0], v[1], v[2]) / v[3];
   });
 }
 
-void blur_labels(const Phases& phases, const Labels& labels, const std::vector<Vec3f>& value,
+void blur_labels(const Phases& phases, const Labels& labels, double sigma, const std::vector<Vec3f>& value,
                  const auto& counts, std::vector<Vec3f>& broad, const Work& work) {
   std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
   for (int s = 0; s < phases.sections; ++s) {
@@ -61,10 +62,12 @@ void blur_labels(const Phases& phases, const Labels& labels, const std::vector<V
         e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
         e.y1 = std::max(e.y1, y);
       }
-    blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, value, counts, broad);
+    blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, sigma, value, counts,
+               broad);
     for (std::size_t k = 0; k < extents.size(); ++k)
       if (extents[k].x1 >= 0)
-        blur_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], value, counts, broad);
+        blur_label(phases, labels, s, static_cast<std::int32_t>(k) + 1, extents[k], sigma, value, counts,
+                   broad);
   }
 }
 
@@ -80,6 +83,82 @@ std::vector<Vec3f> deviations(const Phases& p, const std::vector<Vec3f>& broad) 
       out[phase][c] = v.empty() ? 0 : std::max(1.4826f * median(v), 0.004f);
     }
   return out;
+}
+
+// Where zones border on each other, the Gaussian filter leaves their edge in the fine part, from where it
+// would float among zones that it does not belong to. There, a pixel takes the mean of the zone that is most
+// like it (mean shift, Comaniciu and Meer 2002), unless that zone is a speck. Pixels that lie between zones
+// are not used any more, if enough others of their phase are left.
+void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& deviation,
+                std::vector<Vec3f>& broad, const Work& work) {
+  constexpr float kSame = 2, kSharp = 3;  // local deviation / the phase's: grain alone, and an edge
+  constexpr float kRange = 2;             // of the phase's deviations, within one zone
+  constexpr float kLeastZone = 0.2f, kMostZone = 0.8f;  // shares of the pixels around, where there is an edge
+  constexpr float kBetween = 3;                         // of the phase's deviations, off every zone
+  constexpr int kAround = 8;                            // pixels
+  constexpr std::size_t kEnough = 4000;                 // used pixels of a phase
+  const auto all = [](std::size_t) { return true; };
+  const std::size_t n = broad.size();
+  std::vector<Vec3f> soft = p.offset, square(n, Vec3f::Zero()), spread(n, Vec3f::Zero());
+  for (std::size_t i = 0; i < n; ++i)
+    if (const auto k = p.phase[i]; k >= 0)
+      square[i].setConstant(
+          ((p.offset[i] - broad[i]).array() / deviation[static_cast<std::size_t>(k)].array()).square().sum());
+  blur_labels(p, labels, kBroad, square, all, spread, work);
+  blur_labels(p, labels, 1, p.offset, all, soft, work);
+  std::vector<float> weight;
+  for (int dy = -kAround; dy <= kAround; ++dy)
+    for (int dx = -kAround; dx <= kAround; ++dx)
+      weight.push_back(static_cast<float>(std::exp(-0.5 * (dx * dx + dy * dy) / (kBroad * kBroad))));
+  std::vector<Vec3f> out = broad;
+  std::vector<std::uint8_t> between(n, 0);
+  work.quiet().parallel(
+      static_cast<std::size_t>(p.height) * p.sections, 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+          for (int x = 0; x < p.width; ++x) {
+            const int y = static_cast<int>(row % static_cast<std::size_t>(p.height));
+            const std::size_t plane = row / static_cast<std::size_t>(p.height) * p.plane(),
+                              i = plane + static_cast<std::size_t>(y) * p.width + static_cast<std::size_t>(x);
+            if (p.phase[i] < 0) continue;
+            const float local = std::sqrt(spread[i].x() / 3);
+            if (local <= kSame) continue;
+            const Vec3f& d = deviation[static_cast<std::size_t>(p.phase[i])];
+            Vec3f zone = soft[i];
+            float share = 0;
+            for (int round = 0; round < 3; ++round) {
+              Vec3f sum = Vec3f::Zero();
+              float total = 0, near = 0;
+              for (int v = std::max(0, y - kAround); v <= std::min(p.height - 1, y + kAround); ++v)
+                for (int u = std::max(0, x - kAround); u <= std::min(p.width - 1, x + kAround); ++u) {
+                  const std::size_t j =
+                      plane + static_cast<std::size_t>(v) * p.width + static_cast<std::size_t>(u);
+                  if (p.phase[j] < 0 || labels.ids[j] != labels.ids[i]) continue;
+                  const float w = weight[static_cast<std::size_t>(v - y + kAround) * (2 * kAround + 1) +
+                                         static_cast<std::size_t>(u - x + kAround)];
+                  const float apart =
+                      ((soft[j] - zone).array() / d.array()).square().sum() / (kRange * kRange);
+                  const float same = w * std::exp(-0.5f * apart);
+                  sum += same * p.offset[j], total += same, near += w;
+                }
+              if (!(total > 0)) break;
+              zone = sum / total, share = total / near;
+            }
+            if (share < kLeastZone) continue;
+            const float part = std::min(1.0f, (local - kSame) / (kSharp - kSame));
+            out[i] = (1 - part) * broad[i] + part * zone;
+            between[i] =
+                share < kMostZone && ((p.offset[i] - zone).cwiseAbs().array() > kBetween * d.array()).any();
+          }
+      });
+  broad = std::move(out);
+  std::vector<std::size_t> left = p.pixels;
+  for (std::size_t i = 0; i < n; ++i)
+    if (between[i]) --left[static_cast<std::size_t>(p.phase[i])];
+  for (std::size_t i = 0; i < n; ++i)
+    if (between[i] && left[static_cast<std::size_t>(p.phase[i])] >= kEnough) {
+      --p.pixels[static_cast<std::size_t>(p.phase[i])];
+      p.phase[i] = -1;
+    }
 }
 
 void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
@@ -131,7 +210,7 @@ std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work&
   constexpr float kZone = 0.2f;  // share of the pixels around that are as far off in a zone or shadow
   const auto all = [](std::size_t) { return true; };
   std::vector<Vec3f> broad(phases.offset.size(), Vec3f::Zero()), far = broad, around = broad;
-  blur_labels(phases, labels, phases.offset, all, broad, work);
+  blur_labels(phases, labels, kBroad, phases.offset, all, broad, work);
   // Specks, pits and cracks belong to the fine part as a whole. If they counted here, the fine part would
   // have a halo around each, and what lies between them would take their mean color.
   const std::vector<Vec3f> deviation = deviations(phases, broad);
@@ -140,10 +219,11 @@ std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work&
       far[i].setConstant(((phases.offset[i] - broad[i]).cwiseAbs().array() >
                           kSpeck * deviation[static_cast<std::size_t>(k)].array())
                              .any());
-  blur_labels(phases, labels, far, all, around, work);
+  blur_labels(phases, labels, kBroad, far, all, around, work);
   blur_labels(
-      phases, labels, phases.offset, [&](std::size_t i) { return far[i].x() == 0 || around[i].x() > kZone; },
-      broad, work);
+      phases, labels, kBroad, phases.offset,
+      [&](std::size_t i) { return far[i].x() == 0 || around[i].x() > kZone; }, broad, work);
+  keep_edges(phases, labels, deviation, broad, work);
   std::vector<Mean> mean(phases.pixels.size());
   for (std::size_t i = 0; i < broad.size(); ++i)
     if (const auto k = phases.phase[i]; k >= 0) mean[static_cast<std::size_t>(k)].add(broad[i]);

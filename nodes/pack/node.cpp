@@ -101,13 +101,15 @@ NodeType pack_node() {
       .input("distribution", "SizeDistribution", "Number density of particles by size class")
       .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
       .optional_input("profiles", {"Profiles"},
-                      "Profiles of the photograph, which show how thick the binder between neighbors is")
+                      "Profiles of the photograph, for the thickness of the binder between neighbors")
       .optional_input("start", {"Particles"},
                       "anneal: initial packing, for example of an interrupted run, see Anneal")
       .output("particles", "Particles", "The particles in the box [0, size)")
       .output("shapes", "Shapes", "The shapes of the input, or one shape per particle")
       .output("table", "Table", "Class, volumes, size, surface and sphericity of each particle")
-      .output("figure", "Image", "Plots of sizes and of what the method can be judged by")
+      .output("figure", "Image",
+              "Histograms of size and, by method, pair correlation and sections per area, or sphericity and "
+              "volume error")
       .parameter(
           Parameter::choice("method", "auto", {"auto", "anneal", "grow", "laguerre"})
               .doc_("auto: laguerre if at least 0.97 of the volume is particles, or 0.75 and the input "

@@ -31,11 +31,11 @@ NodeType tessellate_node() {
       .input("distribution", "SizeDistribution", "Number density of particles by size class")
       .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
       .optional_input("profiles", {"Profiles"},
-                      "Profiles of the photograph, which show how thick the binder between neighbors is")
+                      "Profiles of the photograph, for the thickness of the binder between neighbors")
       .output("particles", "Particles", "The particles in the box [0, size)")
       .output("shapes", "Shapes", "One shape per particle")
       .output("table", "Table", "Class, volumes, size, surface and sphericity of each particle")
-      .output("figure", "Image", "Histograms of size, sphericity, and error of the volumes")
+      .output("figure", "Image", "Histograms of size, sphericity and volume error")
       .parameter(
           Parameter::choice("method", "laguerre", {"laguerre", "grow"})
               .doc_("laguerre: convex cells with flat faces that have exactly the volumes of the "

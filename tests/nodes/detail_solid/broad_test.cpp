@@ -50,5 +50,33 @@ TEST(DetailBroad, ZonesBelongToTheBroadPart) {
   EXPECT_NEAR(dark / count, 0, 0.2);
 }
 
+// The binder of asphalt: air and mastic, sharpened so that a pixel beside the edge belongs to neither.
+TEST(DetailBroad, EdgesBetweenZonesAreNoGrain) {
+  const auto drawn = test::draw_disks(320, 80, 20, [](int x, int y, int id) {
+    const float grain = 0.01f * static_cast<float>((x * 7 + y * 13) % 5 - 2);
+    const bool mastic = (x + 10) / 80 % 2 == 0;
+    const float binder = !mastic ? 0.05f : (x + 10) % 80 == 0 ? 0.38f : 0.3f;
+    return Vec3f(Vec3f::Constant((id == 0 ? binder : 0.8f) + grain));
+  });
+  PhaseChoice choice;
+  choice.groups = 1, choice.specks = 0;
+  Phases p = find_phases(drawn.image, drawn.labels, choice);
+  const std::size_t used = p.pixels[0];
+  split_broad(p, drawn.labels);
+  EXPECT_LT(p.pixels[0], used);
+  EXPECT_GT(p.pixels[0], used * 9 / 10);
+  Mean mean;
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (p.phase[i] == 0) mean.add(p.offset[i]);
+  std::size_t counted = 0;
+  float most = 0;  // a Gaussian filter leaves half of the step of 0.25
+  for (std::size_t i = 0; i < p.phase.size(); ++i) {
+    if (p.phase[i] != 0) continue;
+    most = std::max(most, (p.offset[i] - mean.value()).cwiseAbs().maxCoeff()), ++counted;
+  }
+  EXPECT_EQ(counted, p.pixels[0]);
+  EXPECT_LT(most, 0.07f);
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -88,8 +88,11 @@ TEST(DetailRims, ABandAlongOutlinesIsFound) {
   const float far = rim.back().x();
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(rim[static_cast<std::size_t>(i)].x() - far, 0.1f, 0.02f) << i;
   EXPECT_NEAR(rim[6].x() - far, 0, 0.01f);
-  for (std::size_t i = 0; i < p.offset.size(); ++i)
-    if (p.phase[i] == 0) ASSERT_LT(p.offset[i].norm(), 0.18f);
+  for (std::size_t i = 0; i < p.offset.size(); ++i) {
+    if (p.phase[i] == 0) {
+      ASSERT_LT(p.offset[i].norm(), 0.18f);
+    }
+  }
 }
 
 TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
