@@ -85,6 +85,17 @@ void Attempt::renumber(std::size_t plane) {
   labels.classes.assign(confidence.size(), 0);
 }
 
+double Attempt::left_out_by(const Attempt& other) const {
+  double all = 0, out = 0;
+  for (std::size_t i = 0; i < labels.ids.size(); ++i)
+    if (const auto id = labels.ids[i]; id > 0) {
+      const double sure = confidence[static_cast<std::size_t>(id) - 1];
+      all += sure;
+      if (other.labels.ids[i] == 0) out += sure;
+    }
+  return all > 0 ? out / all : 0;
+}
+
 Attempt::Weight Attempt::weight() const {
   std::vector<double> area(confidence.size(), 0);
   for (const auto id : labels.ids)

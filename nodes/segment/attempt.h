@@ -38,6 +38,8 @@ struct Attempt {
     double right = 0, found = 0;
   };
   Weight weight() const;
+  // The share of the particles' pixels, weighted by confidence, where `other` has no particle; 0 without any.
+  double left_out_by(const Attempt& other) const;
 
  private:
   std::vector<std::int32_t> filled_;  // by fill(), until its last section

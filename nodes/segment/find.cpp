@@ -258,7 +258,11 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     s.reliability = {precision(c), precision(n), precision(t)};
     // The network judges its own particles too, so it has to be a little better.
     constexpr double kLead = 1.1, kLeadOverBodies = 1.7;
-    const bool joined = std::find(distinct.begin(), distinct.end(), true) != distinct.end();
+    // Where much of what the network is sure of is binder by its color, color does not tell particles from
+    // binder, as between fragments of many colors.
+    constexpr double kForeign = 0.25;
+    const bool joined = std::find(distinct.begin(), distinct.end(), true) != distinct.end() &&
+                        by_network.left_out_by(both) <= kForeign;
     if (settled)
       s.method = settled->method;
     else if (!clusters.labels.classes.empty() &&

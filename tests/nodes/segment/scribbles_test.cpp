@@ -1,6 +1,7 @@
 // Particles by example.
 #include <gtest/gtest.h>
 
+#include "nodes/data/profiles.h"
 #include "nodes/instance_score/instance_score.h"
 #include "nodes/segment/scribbles.h"
 #include "runtime/random.h"
