@@ -50,9 +50,10 @@ double mean_intercept(const Labels& labels) {
   return runs > 0 ? labels.pixel_size * pixels / runs : 0;
 }
 
-// Segments by their length in pixels: with both ends in particles, in one particle, in the binder, and all.
+// Segments by their length in pixels: with both ends in particles, in one particle, in the binder, with both
+// ends observed, and with the last one observed.
 struct Counts {
-  std::array<std::vector<std::int64_t>, 4> of;
+  std::array<std::vector<std::int64_t>, 5> of;
   explicit Counts(std::size_t n) {
     for (auto& v : of) v.assign(n, 0);
   }
@@ -67,7 +68,7 @@ std::vector<Counts> count_segments(const std::vector<Window>& windows, double re
   std::vector<Counts> counts(windows.size(), Counts(static_cast<std::size_t>(longest) + 1));
   work.parallel(windows.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      auto& [both, inside, binder, all] = counts[k].of;
+      auto& [both, inside, binder, pairs, ends] = counts[k].of;
       each_line(windows[k], [&](const std::int32_t* first, int length, int stride) {
         std::int32_t before = 0;
         int run = 0;
@@ -75,10 +76,12 @@ std::vector<Counts> count_segments(const std::vector<Window>& windows, double re
           const std::int32_t* p = first + static_cast<std::ptrdiff_t>(i) * stride;
           run = i > 0 && *p == before ? run + 1 : 1;
           before = *p;
+          if (*p < 0) continue;
           // Segments that end at this pixel.
           for (int r = 0; r <= std::min(i, longest); ++r) {
-            ++all[r];
-            both[r] += *p > 0 && p[-static_cast<std::ptrdiff_t>(r) * stride] > 0;
+            const std::int32_t start = p[-static_cast<std::ptrdiff_t>(r) * stride];
+            ++ends[r], pairs[r] += start >= 0;
+            both[r] += *p > 0 && start > 0;
             (*p > 0 ? inside : binder)[r] += run > r;
           }
         }
@@ -97,8 +100,8 @@ Counts sum_of(const std::vector<Counts>& counts) {
 Phases curves_of(const Counts& counts, double reach, double pixel) {
   const std::size_t n = counts.of[3].size();
   const auto share = [&](std::size_t q, std::size_t r) {
-    return counts.of[3][r] > 0 ? static_cast<double>(counts.of[q][r]) / static_cast<double>(counts.of[3][r])
-                               : 0;
+    const std::int64_t all = counts.of[q == 0 ? 3 : 4][r];
+    return all > 0 ? static_cast<double>(counts.of[q][r]) / static_cast<double>(all) : 0;
   };
   Phases out;
   for (std::size_t q = 0; q < out.size(); ++q)

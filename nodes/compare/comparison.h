@@ -75,6 +75,7 @@ Comparison compare(const Image& a, const Image& b, const CompareChoice&, const W
 // How particles and binder are arranged in the sections of two sets: two_point is the probability that both
 // ends of a segment are in particles, lineal_path that all of it is in one particle, or in the binder
 // (Torquato 2002, 2.1 and 2.4), along rows and columns up to four mean intercepts or a quarter of a side.
+// Pixels below 0 were not observed: no segment ends there, nor does one of two_point start there.
 // Compares the largest difference at any distance. Its tolerance is the 95th percentile of the same
 // difference between one section and the others of the set with more sections (below four, quarters of
 // sections), scaled to the areas of both sets.

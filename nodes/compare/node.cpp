@@ -7,6 +7,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/compare/comparison.h"
+#include "nodes/data/equal_size.h"
 #include "runtime/context.h"
 
 namespace terrazzo::compare {
@@ -57,10 +58,20 @@ double both_show(const Profiles& a, const Profiles& b) {
   return std::max(smallest(a), smallest(b)) * (1 - 1e-9);
 }
 
+// Labels with −1 where the mask is not 0.
+Labels observed(const Context& c, Labels labels) {
+  const auto* mask = c.optional<Labels>("mask_a");
+  if (!mask) return labels;
+  require_equal_size(*mask, "mask_a has", labels, "labels_a have", "use the mask of the same photograph");
+  for (std::size_t i = 0; i < labels.ids.size(); ++i)
+    if (mask->ids[i] != 0) labels.ids[i] = -1;
+  return labels;
+}
+
 Comparison compare_sections(Context& c, const CompareChoice& choice) {
   Comparison out = compare::compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
   if (const auto* a = c.optional<Labels>("labels_a"))
-    compare_phases(*a, c.input<Labels>("labels_b"), choice, out, c.work());
+    compare_phases(observed(c, *a), c.input<Labels>("labels_b"), choice, out, c.work());
   return out;
 }
 
@@ -126,6 +137,9 @@ NodeType compare_node() {
                       "Value to compare with a, of the same type")
       .optional_input("labels_a", {"Labels"}, "Labels of a's profiles, to compare two_point and lineal_path")
       .optional_input("labels_b", {"Labels"}, "Labels of b's profiles")
+      .optional_input(
+          "mask_a", {"Labels"},
+          "Not 0: pixels of labels_a that were not observed, such as output unobserved of Segment")
       .output("table", "Table",
               "One row per compared number: measure, item, unit, lower and upper bin edge, a, b, difference "
               "b − a, tolerance, exceeds (0 or 1)")

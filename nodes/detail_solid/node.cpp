@@ -6,6 +6,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/detail.h"
+#include "nodes/data/equal_size.h"
 #include "nodes/data/volume.h"
 #include "nodes/detail_solid/apply.h"
 #include "nodes/detail_solid/broad.h"
@@ -66,12 +67,16 @@ void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
   check_photograph(image, labels);
+  const Labels* mask = c.optional<Labels>("mask");
+  if (mask)
+    require_equal_size(*mask, "the mask has", image, "the image has", "use the mask of the same photograph");
   PhaseChoice choice;
   const double softness = outline_softness(image, labels);
   choice.edge = static_cast<int>(c.integer("edge"));
   choice.softness = softness;
   choice.specks = c.number("specks");
   choice.groups = static_cast<int>(c.integer("groups"));
+  choice.mask = mask;
   choice.seed = c.seed();
   Phases phases = find_phases(image, labels, choice, c.work().part(0, 0.03));
   c.metric("groups", static_cast<double>(phases.group_color.size()));
@@ -122,6 +127,9 @@ NodeType detail_solid_node() {
           "2007 for what particles and binder hide from each other")
       .input("image", "Image", "Photograph with one or more sections")
       .input("labels", "Labels", "Profiles of image")
+      .optional_input("mask", {"Labels"},
+                      "Not 0: pixels that are neither particle nor binder and teach nothing, such as output "
+                      "unobserved of Segment")
       .optional_input("volume", {"Volume"},
                       "Solid without detail, from Voxelize: its grids Cd, id and density")
       .output("volume", "Volume", "The solid with detail in its grid Cd. Empty without a volume")

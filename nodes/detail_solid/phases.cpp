@@ -93,7 +93,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   work.quiet().parallel(pixels, 1 << 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       out.offset[i] = linear_to_srgb(image.pixels[i].cwiseMax(0.0f));
-      out.phase[i] = labels.ids[i] > 0;
+      out.phase[i] = choice.mask && choice.mask->ids[i] != 0 ? -1 : labels.ids[i] > 0;
     }
   });
   for (int s = 0; s < image.sections; ++s) {

@@ -31,6 +31,7 @@ struct PhaseChoice {
                         // none
   int groups = 3;       // most groups of particles
   double softness = 0;  // standard deviation of the blur of outlines, pixels
+  const Labels* mask = nullptr;  // not 0: pixels that are not used; none: all are
   std::uint64_t seed = 1;
 };
 

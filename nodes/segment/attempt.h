@@ -6,6 +6,7 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
+#include "nodes/segment/ignored.h"
 #include "nodes/segment/network_particles.h"
 #include "nodes/segment/particles.h"
 #include "runtime/work.h"
@@ -21,6 +22,7 @@ struct Attempt {
   Labels labels;
   std::vector<float> coverage;     // of each pixel of the stack
   std::vector<double> confidence;  // of label k at k − 1
+  UndecidedPixels undecided;       // of the network's own particles
   double min_area = 0;
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
 

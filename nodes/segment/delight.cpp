@@ -98,14 +98,15 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
     }
     fit = a.ldlt().solve(b);
   }
-  double before = 0, after = 0, level = 0, inner = 0;
+  double before = 0, after = 0;
+  std::vector<float> values(n);
   for (std::size_t k = 0; k < n; ++k) {
     const double value = basis[k].dot(fit), cap = 3.0 * spread;
     before += std::pow(std::clamp<double>(light[k] - middle, -cap, cap), 2);
     after += std::pow(std::clamp<double>(light[k] - value, -cap, cap), 2);
-    if (depth2[begin[k]] >= 0.25f * deepest * deepest) level += value, ++inner;
+    values[k] = static_cast<float>(value);
   }
-  level = std::max(1e-4, level / std::max(1.0, inner));
+  const double level = std::max(1e-4, static_cast<double>(median(std::move(values))));
   const double explained = before > 0 ? 1 - after / before : 0,
                trust = std::clamp((explained - 0.1) / 0.3, 0.0, 1.0);
   std::vector<float> even(n);

@@ -14,8 +14,8 @@ namespace terrazzo::segment {
 // count a tenth, since their colors differ.
 //
 // The shading of a rounded particle is a + b·u + c·v + e·h, fitted to its luminance: Lambert's law of a dome,
-// with position u, v and height h of the dome at this distance from the outline. It is brought to the level
-// of the inner half, as far as it explains the particle's variation.
+// with position u, v and height h of the dome at this distance from the outline. It is brought to its
+// median, as far as it explains the particle's variation.
 //
 // Gloss: pixels of a particle that are far lighter than the rest of it get its median color.
 //

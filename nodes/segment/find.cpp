@@ -160,7 +160,12 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
       auto all = view->instances(how, work.quiet());
-      by_network.add_chosen(view->choose(all, how, work.quiet()));
+      NetworkView::Found chosen = view->choose(all, how, work.quiet());
+      if (!fills) {
+        const UndecidedPixels undecided = view->undecided(chosen.particles.labels);
+        by_network.undecided.insert(by_network.undecided.end(), undecided.begin(), undecided.end());
+      }
+      by_network.add_chosen(std::move(chosen));
       if (keep && s.method == Method::Auto) instances[i] = std::move(all);
       // Without a binder the network takes plain grains for charts.
       if (!fills) ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
@@ -290,6 +295,7 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   s.min_area = best.min_area, s.specks = best.specks, s.speck_pixels = best.speck_pixels,
   s.holes = best.holes;
   found.coverage = std::move(best.coverage), found.confidence = std::move(best.confidence);
+  found.undecided = std::move(best.undecided);
   return found;
 }
 

@@ -11,6 +11,7 @@ struct Finding {
   Segmentation result;             // all but the profiles
   std::vector<float> coverage;     // of each pixel of the stack
   std::vector<double> confidence;  // of label k at k − 1
+  UndecidedPixels undecided;       // of Method::Network
   IgnoredPixels ignored;           // those of the options and the objects that the network found
 };
 

@@ -14,6 +14,10 @@ namespace terrazzo::segment {
 // 1 for each ignored pixel of a stack; empty if nothing is ignored.
 using IgnoredPixels = std::vector<std::uint8_t>;
 
+// 1 for each pixel of a stack that shows neither a particle that was found nor surely binder; empty if there
+// is none. It counts as not observed where areas are measured, but profiles beside it were seen whole.
+using UndecidedPixels = std::vector<std::uint8_t>;
+
 // A polygon in pixels, x to the right and y down from the upper left corner of the picture. A pixel belongs
 // to it if its center does (even-odd rule).
 using Area = std::vector<Vec2>;

@@ -20,7 +20,7 @@ struct Sums {
 }  // namespace
 
 Profiles measure_profiles(const Image& image, const Labels& labels, const std::vector<float>& coverage,
-                          const IgnoredPixels& ignored, const Work& work) {
+                          const IgnoredPixels& ignored, const UndecidedPixels& undecided, const Work& work) {
   const int W = labels.width, H = labels.height;
   const double s = labels.pixel_size;
   const std::size_t section_size = static_cast<std::size_t>(W) * H;
@@ -29,7 +29,8 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
   out.window = s * Vec2(W, H);
   const auto seen = static_cast<double>(section_size * labels.sections) -
                     static_cast<double>(std::count(ignored.begin(), ignored.end(), 1));
-  out.observed_area = s * s * seen;
+  const double decided = seen - static_cast<double>(std::count(undecided.begin(), undecided.end(), 1));
+  out.observed_area = s * s * decided;
   Eigen::Vector3d binder = Eigen::Vector3d::Zero();
   std::int64_t binder_pixels = 0;
   for (int section = 0; section < labels.sections; ++section) {
@@ -54,6 +55,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         const Eigen::Vector3d c = image.pixels[first + i].cast<double>();
         if (ids[i] == 0) {
           if (!ignored.empty() && ignored[first + i]) continue;
+          if (!undecided.empty() && undecided[first + i]) continue;
           binder += c;
           ++binder_pixels;
           continue;
@@ -111,7 +113,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
     }
   }
   if (binder_pixels > 0) out.binder_color = (binder / static_cast<double>(binder_pixels)).cast<float>();
-  out.area_fraction = seen > 0 ? 1 - static_cast<double>(binder_pixels) / seen : 0;
+  out.area_fraction = decided > 0 ? 1 - static_cast<double>(binder_pixels) / decided : 0;
   return out;
 }
 

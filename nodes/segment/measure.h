@@ -17,8 +17,9 @@ namespace terrazzo::segment {
 // weight is then 0. Any other profile of w × h pixels fits completely at (W − w − 1)(H − h − 1) of the W × H
 // positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
 // Ignored pixels count as outside: they are not observed, and a profile whose box, with a rim of
-// one pixel, contains any of them has no weight.
+// one pixel, contains any of them has no weight. Undecided pixels are not observed either, but cut no
+// profile.
 Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage,
-                          const IgnoredPixels&, const Work&);
+                          const IgnoredPixels&, const UndecidedPixels&, const Work&);
 
 }  // namespace terrazzo::segment

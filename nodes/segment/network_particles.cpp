@@ -92,6 +92,19 @@ double NetworkView::largest_inside(const std::vector<std::int32_t>& pixels) cons
   return largest;
 }
 
+UndecidedPixels NetworkView::undecided(const std::vector<std::int32_t>& labels) const {
+  constexpr float kLikely = 0.5f;
+  UndecidedPixels out(labels.size(), 0);
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width_ + x, seen = reduced_index(x, y);
+      if (labels[i] == 0)
+        out[i] = std::any_of(scales_.begin(), scales_.end(),
+                             [&](const ScaleView& view) { return view.maps().inside[seen] > kLikely; });
+    }
+  return out;
+}
+
 std::vector<std::int32_t> NetworkView::reduced(const std::vector<std::int32_t>& labels) const {
   std::vector<std::int32_t> out(picture_.total());
   for (int y = 0; y < picture_.rows; ++y)

@@ -9,6 +9,7 @@
 #include "nodes/data/image.h"
 #include "nodes/segment/close_up.h"
 #include "nodes/segment/evidence.h"
+#include "nodes/segment/ignored.h"
 #include "nodes/segment/instances.h"
 #include "nodes/segment/network.h"
 #include "nodes/segment/particles.h"
@@ -54,6 +55,9 @@ class NetworkView {
   std::vector<double> scores(const std::vector<std::int32_t>& labels, int count, const Work&) const;
   // The mean of `inside` over these pixels, at the scale where it is largest; 0 without pixels.
   double largest_inside(const std::vector<std::int32_t>& pixels) const;
+  // 1 for pixels without a label where `inside` exceeds one half at some scale: particles that were not
+  // found.
+  UndecidedPixels undecided(const std::vector<std::int32_t>& labels) const;
   // From 0 to 1, how likely a pixel shows a ruler, frame or text.
   std::vector<float> not_material() const;
 

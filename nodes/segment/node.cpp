@@ -54,6 +54,15 @@ Image confidence_picture(const Image& image, const Segmentation& s) {
   return out;
 }
 
+// 1: ignored, 2: undecided.
+Labels unobserved(const Segmentation& s) {
+  Labels out = s.labels;
+  out.classes.assign(2, 0);
+  for (std::size_t i = 0; i < out.ids.size(); ++i)
+    out.ids[i] = !s.ignored.empty() && s.ignored[i] ? 1 : !s.undecided.empty() && s.undecided[i] ? 2 : 0;
+  return out;
+}
+
 // The size of a pixel according to a ruler or a scale bar, if its unit is known.
 std::string scale_of(const FoundObject& o) {
   if (!o.scale) return {};
@@ -107,6 +116,9 @@ void compute(Context& c) {
   c.metric("profiles", static_cast<double>(s.profiles.profiles.size()));
   c.metric("at_border", static_cast<double>(at_border));
   c.metric("area_fraction", s.profiles.area_fraction);
+  const double undecided = static_cast<double>(std::count(s.undecided.begin(), s.undecided.end(), 1)) /
+                           static_cast<double>(s.labels.ids.size());
+  c.metric("undecided", undecided);
   if (!given) {
     c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
     c.metric("silhouette", s.ground.clusters.silhouette);
@@ -132,6 +144,12 @@ void compute(Context& c) {
              fmt::format("{:.2f}", expected) +
              "; look at the outlines, set min_confidence, or connect labels");
   }
+  constexpr double kMuchUndecided = 0.25;
+  if (undecided > kMuchUndecided)
+    c.warn(fmt::format(
+        "{:.0f} % of the picture show particles that could not be told apart; densities refer to the "
+        "rest. Look at output unobserved, draw scribbles, or outline particles with EditLabels",
+        100 * undecided));
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
   for (const FoundObject& o : s.not_material)
@@ -143,6 +161,7 @@ void compute(Context& c) {
         scale_of(o));
   c.output("delit", s.delit.pixels.empty() ? image : std::move(s.delit));
   c.output("confidence", confidence_picture(image, s));
+  c.output("unobserved", unobserved(s));
   c.output("binder", binder_table(s.profiles));
   c.output("labels", std::move(s.labels));
   c.output("profiles", std::move(s.profiles));
@@ -151,7 +170,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 13)
+  return NodeType("Segment", 14)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")
@@ -174,6 +193,10 @@ NodeType segment_node() {
           "delit", "Image",
           "The picture that colors are measured in: the photograph, without its light if `delight` says so")
       .output("confidence", "Image", "Confidence of each particle as gray; binder is black")
+      .output(
+          "unobserved", "Labels",
+          "Pixels that are neither a particle nor surely binder. 1: ignored. 2: undecided, where the network "
+          "sees particles that it cannot tell apart, or min_confidence dropped one")
       .parameter(
           Parameter::optional_integer("clusters", "auto")
               .range(2, 12)

@@ -45,9 +45,9 @@ void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
 }
 
 // Removes labels from ignored pixels, then those without pixels or with too little confidence, and renumbers
-// the rest.
-void drop_labels(Segmentation& s, std::vector<double>& confidence, const IgnoredPixels& ignored,
-                 double least) {
+// the rest. What such a particle covered is undecided.
+void drop_labels(Segmentation& s, std::vector<double>& confidence, double least) {
+  const IgnoredPixels& ignored = s.ignored;
   std::vector<std::uint8_t> used(s.labels.classes.size() + 1, 0);
   for (std::size_t i = 0; i < s.labels.ids.size(); ++i) {
     if (!ignored.empty() && ignored[i]) s.labels.ids[i] = 0;
@@ -65,7 +65,13 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, const Ignored
     number[k] = ++count;
   }
   confidence.resize(count), s.labels.classes.resize(count);
-  for (auto& id : s.labels.ids) id = number[id];
+  if (s.unlikely > 0) s.undecided.resize(s.labels.ids.size(), 0);
+  for (std::size_t i = 0; i < s.labels.ids.size(); ++i) {
+    auto& id = s.labels.ids[i];
+    if (id > 0 && number[id] == 0) s.undecided[i] = 1;
+    id = number[id];
+    if (!s.undecided.empty() && (id > 0 || (!ignored.empty() && ignored[i]))) s.undecided[i] = 0;
+  }
 }
 
 }  // namespace
@@ -80,9 +86,10 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
   Finding found =
       tiled ? find_in_tiles(photo, options, work.part(0, 0.9)) : find_in_whole(photo, options, nullptr, work);
   Segmentation s = std::move(found.result);
+  s.ignored = std::move(found.ignored), s.undecided = std::move(found.undecided);
   for (FoundObject& o : s.not_material)
-    o.scale = find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, found.ignored);
-  drop_labels(s, found.confidence, found.ignored, options.min_confidence);
+    o.scale = find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, s.ignored);
+  drop_labels(s, found.confidence, options.min_confidence);
   if (s.labels.classes.empty())
     throw Error(
         "no-particles",
@@ -90,8 +97,11 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
             fmt::format("{:g}", s.min_area) + " pixels), and " + std::to_string(s.unlikely) +
             " are below min_confidence",
         "lower min_area or min_confidence, set binder to the binder's color, or choose another method");
-  s.profiles =
-      measure_profiles(photo, s.labels, found.coverage, found.ignored, work.part(tiled ? 0.9 : 0.8, 1));
+  if (options.delight == Delight::On || (options.delight == Delight::Auto && s.method == Method::Network &&
+                                         options.binder.kind != Hint::Kind::None))
+    s.delit = delight(photo, s.labels, s.ignored, work.quiet());
+  s.profiles = measure_profiles(s.delit.pixels.empty() ? photo : s.delit, s.labels, found.coverage, s.ignored,
+                                s.undecided, work.part(tiled ? 0.9 : 0.8, 1));
   for (std::size_t k = 0; k < s.profiles.profiles.size(); ++k)
     s.profiles.profiles[k].confidence = found.confidence[k];
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
@@ -119,7 +129,8 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   }
   s.labels.classes = std::move(classes);
   std::vector<double> confidence(s.labels.classes.size(), 1.0);
-  drop_labels(s, confidence, options.ignored, 0);
+  s.ignored = options.ignored;
+  drop_labels(s, confidence, 0);
   if (s.labels.classes.empty()) throw Error("no-particles", "the labels contain no particles");
   std::vector<float> coverage;
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
@@ -131,7 +142,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   }
   if (options.delight == Delight::On) s.delit = delight(image, s.labels, options.ignored, work);
   s.profiles = measure_profiles(options.delight == Delight::On ? s.delit : image, s.labels, coverage,
-                                options.ignored, work);
+                                s.ignored, s.undecided, work);
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }

@@ -50,6 +50,8 @@ struct FoundObject {
 struct Segmentation {
   Labels labels;
   Profiles profiles;
+  IgnoredPixels ignored;      // of the options and of objects that the network found
+  UndecidedPixels undecided;  // without a label, and not ignored
   Image delit;    // the photograph without its light; empty if colors were measured in the photograph
   Ground ground;  // empty if labels were given
   Method method = Method::Clusters;  // the method used

@@ -75,6 +75,7 @@ class Mosaicked {
   }
 
   void add(const Tile& t, const Finding& part) {
+    if (!part.undecided.empty()) found_.undecided.resize(photo_.pixels.size(), 0);
     const int w = t.seen_right - t.seen_left, h = t.seen_bottom - t.seen_top;
     const auto count = static_cast<std::int32_t>(part.confidence.size());
     struct Body {
@@ -88,8 +89,10 @@ class Mosaicked {
       for (int x = 0; x < w; ++x) {
         const std::size_t i = static_cast<std::size_t>(y) * w + x, to = global(t, x, y);
         if (x + t.seen_left >= t.left && x + t.seen_left < t.right && y + t.seen_top >= t.top &&
-            y + t.seen_top < t.bottom)
+            y + t.seen_top < t.bottom) {
           if (found_.result.labels.ids[to] == 0) found_.coverage[to] = std::min(0.499f, part.coverage[i]);
+          if (!part.undecided.empty()) found_.undecided[to] = part.undecided[i];
+        }
         const std::int32_t id = part.result.labels.ids[i];
         if (id == 0) continue;
         Body& b = bodies[id - 1];

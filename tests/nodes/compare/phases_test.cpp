@@ -103,6 +103,19 @@ TEST(ComparePhases, DoesNotDependOnThePixelSize) {
   for (const auto& n : c.numbers) EXPECT_LT(n.b, 0.02) << n.item;
 }
 
+// A third of the disks was missed. With their pixels unobserved, the rest looks like other sections again.
+TEST(ComparePhases, WhatWasNotObservedDoesNotCount) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    const Labels other = disks(seed + 70, 8, 10, 0.45);
+    Labels missed = disks(seed + 60, 1, 10, 0.45), unobserved = missed;
+    for (std::size_t i = 0; i < missed.ids.size(); ++i)
+      if (missed.ids[i] % 3 == 1) missed.ids[i] = 0, unobserved.ids[i] = -1;
+    const Comparison without = compare_labels(missed, other), with = compare_labels(unobserved, other);
+    for (const char* item : {"particles", "binder"})
+      EXPECT_LT(of(with, item), 0.75 * of(without, item)) << item << seed;
+  }
+}
+
 TEST(ComparePhases, TheNodeWantsBothLabelsOrNone) {
   Profiles p;
   p.observed_area = 100;

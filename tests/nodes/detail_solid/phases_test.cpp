@@ -49,6 +49,25 @@ TEST(DetailPhases, OffsetsHaveMeanZeroAndColorsMakeGroups) {
     EXPECT_LT((sum[k] / static_cast<double>(count[k])).norm(), 0.002);
 }
 
+TEST(DetailPhases, MaskedPixelsAreNotUsed) {
+  auto drawn = test::draw_disks(240, 40, 10, two_colors);
+  Labels mask = drawn.labels;
+  std::fill(mask.ids.begin(), mask.ids.end(), 0);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const std::size_t i = drawn.labels.index(x, y);
+      mask.ids[i] = 2;
+      if (drawn.labels.ids[i] == 0) drawn.image.pixels[i] = Vec3f(0.6f, 0.5f, 0.4f);  // no outlier
+    }
+  PhaseChoice choice;
+  choice.mask = &mask;
+  const Phases p = find_phases(drawn.image, drawn.labels, choice);
+  for (std::size_t i = 0; i < p.phase.size(); ++i)
+    if (mask.ids[i] != 0) ASSERT_EQ(p.phase[i], -1);
+  EXPECT_EQ(p.pixels[0], static_cast<std::size_t>(std::count(p.phase.begin(), p.phase.end(), 0)));
+  EXPECT_GT(p.pixels[0], 0u);
+}
+
 TEST(DetailPhases, MissedParticlesAreNotUsed) {
   auto drawn = test::draw_disks(240, 40, 10, two_colors);
   for (int y = 30; y < 50; ++y)

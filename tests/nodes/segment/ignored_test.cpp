@@ -101,7 +101,7 @@ TEST(Ignored, WeightsKeepTheDensityUnbiased) {
         for (int x = std::max(0, px); x < std::min(W, px + side); ++x)
           if (!ignored[y * W + x]) labels.ids[y * W + x] = 1, coverage[y * W + x] = 1, any = true;
       if (!any) continue;
-      const Profiles p = measure_profiles(image, labels, coverage, ignored, {});
+      const Profiles p = measure_profiles(image, labels, coverage, ignored, {}, {});
       EXPECT_EQ(p.observed_area, W * H - 540);
       for (const auto& q : p.profiles) sum += q.weight / p.observed_area;
     }

@@ -206,7 +206,7 @@ TEST(SegmentParts, BorderWeightsGiveAnUnbiasedDensity) {
         if (id != 0 && number[id] == 0) labels.classes.push_back(0), number[id] = labels.count();
         labels.ids.push_back(id == 0 ? 0 : number[id]);
       }
-    const Profiles p = measure_profiles(image, labels, std::vector<float>(labels.ids.size(), 1), {}, {});
+    const Profiles p = measure_profiles(image, labels, std::vector<float>(labels.ids.size(), 1), {}, {}, {});
     for (const auto& q : p.profiles) {
       EXPECT_EQ(q.weight == 0, q.touches_border);
       density += q.weight;
