@@ -9,6 +9,7 @@
 #include <numbers>
 #include <utility>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/detail_solid/broad.h"
 #include "nodes/residual/outline_depth.h"
@@ -193,9 +194,24 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
 }
 
 void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail, const Work& work) {
+  // Squares of the mean of the channels, and of the rest. A crack or a speck of dirt would decide the mean of
+  // a small profile's grain, so grain is told by the square that a quarter of the pixels exceeds.
+  struct Grain {
+    std::vector<float> gray, chroma;
+    void add(const Vec2& squares) {
+      gray.push_back(static_cast<float>(squares[0])), chroma.push_back(static_cast<float>(squares[1]));
+    }
+    Vec2 value() {
+      constexpr double kRank = 0.75;
+      if (gray.empty()) return Vec2::Zero();
+      const auto rank = static_cast<std::size_t>(kRank * static_cast<double>(gray.size() - 1));
+      return {at_rank(gray, rank), at_rank(chroma, rank)};
+    }
+  };
   struct Sum {
-    double pixels = 0, count = 0;                     // all, and those whose grain and broad part are summed
-    Vec2 grain = Vec2::Zero(), broad = Vec2::Zero();  // squares of the mean of the channels, and of the rest
+    double pixels = 0, count = 0;  // all, and those whose grain and broad part are summed
+    Grain of_grain, of_finest;
+    Vec2 grain = Vec2::Zero(), finest = Vec2::Zero(), broad = Vec2::Zero();
     std::size_t group = 0;
   };
   const auto squares = [](const Vec3f& offset) {
@@ -205,8 +221,19 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   Phases grain = p;
   const std::vector<Vec3f> broad = split_broad(grain, labels, work.quiet());
   std::vector<Sum> profile(static_cast<std::size_t>(labels.count())), group(p.group_color.size());
+  const std::vector<Vec3f> before = grain.offset;
   const std::vector<float> size = residual::sizes_of_particles(labels.ids, image.pixel_size);
   const std::vector<float> depth = depths_of(p, labels);
+  // What the neighbors in the profile do not tell. Only deep pixels are asked, so these are in the same
+  // section.
+  const auto finest = [&](std::size_t i) {
+    Vec3f sum = Vec3f::Zero();
+    float count = 0;
+    for (const std::size_t j :
+         {i - 1, i + 1, i - static_cast<std::size_t>(p.width), i + static_cast<std::size_t>(p.width)})
+      if (j < p.phase.size() && labels.ids[j] == labels.ids[i] && p.phase[j] > 0) sum += before[j], ++count;
+    return Vec3f(count > 0 ? Vec3f(before[i] - sum / count) : Vec3f::Zero());
+  };
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] <= 0) continue;
     if (const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].grain_gain; !gain.empty())
@@ -216,8 +243,14 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     ++s.pixels;
     if (depth[i] < kBlurred) continue;  // the blur of the outline counts as grain there
     for (Sum* sum : {&s, &group[s.group]})
-      ++sum->count, sum->grain += squares(grain.offset[i]), sum->broad += squares(broad[i]);
+      ++sum->count, sum->of_grain.add(squares(grain.offset[i])), sum->of_finest.add(squares(finest(i))),
+          sum->broad += squares(broad[i]);
   }
+  for (auto* sums : {&profile, &group})
+    for (Sum& s : *sums) {
+      s.grain = s.count * s.of_grain.value(), s.finest = s.count * s.of_finest.value();
+      s.of_grain = {}, s.of_finest = {};
+    }
   // A profile counts as `samples` independent ones; those of a group's mean deviation are added to them.
   const auto relative = [](const Vec2& own, double count, const Vec2& all, double of_all, double samples) {
     Eigen::Vector2f out(1, 1);
@@ -235,6 +268,10 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     if (s.pixels < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
     if (s.count > 0 && g.grain.sum() > 0)
       of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
+    // A dark spot has strong grain from its gradient alone. The finest grain tells how strong it really is.
+    if (s.count > 0 && g.finest.sum() > 0)
+      of_grain[k] = of_grain[k].cwiseMin(
+          relative(s.finest, s.count, g.finest, g.count, s.count / kGrainArea).cwiseMax(1.0f));
     if (s.count > 0 && g.broad.sum() > 0)
       of_broad[k] = relative(s.broad, s.count, g.broad, g.count, s.count / kBroadArea);
     detail.profile_color.push_back(p.profile_color[k]);

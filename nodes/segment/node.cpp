@@ -87,7 +87,7 @@ void compute(Context& c) {
   options.method = c.choice<Method>("method");
   options.network_scale = c.optional_number("network_scale").value_or(0);
   options.min_confidence = c.number("min_confidence");
-  options.delight = c.choice<Delight>("delight");
+  options.delight = c.text("delight") == "on";
   options.seed = c.seed();
   options.memory = c.memory();
 
@@ -259,11 +259,11 @@ NodeType segment_node() {
                   "the "
                   "rest, and profiles that they cut have no weight."))
       .parameter(
-          Parameter::choice("delight", "auto", {"auto", "on", "off"})
+          Parameter::choice("delight", "off", {"on", "off"})
+              .word_was("auto", "off")
               .doc_("Removes uneven light, gloss and the shading of rounded particles before colors are "
-                    "measured; "
-                    "see output delit. auto: on where the network found the particles, off for clusters, "
-                    "scribbles and given labels."))
+                    "measured; see output delit. Use it for colors that will be lit again, as by a renderer. "
+                    "off: colors as photographed, which a section beside the photograph needs."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"))
       .check_(check)
       .compute_(compute);

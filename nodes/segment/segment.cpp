@@ -97,9 +97,7 @@ Segmentation segment(const Image& photo, const SegmentOptions& options, const Wo
             fmt::format("{:g}", s.min_area) + " pixels), and " + std::to_string(s.unlikely) +
             " are below min_confidence",
         "lower min_area or min_confidence, set binder to the binder's color, or choose another method");
-  if (options.delight == Delight::On || (options.delight == Delight::Auto && s.method == Method::Network &&
-                                         options.binder.kind != Hint::Kind::None))
-    s.delit = delight(photo, s.labels, s.ignored, work.quiet());
+  if (options.delight) s.delit = delight(photo, s.labels, s.ignored, work.quiet());
   s.profiles = measure_profiles(s.delit.pixels.empty() ? photo : s.delit, s.labels, found.coverage, s.ignored,
                                 s.undecided, work.part(tiled ? 0.9 : 0.8, 1));
   for (std::size_t k = 0; k < s.profiles.profiles.size(); ++k)
@@ -140,9 +138,9 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
         smooth_coverage({first, first + static_cast<std::ptrdiff_t>(size)}, image.width, image.height, work);
     coverage.insert(coverage.end(), share.begin(), share.end());
   }
-  if (options.delight == Delight::On) s.delit = delight(image, s.labels, options.ignored, work);
-  s.profiles = measure_profiles(options.delight == Delight::On ? s.delit : image, s.labels, coverage,
-                                s.ignored, s.undecided, work);
+  if (options.delight) s.delit = delight(image, s.labels, options.ignored, work);
+  s.profiles =
+      measure_profiles(options.delight ? s.delit : image, s.labels, coverage, s.ignored, s.undecided, work);
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }

@@ -19,9 +19,6 @@
 namespace terrazzo::segment {
 
 enum class Method { Auto, Clusters, Network, Scribbles, Both };
-// Whether colors are measured in the photograph or without its light (delight.h). Auto: without it where the
-// network found the particles, since it sees rough surfaces.
-enum class Delight { Auto, On, Off };
 
 struct SegmentOptions {
   Method method = Method::Auto;
@@ -34,7 +31,7 @@ struct SegmentOptions {
   double min_confidence = 0;  // particles below it are dropped
   IgnoredPixels ignored;
   int color_classes = 1;  // 0: automatic
-  Delight delight = Delight::Auto;
+  bool delight = false;   // whether colors are measured without the photograph's light (delight.h)
   std::uint64_t seed = 1;
   std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
 };

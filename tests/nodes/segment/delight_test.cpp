@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "nodes/segment/segment.h"
+#include "nodes/synthetic_photo/synthetic_photo.h"
 #include "runtime/random.h"
+#include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
@@ -48,7 +50,7 @@ Lit domes(std::uint64_t seed, double shading, double uneven, bool gloss) {
 }
 
 // Mean distance of measured from true colors, relative, after the best common factor.
-double error_of(const Lit& s, Delight how) {
+double error_of(const Lit& s, bool how) {
   SegmentOptions options;
   options.delight = how;
   const Segmentation m = measure_labels(s.image, s.labels, options, {});
@@ -67,7 +69,8 @@ double error_of(const Lit& s, Delight how) {
 TEST(Delight, RecoversTheColorsOfDomesInUnevenLight) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     const Lit s = domes(seed, 0.6, 0.4, true);
-    const double lit = error_of(s, Delight::Off), even = error_of(s, Delight::On);
+    const double lit = error_of(s, false), even = error_of(s, true);
+
     EXPECT_GT(lit, 0.15);
     EXPECT_LT(even, 0.3 * lit);
   }
@@ -99,6 +102,30 @@ TEST(Delight, LeavesFlatSectionsAlone) {
   const Image even = delight(s.image, s.labels, {}, {});
   for (std::size_t i = 0; i < even.pixels.size(); ++i)
     ASSERT_LT((even.pixels[i] - s.image.pixels[i]).norm(), 0.06f * s.image.pixels[i].norm()) << i;
+}
+
+// Of particles that are found in a photograph as well as of given labels.
+TEST(Delight, ChangesTheColorsOfPhotographs) {
+  synthetic_photo::PhotoOptions o;
+  o.scene = synthetic_photo::Scene::Bank, o.seed = 900002, o.objects = false, o.fill = 0.4;
+  const Value photo = Value::of(synthetic_photo::take_photo(o, {}).image);
+  const auto measured = [&](const char* delight) {
+    const auto run =
+        test::run_node("Segment", {{"image", photo}}, {{"method", "network"}, {"delight", delight}});
+    std::vector<Vec3f> colors;
+    for (const auto& p : run.output<Profiles>("profiles").profiles) colors.push_back(p.color);
+    return std::pair(colors, run.output<Image>("delit").pixels);
+  };
+  const auto on = measured("on"), off = measured("off");
+  EXPECT_EQ(off.second, photo.as<Image>().pixels);
+  EXPECT_NE(on.second, off.second);
+  ASSERT_EQ(on.first.size(), off.first.size());
+  EXPECT_NE(on.first, off.first);
+  // Each keeps about its lightness.
+  double sum = 0;
+  for (std::size_t k = 0; k < on.first.size(); ++k)
+    sum += static_cast<double>(on.first[k].sum() / off.first[k].sum()) / static_cast<double>(on.first.size());
+  EXPECT_NEAR(sum, 1, 0.08);
 }
 
 }  // namespace

@@ -84,21 +84,5 @@ TEST(Undecided, DroppedParticlesAreNoBinder) {
     if (before.ids[i] > 0 && after.ids[i] == 0) ASSERT_EQ(unobserved.ids[i], 2);
 }
 
-// Colors are measured without light where the network found the particles, as the parameter says.
-TEST(Undecided, LightIsRemovedWhereTheNetworkFoundTheParticles) {
-  synthetic_photo::PhotoOptions o;
-  o.scene = synthetic_photo::Scene::Bank, o.seed = 900002, o.objects = false, o.fill = 0.4;
-  const Value photo = Value::of(synthetic_photo::take_photo(o, {}).image);
-  const auto colors = [&](const char* delight) {
-    const auto run =
-        test::run_node("Segment", {{"image", photo}}, {{"method", "network"}, {"delight", delight}});
-    std::vector<float> out;
-    for (const auto& p : run.output<Profiles>("profiles").profiles) out.push_back(p.color[0]);
-    return out;
-  };
-  EXPECT_EQ(colors("auto"), colors("on"));
-  EXPECT_NE(colors("auto"), colors("off"));
-}
-
 }  // namespace
 }  // namespace terrazzo
