@@ -14,6 +14,10 @@ void encode(const Detail& v, Writer& w) {
   w.raw_array(v.profile_color), w.array(v.profile_size), w.array(v.profile_group),
       w.raw_array(v.profile_contrast);
   w.raw_array(v.profile_broad);
+  const Detail::Zones& z = v.zones;
+  w.array(z.sigma), w.array(z.variance), w.array(z.level);
+  w.bytes(z.dark.data(), sizeof(float) * 3), w.bytes(z.light.data(), sizeof(float) * 3);
+  w.pod(z.dark_contrast), w.pod(z.light_contrast);
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
@@ -32,6 +36,13 @@ Detail decode_detail(Reader& r) {
   v.profile_color = r.raw_array<Vec3f>(), v.profile_size = r.array<float>(),
   v.profile_group = r.array<std::int32_t>();
   v.profile_contrast = r.raw_array<Eigen::Vector2f>(), v.profile_broad = r.raw_array<Eigen::Vector2f>();
+  Detail::Zones& z = v.zones;
+  z.sigma = r.array<float>(), z.variance = r.array<float>(), z.level = r.array<float>();
+  r.bytes(z.dark.data(), sizeof(float) * 3), r.bytes(z.light.data(), sizeof(float) * 3);
+  z.dark_contrast = r.pod<float>(), z.light_contrast = r.pod<float>();
+  if (z.sigma.size() != z.variance.size() || (!z.level.empty() && z.sigma.empty()) ||
+      std::any_of(z.sigma.begin(), z.sigma.end(), [](float s) { return !(s > 0); }))
+    throw Error("damaged", "the stored detail has zones without a field");
   const std::size_t profiles = v.profile_color.size();
   if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
       v.profile_size.size() != profiles || v.profile_group.size() != profiles)
@@ -92,6 +103,14 @@ nlohmann::json describe(const Detail& v) {
           {"size", v.size},
           {"gray", v.gray},
           {"softness", v.softness},
+          {"zones", v.zones.level.empty()
+                        ? nlohmann::json()
+                        : nlohmann::json{{"dark", json_of(v.zones.dark)},
+                                         {"light", json_of(v.zones.light)},
+                                         {"sigma", v.zones.sigma},
+                                         {"variance", v.zones.variance},
+                                         {"level", v.zones.level},
+                                         {"contrast", {v.zones.dark_contrast, v.zones.light_contrast}}}},
           {"phases", std::move(phases)}};
 }
 

@@ -58,6 +58,15 @@ struct Detail {
     std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };
+  // Two zones of the binder. A Gaussian field of deviation 1 with the covariance Σ variance · exp(−r² / 4
+  // sigma²) is below `level` in the dark one.
+  struct Zones {
+    std::vector<float> sigma, variance;  // pixels; the variances' sum is 1
+    std::vector<float> level;            // at i + ½ pixels from the nearest outline; empty: no zones
+    Vec3f dark = Vec3f::Zero(), light = Vec3f::Zero();  // offsets
+    float dark_contrast = 1, light_contrast = 1;        // factors of the tile
+  };
+  Zones zones;
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles

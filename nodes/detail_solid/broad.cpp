@@ -192,17 +192,6 @@ void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
   }
 }
 
-// Weights ≥ 0 that minimize |A·w − b|², by cyclic coordinate descent.
-Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  const Eigen::MatrixXd gram = A.transpose() * A;
-  const Eigen::VectorXd right = A.transpose() * b;
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(A.cols());
-  for (int round = 0; round < 2000; ++round)
-    for (Eigen::Index k = 0; k < w.size(); ++k)
-      w[k] = std::max(0.0, w[k] + (right[k] - gram.row(k).dot(w)) / gram(k, k));
-  return w;
-}
-
 }  // namespace
 
 std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work& work) {
@@ -233,6 +222,16 @@ std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work&
       phases.offset[i] -= broad[i];
     }
   return broad;
+}
+
+Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  const Eigen::MatrixXd gram = A.transpose() * A;
+  const Eigen::VectorXd right = A.transpose() * b;
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(A.cols());
+  for (int round = 0; round < 2000; ++round)
+    for (Eigen::Index k = 0; k < w.size(); ++k)
+      if (gram(k, k) > 0) w[k] = std::max(0.0, w[k] + (right[k] - gram.row(k).dot(w)) / gram(k, k));
+  return w;
 }
 
 BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Labels& labels, int phase,

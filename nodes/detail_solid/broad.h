@@ -28,6 +28,9 @@ struct BroadModel {
 BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases&, const Labels&, int phase,
                      std::uint64_t seed);
 
+// Weights ≥ 0 that minimize |A·w − b|², by cyclic coordinate descent.
+Eigen::VectorXd nonnegative_fit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
+
 // A periodic Gaussian field of size³ voxels with that covariance and mean 0, x fastest.
 std::vector<Vec3f> broad_field(const BroadModel&, int size, std::uint64_t seed, const Work& = {});
 

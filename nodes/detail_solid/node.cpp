@@ -14,6 +14,7 @@
 #include "nodes/detail_solid/rim.h"
 #include "nodes/detail_solid/spectrum.h"
 #include "nodes/detail_solid/tiles.h"
+#include "nodes/detail_solid/zones.h"
 #include "runtime/context.h"
 
 namespace terrazzo::detail_solid {
@@ -89,6 +90,8 @@ void compute(Context& c) {
   detail.softness = softness;
   c.metric("softness", detail.softness);
   detail.phases.resize(phases.pixels.size());
+  split_zones(phases, labels, detail, choice.seed);
+  c.metric("zones", detail.zones.level.empty() ? 1 : 2);
   split_rims(phases, labels, detail);
   if (c.boolean("light")) split_light(phases, labels, detail);
   const std::vector<double> slopes = split_slopes(phases, labels);
@@ -97,6 +100,7 @@ void compute(Context& c) {
     detail.phases[g + 1].slope = static_cast<float>(slopes[g]);
   }
   split_gains(phases, labels, detail);
+  split_zone_contrasts(phases, detail);
   split_contrasts(phases, image, labels, detail, c.work());
   keep_deep_pixels(phases, labels);
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
@@ -118,7 +122,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 9)
+  return NodeType("DetailSolid", 10)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

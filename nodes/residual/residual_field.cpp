@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/floor_of.h"
@@ -148,6 +149,15 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     tiles_.back().grain_gain = phase.grain_gain;
     tiles_.back().limit = kSteepest * phase.slope, tiles_.back().tilt = phase.tilt;
   }
+  if (zones_ = detail.zones; !zones_.level.empty()) {
+    constexpr double kPixelBlur = 0.4;  // of an edge that is seen in whole pixels or voxels
+    std::vector<float> sigma = zones_.sigma;
+    for (float& s : sigma) s *= static_cast<float>(detail.pixel_size);
+    waves_ = WaveField(sigma, zones_.variance, particles.box);
+    edge_ =
+        waves_.slope() * static_cast<float>(std::max(detail.softness * detail.pixel_size,
+                                                     kPixelBlur * std::max(footprint, detail.pixel_size)));
+  }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
 }
@@ -279,6 +289,11 @@ Vec3f ResidualField::binder(const Vec3f& mm) const {
   return tile.mean + sum / std::sqrt(squares);
 }
 
+float ResidualField::dark_share(const Vec3f& mm, float bins) const {
+  const float below = Detail::at_distance(zones_.level, bins) - waves_.at(mm);
+  return 0.5f * std::erfc(-below / (std::numbers::sqrt2_v<float> * edge_));
+}
+
 Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
   const auto spline = [&](const Vec3f& at) {
     return tiles_[0].spline.at(at.cwiseProduct(voxels_per_mm_) - Vec3f::Constant(0.5f));
@@ -347,6 +362,11 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
   const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
+  if (particle < 0 && !zones_.level.empty()) {
+    const float dark = dark_share(mm, bins), light = 1 - dark;
+    return gain * (dark * zones_.dark_contrast + light * zones_.light_contrast) * binder(mm) + rim +
+           dark * zones_.dark + light * zones_.light;
+  }
   if (particle < 0) return gain * binder(mm) + rim;
   const float slope = limited(places_[p].slope.dot(nearest_image(mm - places_[p].center)), tile.limit);
   const auto scaled = [](const Vec3f& offset, const Eigen::Vector2f& contrast) {

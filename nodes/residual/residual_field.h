@@ -7,6 +7,7 @@
 #include "nodes/data/detail.h"
 #include "nodes/data/linear.h"
 #include "nodes/residual/spline_tile.h"
+#include "nodes/residual/wave_field.h"
 #include "runtime/work.h"
 
 namespace terrazzo {
@@ -75,6 +76,7 @@ class ResidualField {
   Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
+  float dark_share(const Vec3f& mm, float bins) const;  // of the binder's dark zone
   void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep, const Work&);
   void place_particles(const Detail&, const Particles&);
   void place_cells(int size, double voxel);
@@ -96,6 +98,9 @@ class ResidualField {
   std::vector<Place> cell_;     // of each of the binder's cells, x fastest
   std::vector<Vec3f> centers_;  // theirs
   float rims_per_mm_ = 1;
+  Detail::Zones zones_;
+  WaveField waves_;
+  float edge_ = 0;  // of zones: how much the field changes over an edge's blur
 };
 
 }  // namespace terrazzo::residual
