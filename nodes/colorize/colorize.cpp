@@ -14,7 +14,9 @@
 namespace terrazzo::colorize {
 namespace {
 
-enum Stream : std::uint64_t { kProfile = 0xc0, kClass = 0xc1 };
+constexpr double kLeastPart = 0.4;  // diameter of a fragment, in that of the particle
+
+enum Stream : std::uint64_t { kProfile = 0xc0, kClass = 0xc1, kFragment = 0xc2 };
 
 // Weighted random choice among items from one uniform number.
 class Draw {
@@ -103,6 +105,34 @@ struct Group {
   }
 };
 
+// Particles whose outlines are unknown have other colors than those that were found: most lie in the shadow.
+// So as many particles as the fragments' share of the area take the color of a fragment, unless it is far
+// smaller than they are.
+void color_by_fragments(Particles& particles, const Profiles& profiles, std::uint64_t seed,
+                        ColorReport& report, const Work& work) {
+  Draw draw;
+  double found = 0, hidden = 0;
+  for (const Profile& p : profiles.profiles) found += p.area;
+  for (std::size_t k = 0; k < profiles.fragments.size(); ++k) {
+    const Fragment& f = profiles.fragments[k];
+    if (!f.color.allFinite() || !std::isfinite(f.area) || f.area < 0)
+      throw Error("bad-profile", "fragment " + std::to_string(k + 1) + " has no valid color or area",
+                  "check the photograph for NaN");
+    draw.add(k, f.area), hidden += f.area;
+  }
+  if (draw.empty()) return;
+  report.hidden = hidden / (found + hidden);
+  work.parallel(particles.count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Random random(seed, kFragment, i);
+      if (random.uniform() >= report.hidden || particles.is_void(i)) continue;
+      const Fragment& f = profiles.fragments[draw.pick(random.uniform())];
+      if (std::sqrt(4 * f.area / std::numbers::pi) >= kLeastPart * particles.size[i])
+        particles.color[i] = f.color;
+    }
+  });
+}
+
 }  // namespace
 
 ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorChoice& choice,
@@ -134,6 +164,7 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     Draw draw;
     for (std::size_t i = 0; i < source.count(); ++i) draw.add(i, source.weight[i]);
     pick_all([&](std::size_t, double u) { return draw.pick(u); });
+    color_by_fragments(particles, profiles, choice.seed, report, work);
     return report;
   }
   if (choice.mode == ColorMode::BySize) {
@@ -148,6 +179,7 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
     pick_all([&](std::size_t i, double u) {
       return groups.at(own ? particles.cls[i] : -1).draw(source, particles.size[i]).pick(u);
     });
+    color_by_fragments(particles, profiles, choice.seed, report, work);
     return report;
   }
 

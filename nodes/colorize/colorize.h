@@ -26,15 +26,17 @@ struct ColorReport {
   std::size_t profiles_used = 0;  // those with a weight
   int clusters = 0;               // found by k-means; 0 if none were needed
   double silhouette = 0;
+  double hidden = 0;        // the fragments' share of the area
   bool weightless = false;  // every profile touches the border, so all have equal weight
   bool colorless = false;   // every profile is black, as from a table of areas
 };
 
-// Sets color and binder_color. In mode BySize, particles of several classes get colors of profiles of their
-// own class, if these have several classes too. In mode Classes, if all particles have the same class, also
-// sets cls: the profiles' classes (found by k-means in Oklab if they have none either) are drawn by size.
-// Jagnow et al. 2004, section 4.2. Throws Error "no-profiles", "bad-profile" (NaN, no area), "no-class" (no
-// profile has a particle's class).
+// Sets color and binder_color. In modes Random and BySize, as many particles as the fragments' share of the
+// area have the color of a fragment. In mode BySize, particles of several classes get colors of profiles of
+// their own class, if these have several classes too. In mode Classes, if all particles have the same class,
+// also sets cls: the profiles' classes (found by k-means in Oklab if they have none either) are drawn by
+// size. Jagnow et al. 2004, section 4.2. Throws Error "no-profiles", "bad-profile" (NaN, no area), "no-class"
+// (no profile has a particle's class).
 ColorReport colorize(Particles&, const Profiles&, const ColorChoice&, const Work& = {});
 
 }  // namespace terrazzo::colorize

@@ -31,6 +31,7 @@ void compute(Context& c) {
   if (report.colorless) c.warn("all profiles are black: they have no color data");
   c.metric("profiles_used", static_cast<double>(report.profiles_used));
   c.metric("mean_color_difference", mean_difference(particles, profiles));
+  if (report.hidden > 0) c.metric("hidden", report.hidden);
   if (report.clusters > 0) c.metric("clusters", report.clusters), c.metric("silhouette", report.silhouette);
   c.output("particles", std::move(particles));
 }
@@ -42,7 +43,7 @@ namespace terrazzo {
 
 NodeType colorize_node() {
   using namespace colorize;
-  return NodeType("Colorize", 5)
+  return NodeType("Colorize", 6)
       .doc_(
           "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
           "color. Voids stay black.")

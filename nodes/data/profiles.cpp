@@ -18,6 +18,9 @@ void encode(const Profiles& v, Writer& w) {
     w.bytes(p.color.data(), sizeof(float) * 3);
     w.raw_array(p.contour);
   }
+  if (v.fragments.empty()) return;  // as before there were any
+  w.pod<std::uint64_t>(v.fragments.size());
+  for (const Fragment& f : v.fragments) w.bytes(f.color.data(), sizeof(float) * 3), w.pod(f.area);
 }
 
 Profiles decode_profiles(Reader& r) {
@@ -34,6 +37,9 @@ Profiles decode_profiles(Reader& r) {
     r.bytes(p.color.data(), sizeof(float) * 3);
     p.contour = r.raw_array<Vec2>();
   }
+  if (r.left() == 0) return v;
+  v.fragments.resize(r.count(20));
+  for (Fragment& f : v.fragments) r.bytes(f.color.data(), sizeof(float) * 3), f.area = r.pod<double>();
   return v;
 }
 

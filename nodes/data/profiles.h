@@ -24,6 +24,12 @@ struct Profile {
                                 // repeated; may be empty
 };
 
+// A part of a particle whose outline is unknown.
+struct Fragment {
+  Vec3f color = Vec3f::Zero();  // median of each channel, scene-linear
+  double area = 0;              // mm²
+};
+
 struct Profiles {
   double observed_area = 0;  // mm², total of all sections; 0: unknown (densities are then relative)
   int sections = 1;
@@ -32,6 +38,7 @@ struct Profiles {
   Vec3f binder_color = Vec3f::Zero();  // mean of all pixels outside profiles, scene-linear
   double area_fraction = 0;            // pixels in profiles / all pixels, including border profiles
   std::vector<Profile> profiles;
+  std::vector<Fragment> fragments;  // outside of observed_area
 };
 
 template <>

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "nodes/common/geometry/components.h"
 #include "nodes/common/texture/color_medians.h"
 #include "nodes/segment/outline.h"
 
@@ -16,6 +17,40 @@ struct Sums {
   std::int64_t core_pixels = 0, pixels = 0;
   int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;
 };
+
+// The connected undecided places of one section, by the pixels that have only such neighbors: at the edge of
+// a place, colors are mixed with those of particles.
+void add_fragments(const Image& image, const UndecidedPixels& undecided, std::size_t first, Profiles& out) {
+  constexpr std::int64_t kLeast = 6;  // pixels
+  const int W = image.width, H = image.height;
+  std::vector<std::int32_t> core(static_cast<std::size_t>(W) * H, 0);
+  for (int y = 1; y + 1 < H; ++y)
+    for (int x = 1; x + 1 < W; ++x) {
+      bool all = true;
+      for (int v = y - 1; v <= y + 1; ++v)
+        for (int u = x - 1; u <= x + 1; ++u)
+          all = all && undecided[first + static_cast<std::size_t>(v) * W + u];
+      core[static_cast<std::size_t>(y) * W + x] = all;
+    }
+  const Components parts = connected_components(core, W, H, true);
+  ColorMedians colors(std::vector<std::int64_t>(parts.sizes.begin(), parts.sizes.end()));
+  for (std::size_t i = 0; i < core.size(); ++i)
+    if (const auto k = parts.ids[i]; k > 0)
+      colors.add(static_cast<std::size_t>(k) - 1, image.pixels[first + i]);
+  std::vector<std::int64_t> area(parts.sizes.size(), 0);  // with the pixels around
+  for (int y = 0; y < H; ++y)
+    for (int x = 0; x < W; ++x) {
+      std::int32_t near = 0;
+      for (int v = std::max(0, y - 1); v <= std::min(H - 1, y + 1); ++v)
+        for (int u = std::max(0, x - 1); u <= std::min(W - 1, x + 1); ++u)
+          near = std::max(near, parts.ids[static_cast<std::size_t>(v) * W + u]);
+      if (near > 0) ++area[static_cast<std::size_t>(near) - 1];
+    }
+  for (std::size_t k = 0; k < area.size(); ++k)
+    if (parts.sizes[k] >= kLeast)
+      out.fragments.push_back(
+          {colors.value(k), image.pixel_size * image.pixel_size * static_cast<double>(area[k])});
+}
 
 }  // namespace
 
@@ -79,6 +114,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         if (sums[k].core_pixels == 0 || deep(x, y)) colors.add(k, image.pixels[first + i]);
       }
     work.check();
+    if (!undecided.empty()) add_fragments(image, undecided, first, out);
     std::optional<Positions> positions;
     if (!ignored.empty()) positions.emplace(ignored.data() + first, W, H);
     auto lines = outlines(ids, std::span(coverage).subspan(first, section_size), W, H, count, work, low);

@@ -18,7 +18,7 @@ namespace terrazzo::segment {
 // positions of its corner, and its weight is the inverse of that share (Miles 1974; Lantuéjoul 1980).
 // Ignored pixels count as outside: they are not observed, and a profile whose box, with a rim of
 // one pixel, contains any of them has no weight. Undecided pixels are not observed either, but cut no
-// profile.
+// profile; connected ones are fragments.
 Profiles measure_profiles(const Image&, const Labels&, const std::vector<float>& coverage,
                           const IgnoredPixels&, const UndecidedPixels&, const Work&);
 

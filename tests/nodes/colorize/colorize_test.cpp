@@ -49,6 +49,29 @@ TEST(Colorize, RandomDrawsByWeightAndNeverABorderProfile) {
   EXPECT_EQ(p.binder_color, seen.binder_color);
 }
 
+// Fragments are a quarter of the area; one of them is too small for the particles.
+TEST(Colorize, FragmentsGiveTheirShareOfColors) {
+  Profiles seen;
+  seen.profiles = {profile(2, {1, 0, 0}, 1)};
+  const double area = seen.profiles[0].area;
+  seen.fragments = {{{0, 1, 0}, area / 4}, {{0, 0, 1}, area / 12}};
+  for (const ColorMode mode : {ColorMode::Random, ColorMode::BySize}) {
+    Particles p = particles(20000, 2);
+    const ColorReport report = colorize::colorize(p, seen, {mode, 7});
+    EXPECT_NEAR(report.hidden, 0.25, 1e-12);
+    double count[3] = {0, 0, 0};
+    for (const auto& c : p.color) ++count[c.x() == 1 ? 0 : c.y() == 1 ? 1 : 2];
+    EXPECT_NEAR(count[1] / 20000, 0.25 * 0.75, 0.01);
+    EXPECT_EQ(count[2], 0);  // 0.29 as wide
+  }
+  seen.fragments[0].color[0] = NAN;
+  EXPECT_EQ(code_of([&] {
+              Particles p = particles(3, 2);
+              colorize::colorize(p, seen, {ColorMode::Random, 7});
+            }),
+            "bad-profile");
+}
+
 TEST(Colorize, BySizeDrawsFromTheParticlesClass) {
   Profiles seen;
   seen.classes = 2;

@@ -31,6 +31,10 @@ TEST(Undecided, IsNotObservedButCutsNoProfile) {
   EXPECT_DOUBLE_EQ(all.observed_area, 0.25 * W * H);
   EXPECT_DOUBLE_EQ(p.observed_area, 0.25 * (W * H - 84));
   EXPECT_DOUBLE_EQ(p.area_fraction, 36.0 / (W * H - 84));
+  ASSERT_EQ(p.fragments.size(), 1u);
+  EXPECT_NEAR(p.fragments[0].area, 0.25 * 84, 1e-9);
+  EXPECT_NEAR(p.fragments[0].color[0], 0.9f, 1e-6);
+  EXPECT_TRUE(all.fragments.empty());
   EXPECT_FALSE(p.profiles[0].touches_border);
   EXPECT_EQ(p.profiles[0].weight, all.profiles[0].weight);
   EXPECT_NEAR(p.binder_color[0], 0.2f, 1e-6);
