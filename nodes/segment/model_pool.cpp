@@ -29,9 +29,8 @@ std::unique_ptr<ModelPool::Copy> ModelPool::take(const std::vector<int>& shape) 
     const std::lock_guard lock(mutex_);
     for (auto& one : free_)
       if (one->shape.empty() || one->shape == shape) {
-        std::swap(one, free_.back());
-        auto copy = std::move(free_.back());
-        free_.pop_back();
+        auto copy = std::move(one);
+        free_.erase(free_.begin() + (&one - free_.data()));
         return copy;
       }
   }
@@ -51,7 +50,17 @@ cv::Mat ModelPool::run(const cv::Mat& blob) {
   }
   const std::lock_guard lock(mutex_);
   free_.push_back(std::move(copy));
+  // Pictures in tiles have blobs of many shapes. Those that were not used for longest go.
+  while (free_.size() > 1 && pixels_kept() > kMostPixels) free_.erase(free_.begin());
   return out;
+}
+
+std::size_t ModelPool::pixels_kept() const {
+  std::size_t sum = 0;
+  for (const auto& one : free_)
+    if (const auto& s = one->shape; s.size() == 4)
+      sum += static_cast<std::size_t>(s[0]) * static_cast<std::size_t>(s[2]) * static_cast<std::size_t>(s[3]);
+  return sum;
 }
 
 }  // namespace terrazzo::segment

@@ -12,6 +12,7 @@
 #include "nodes/segment/basins.h"
 #include "nodes/segment/instances.h"
 #include "nodes/segment/judge.h"
+#include "nodes/segment/model_pool.h"
 #include "nodes/segment/network_particles.h"
 #include "nodes/segment/split.h"
 #include "nodes/synthetic_photo/synthetic_photo.h"
@@ -310,6 +311,27 @@ TEST(Network, TheSameBitsOnAnyNumberOfThreads) {
     EXPECT_EQ(m.distance, all[0].distance);
     EXPECT_EQ(m.not_material, all[0].not_material);
   }
+}
+
+// Pictures in tiles have blobs of many shapes. Copies of the network for all of them would fill the memory.
+TEST(Network, KeepsBuffersForFewShapes) {
+  ModelPool pool(built_in_model(), "");
+  const auto blob = [](int width) {
+    const int shape[] = {1, 3, 640, width};
+    return cv::Mat(4, shape, CV_32F, cv::Scalar(0.25 + width / 4096.0));
+  };
+  const auto equal = [](const cv::Mat& a, const cv::Mat& b) {
+    return a.total() == b.total() && std::equal(a.ptr<float>(), a.ptr<float>() + a.total(), b.ptr<float>());
+  };
+  const cv::Mat first = pool.run(blob(512));
+  std::size_t all = 640 * 512;
+  for (int width = 544; width <= 736; width += 32) {
+    pool.run(blob(width));
+    all += static_cast<std::size_t>(640) * width;
+    EXPECT_LE(pool.pixels_kept(), ModelPool::kMostPixels);
+  }
+  ASSERT_GT(all, ModelPool::kMostPixels);  // so some copies were dropped
+  EXPECT_TRUE(equal(pool.run(blob(512)), first));
 }
 
 TEST(Network, AnySizeAndScale) {
