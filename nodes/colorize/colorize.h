@@ -32,11 +32,11 @@ struct ColorReport {
 };
 
 // Sets color and binder_color. In modes Random and BySize, as many particles as the fragments' share of the
-// area have the color of a fragment. In mode BySize, particles of several classes get colors of profiles of
-// their own class, if these have several classes too. In mode Classes, if all particles have the same class,
-// also sets cls: the profiles' classes (found by k-means in Oklab if they have none either) are drawn by
-// size. Jagnow et al. 2004, section 4.2. Throws Error "no-profiles", "bad-profile" (NaN, no area), "no-class"
-// (no profile has a particle's class).
+// area have the color of a fragment, if that is at least 0.4 times as wide as they are. In mode BySize,
+// particles of several classes get colors of profiles of their own class, if these have several classes too.
+// In mode Classes, if all particles have the same class, also sets cls: the profiles' classes (found by
+// k-means in Oklab if they have none either) are drawn by size. Jagnow et al. 2004, section 4.2. Throws Error
+// "no-profiles", "bad-profile" (NaN, no area), "no-class" (no profile has a particle's class).
 ColorReport colorize(Particles&, const Profiles&, const ColorChoice&, const Work& = {});
 
 }  // namespace terrazzo::colorize

@@ -194,8 +194,8 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
 }
 
 void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail& detail, const Work& work) {
-  // Squares of the mean of the channels, and of the rest. A crack or a speck of dirt would decide the mean of
-  // a small profile's grain, so grain is told by the square that a quarter of the pixels exceeds.
+  // Squares of the mean of the channels, and of the rest. One crack or speck of dirt would dominate the mean
+  // square of a small profile, so the upper quartile of the squares measures its grain.
   struct Grain {
     std::vector<float> gray, chroma;
     void add(const Vec2& squares) {
@@ -224,8 +224,8 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   const std::vector<Vec3f> before = grain.offset;
   const std::vector<float> size = residual::sizes_of_particles(labels.ids, image.pixel_size);
   const std::vector<float> depth = depths_of(p, labels);
-  // What the neighbors in the profile do not tell. Only deep pixels are asked, so these are in the same
-  // section.
+  // Difference from the mean of the neighbors in the profile. Only deep pixels are used, so all of these are
+  // in the same section.
   const auto finest = [&](std::size_t i) {
     Vec3f sum = Vec3f::Zero();
     float count = 0;
@@ -268,7 +268,8 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     if (s.pixels < kLeastProfile || !((g.grain + g.broad).sum() > 0)) continue;
     if (s.count > 0 && g.grain.sum() > 0)
       of_grain[k] = relative(s.grain, s.count, g.grain, g.count, s.count / kGrainArea);
-    // A dark spot has strong grain from its gradient alone. The finest grain tells how strong it really is.
+    // The gradient of a dark spot counts as grain, so the contrast of the finest grain limits that of all
+    // grain.
     if (s.count > 0 && g.finest.sum() > 0)
       of_grain[k] = of_grain[k].cwiseMin(
           relative(s.finest, s.count, g.finest, g.count, s.count / kGrainArea).cwiseMax(1.0f));

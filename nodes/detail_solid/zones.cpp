@@ -17,15 +17,15 @@ namespace {
 
 constexpr double kDistinct = 0.77;   // share of the variance that two levels explain
 constexpr double kLeastShare = 0.1;  // of each zone
-constexpr float kBlur = 1.5f;        // pixels, of what the zones are told by
+constexpr float kBlur = 1.5f;        // pixels, of the lightness that is compared with the threshold
 constexpr int kBetween = 2;          // pixels on each side of an edge between zones
-constexpr double kSmooth =
-    0.25;  // least deviation, relative to that width: finer structure would fray all edges
-constexpr double kLeastWidth = 4;          // pixels over which the covariance falls to one half
-constexpr std::size_t kEnoughLeft = 4000;  // used pixels of the binder
-constexpr int kLevels = 64;                // pixels from the outline
-constexpr double kLeastInBin = 400;        // pixels
-constexpr std::array kApart = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};                // pixels
+constexpr double kLeastWidth = 4;    // pixels over which the covariance falls to one half
+// Least deviation of the field, relative to that width: finer structure would fray all edges.
+constexpr double kSmooth = 0.25;
+constexpr std::size_t kEnoughLeft = 4000;                                      // used pixels of the binder
+constexpr int kLevels = 64;                                                    // pixels from the outline
+constexpr double kLeastInBin = 400;                                            // pixels
+constexpr std::array kApart = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};  // pixels
 constexpr std::array kWidths = {2.0f, 3.0f, 4.5f, 7.0f, 10.0f, 15.0f, 22.0f, 33.0f, 50.0f};  // pixels
 constexpr int kPairsEach = 4000;  // of pixels, at each distance
 constexpr int kSteps = 40;        // of the correlation
