@@ -8,6 +8,7 @@
 #include "nodes/common/geometry/components.h"
 #include "nodes/segment/attempt.h"
 #include "nodes/segment/faint_bodies.h"
+#include "nodes/segment/joined_bodies.h"
 #include "nodes/segment/network_particles.h"
 #include "nodes/segment/sharpness.h"
 
@@ -58,15 +59,17 @@ struct Bodies {
 // they overlap. The colors of the phases must be distinct. Then color decides what is binder, and the
 // outlines of bodies are finer, so their scores count more, and bodies without a rival stay even if the
 // network does not know them, unless they are faint and it sees binder there at every scale. Instances of the
-// network replace a body only if they cover most of it: white specks in a pore are no reason to lose the
-// pore.
+// network replace a body only if they cover most of it, since white specks in a pore are no reason to lose
+// the pore, or if the rest of it is the gap between them.
 NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instance> instances,
-                                    const Bodies& by_color, int width, int height, const SplitOptions& split,
+                                    const Bodies& by_color, const LabImage& image, const SplitOptions& split,
                                     const Work& work) {
+  const int width = image.width, height = image.height;
   const Particles2D& bodies = by_color.particles;
   const std::vector<double>& scores = by_color.scores;
   constexpr double kBinder = 0.45;  // of `inside`
-  const double lead = 1.6, least = NetworkOptions().min_score, explained = 0.7, first_of_all = 2;
+  const double lead = 1.6, least = NetworkOptions().min_score, first_of_all = 2;
+  const double explained = 0.7, explained_of_joined = 0.3;
   std::vector<Instance> all;
   for (Instance& in : instances) {
     // Color decides what is binder.
@@ -76,6 +79,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   }
   const std::size_t first = all.size();
   const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
+  const std::vector<bool> joined = joined_bodies(image, bodies.labels, count, all);
   all.resize(first + count);
   for (std::size_t i = 0; i < bodies.labels.size(); ++i)
     if (const auto id = bodies.labels[i]; id > 0)
@@ -83,8 +87,10 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   for (std::int32_t k = 0; k < count; ++k)
     if (by_color.faint[k] && view.largest_inside(all[first + k].pixels) < kBinder)
       all[first + k].pixels.clear();
-  for (std::int32_t k = 0; k < count; ++k)
-    all[first + k].score = std::max(least, lead * scores[k]), all[first + k].explained = explained;
+  for (std::int32_t k = 0; k < count; ++k) {
+    all[first + k].score = std::max(least, lead * scores[k]);
+    all[first + k].explained = joined[k] ? explained_of_joined : explained;
+  }
   NetworkOptions how;
   how.min_area = split.min_area >= 0 ? split.min_area : std::min(how.min_area, bodies.min_area);
   NetworkView::Found found = view.choose(all, how, work);
@@ -94,7 +100,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   bool lost = false;
   for (std::int32_t k = 0; k < count; ++k)
     if (!all[first + k].pixels.empty() && static_cast<double>(size[k + 1]) >= how.min_area &&
-        static_cast<double>(covered[k + 1]) < explained * static_cast<double>(size[k + 1]))
+        static_cast<double>(covered[k + 1]) < all[first + k].explained * static_cast<double>(size[k + 1]))
       all[first + k].score = first_of_all, lost = true;
   if (lost) found = view.choose(all, how, work);
   const auto of_color = [&](std::int32_t label) { return label > 0 && found.from[label - 1] >= first; };
@@ -150,16 +156,22 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   if (options.split.min_area >= 0)
     how.min_area = options.split.min_area;
   else if (network)
-    how.min_area /= s.network_scale * s.network_scale;     // as the network sees it
+    how.min_area /= s.network_scale * s.network_scale;  // as the network sees it
+  // Where colors are distinct, particles may be as small as bodies of color.
+  constexpr double kSmallestBody = 12;
+  NetworkOptions candidates = how;
+  if (s.method == Method::Auto && options.split.min_area < 0)
+    candidates.min_area = std::min(how.min_area, kSmallestBody);
   std::vector<std::vector<Instance>> instances(sections);  // kept for Auto like the views
   const auto instances_of = [&](int i) {
-    return instances[i].empty() ? view_of(i, work.quiet())->instances(how, work.quiet()) : instances[i];
+    return instances[i].empty() ? view_of(i, work.quiet())->instances(candidates, work.quiet())
+                                : instances[i];
   };
   Attempt by_network;
   if (network)
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
-      auto all = view->instances(how, work.quiet());
+      auto all = view->instances(candidates, work.quiet());
       NetworkView::Found chosen = view->choose(all, how, work.quiet());
       if (!fills) {
         const UndecidedPixels undecided = view->undecided(chosen.particles.labels);
@@ -219,9 +231,10 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
     Attempt a;
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.quiet());
-      a.add_chosen(distinct[i] ? choose_from_both(*view, instances_of(i), by_color[i], image.width,
-                                                  image.height, options.split, work.quiet())
-                               : view->choose(instances_of(i), how, work.quiet()));
+      a.add_chosen(distinct[i]
+                       ? choose_from_both(*view, instances_of(i), by_color[i],
+                                          lab_section(image, i, work.quiet()), options.split, work.quiet())
+                       : view->choose(instances_of(i), how, work.quiet()));
     }
     return a;
   };

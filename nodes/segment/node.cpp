@@ -170,7 +170,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 14)
+  return NodeType("Segment", 15)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")

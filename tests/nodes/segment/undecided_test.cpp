@@ -85,7 +85,9 @@ TEST(Undecided, DroppedParticlesAreNoBinder) {
   const Labels &before = all.output<Labels>("labels"), &after = sure.output<Labels>("labels");
   const Labels& unobserved = sure.output<Labels>("unobserved");
   for (std::size_t i = 0; i < before.ids.size(); ++i)
-    if (before.ids[i] > 0 && after.ids[i] == 0) ASSERT_EQ(unobserved.ids[i], 2);
+    if (before.ids[i] > 0 && after.ids[i] == 0) {
+      ASSERT_EQ(unobserved.ids[i], 2);
+    }
 }
 
 }  // namespace

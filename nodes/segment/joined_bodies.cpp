@@ -1,0 +1,91 @@
+#include "nodes/segment/joined_bodies.h"
+
+#include <algorithm>
+
+#include "nodes/common/geometry/rank.h"
+
+namespace terrazzo::segment {
+namespace {
+
+constexpr double kLiesIn = 0.6;       // share of an instance in the body, as for accepted instances
+constexpr double kLargestPart = 0.8;  // of the body's area: larger instances are versions of it
+constexpr double kFree = 0.6;         // share of a further part that the others do not cover
+constexpr double kGap = 1.0 / 3, kBeyond = 1.25;  // of the way from the parts' color to the binder's
+constexpr double kAside = 0.5;                    // the same, across
+constexpr double kLeastRest = 0.1;                // of the body, for a color that noise does not decide
+
+struct Sum {
+  Vec3 color = Vec3::Zero();
+  double pixels = 0;
+  void add(const Vec3f& c) { color += c.cast<double>(), ++pixels; }
+  Vec3 mean() const { return color / std::max(1.0, pixels); }
+};
+
+Vec3 median_color(const LabImage& image, const std::vector<std::int32_t>& labels) {
+  Vec3 out = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float> values;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+      if (labels[i] == 0) values.push_back(image.pixels[i][axis]);
+    if (!values.empty()) out[axis] = static_cast<double>(at_rank(values, values.size() / 2));
+  }
+  return out;
+}
+
+// The instances that lie in each of the bodies, best first.
+std::vector<std::vector<std::size_t>> parts_of(const std::vector<std::int32_t>& labels, std::int32_t count,
+                                               const std::vector<Instance>& instances) {
+  std::vector<double> areas(count + 1, 0);
+  for (const auto id : labels) ++areas[id];
+  std::vector<std::size_t> order(instances.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return instances[a].score > instances[b].score; });
+  std::vector<std::vector<std::size_t>> parts(count + 1);
+  std::vector<double> shared(count + 1, 0);
+  for (const std::size_t k : order) {
+    const auto& pixels = instances[k].pixels;
+    std::int32_t most = 0;
+    for (const auto i : pixels)
+      if (const auto id = labels[i]; id > 0 && ++shared[id] > shared[most]) most = id;
+    const double on_most = shared[most];
+    for (const auto i : pixels) shared[labels[i]] = 0;
+    const auto size = static_cast<double>(pixels.size());
+    if (most > 0 && on_most >= kLiesIn * size && size <= kLargestPart * areas[most]) parts[most].push_back(k);
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::int32_t>& labels,
+                                std::int32_t count, const std::vector<Instance>& instances) {
+  const Vec3 binder = median_color(image, labels);
+  const auto parts = parts_of(labels, count, instances);
+  // Parts side by side: each is mostly free of the better ones.
+  std::vector<std::uint8_t> covered(labels.size(), 0);
+  std::vector<int> beside(count + 1, 0);
+  for (std::int32_t id = 1; id <= count; ++id)
+    for (const std::size_t k : parts[id]) {
+      const auto& pixels = instances[k].pixels;
+      const auto taken = std::count_if(pixels.begin(), pixels.end(), [&](auto i) { return covered[i] != 0; });
+      if (static_cast<double>(taken) > (1 - kFree) * static_cast<double>(pixels.size())) continue;
+      for (const auto i : pixels) covered[i] = 1;
+      ++beside[id];
+    }
+  std::vector<Sum> within(count + 1), rest(count + 1);
+  for (std::size_t i = 0; i < labels.size(); ++i)
+    (covered[i] ? within : rest)[labels[i]].add(image.pixels[i]);
+  std::vector<bool> joined(count, false);
+  for (std::int32_t id = 1; id <= count; ++id) {
+    if (beside[id] < 2 || rest[id].pixels < kLeastRest * (rest[id].pixels + within[id].pixels)) continue;
+    const Vec3 to_binder = binder - within[id].mean();
+    const Vec3 to_rest = rest[id].mean() - within[id].mean();
+    const double way = to_rest.dot(to_binder) / std::max(to_binder.squaredNorm(), 1e-12);
+    joined[id - 1] =
+        way >= kGap && way <= kBeyond && (to_rest - way * to_binder).norm() <= kAside * to_binder.norm();
+  }
+  return joined;
+}
+
+}  // namespace terrazzo::segment
