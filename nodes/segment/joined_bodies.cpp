@@ -1,6 +1,9 @@
 #include "nodes/segment/joined_bodies.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "nodes/common/geometry/rank.h"
 
@@ -56,6 +59,27 @@ std::vector<std::vector<std::size_t>> parts_of(const std::vector<std::int32_t>& 
   return parts;
 }
 
+// The largest distance of what the parts leave of each body to anything else.
+std::vector<double> widths_of_rest(const LabImage& image, const std::vector<std::int32_t>& labels,
+                                   std::int32_t count, const std::vector<std::uint8_t>& covered) {
+  cv::Mat rest(image.height, image.width, CV_8U), depth;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t i = image.index(x, y);
+      const bool inner = (x == 0 || labels[i - 1] == labels[i]) &&
+                         (y == 0 || labels[i - static_cast<std::size_t>(image.width)] == labels[i]);
+      rest.at<std::uint8_t>(y, x) = labels[i] > 0 && !covered[i] && inner;
+    }
+  cv::distanceTransform(rest, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  std::vector<double> widths(count + 1, 0);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      double& width = widths[labels[image.index(x, y)]];
+      width = std::max<double>(width, depth.at<float>(y, x));
+    }
+  return widths;
+}
+
 }  // namespace
 
 std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::int32_t>& labels,
@@ -76,9 +100,12 @@ std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::in
   std::vector<Sum> within(count + 1), rest(count + 1);
   for (std::size_t i = 0; i < labels.size(); ++i)
     (covered[i] ? within : rest)[labels[i]].add(image.pixels[i]);
+  const std::vector<double> widths = widths_of_rest(image, labels, count, covered);
   std::vector<bool> joined(count, false);
   for (std::int32_t id = 1; id <= count; ++id) {
     if (beside[id] < 2 || rest[id].pixels < kLeastRest * (rest[id].pixels + within[id].pixels)) continue;
+    // A gap is narrower than the particles beside it.
+    if (widths[id] > std::sqrt(within[id].pixels / (std::numbers::pi * beside[id]))) continue;
     const Vec3 to_binder = binder - within[id].mean();
     const Vec3 to_rest = rest[id].mean() - within[id].mean();
     const double way = to_rest.dot(to_binder) / std::max(to_binder.squaredNorm(), 1e-12);

@@ -25,8 +25,6 @@ struct Scene {
     instances.push_back(one);
   }
   bool joined() const { return joined_bodies(image, labels, 1, instances)[0]; }
-
- private:
   template <class Do>
   void each(int left, int right, int top, int bottom, const Do& act) {
     for (int y = top; y < bottom; ++y)
@@ -73,6 +71,19 @@ TEST(JoinedBodies, AreNotGrainsOfAnotherHue) {
   s.body({0.45f, 0.2f, 0});
   s.part(11, 18, gray(0.3f)), s.part(22, 29, gray(0.3f));
   EXPECT_FALSE(s.joined());
+}
+
+TEST(JoinedBodies, HaveGapsNarrowerThanTheirParts) {
+  // The parts have a radius of 2.4 pixels and are 4 or 11 pixels apart.
+  for (const auto& [right, expected] : {std::pair(17, true), {24, false}}) {
+    Scene s(gray(0.6f));
+    s.part(11, 13, gray(0.3f)), s.part(right, right + 2, gray(0.3f));
+    s.each(11, right + 2, 11, 21, [&](std::size_t i) {
+      s.labels[i] = 1;
+      if (s.image.pixels[i][0] > 0.5f) s.image.pixels[i] = gray(0.45f);
+    });
+    EXPECT_EQ(s.joined(), expected) << right;
+  }
 }
 
 TEST(JoinedBodies, AreNotFilledByTheirParts) {
