@@ -79,7 +79,7 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   }
   const std::size_t first = all.size();
   const std::int32_t count = *std::max_element(bodies.labels.begin(), bodies.labels.end());
-  const std::vector<bool> joined = joined_bodies(image, bodies.labels, count, all);
+  const std::vector<bool> joined = joined_bodies(image, bodies.labels, count, all, work);
   all.resize(first + count);
   for (std::size_t i = 0; i < bodies.labels.size(); ++i)
     if (const auto id = bodies.labels[i]; id > 0)

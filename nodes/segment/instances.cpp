@@ -1,6 +1,7 @@
 #include "nodes/segment/instances.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "nodes/segment/neighbors.h"
@@ -9,8 +10,8 @@ namespace terrazzo::segment {
 namespace {
 
 constexpr double kOverlap = 0.4;
-constexpr double kWithin = 0.6;  // share of an instance that lies in another one, to replace it
-constexpr double kPart = 0.8;    // of that one's area: larger instances are versions of it
+constexpr double kWithin = 0.6;  // share of an instance that lies in a label
+constexpr double kPart = 0.8;    // of the label's area: larger instances are versions of it
 
 // The section while it is being filled. Label k belongs to places()[k - 1].
 class Filling {
@@ -93,31 +94,32 @@ class Filling {
   std::vector<Place> places_;
 };
 
-// For each place the instances that lie in it and are not placed, in the given order.
-std::vector<std::vector<std::size_t>> instances_within(const Filling& filling,
+}  // namespace
+
+std::vector<std::vector<std::size_t>> instances_within(const std::vector<std::int32_t>& labels,
+                                                       std::size_t count,
                                                        const std::vector<Instance>& instances,
                                                        const std::vector<std::size_t>& order,
                                                        const Work& work) {
-  std::vector<std::vector<std::size_t>> within(filling.places().size());
-  std::vector<std::int32_t> count(within.size() + 1, 0);
+  std::vector<std::int64_t> areas(count + 1, 0);
+  for (const auto label : labels) ++areas[label];
+  std::vector<std::vector<std::size_t>> within(count);
+  std::vector<std::int32_t> shared(count + 1, 0);
   for (const std::size_t k : order) {
     work.check();
-    if (filling.has(k)) continue;
     const auto& pixels = instances[k].pixels;
     std::int32_t most = 0;
     for (const auto i : pixels)
-      if (const auto label = filling.labels()[i]; label > 0 && ++count[label] > count[most]) most = label;
-    const double shared = count[most];
-    for (const auto i : pixels) count[filling.labels()[i]] = 0;
+      if (const auto label = labels[i]; label > 0 && ++shared[label] > shared[most]) most = label;
+    const double on_most = shared[most];
+    for (const auto i : pixels) shared[labels[i]] = 0;
     if (most == 0) continue;
     const auto size = static_cast<double>(pixels.size());
-    const auto area = static_cast<double>(filling.places()[most - 1].pixels.size());
-    if (shared >= kWithin * size && size <= kPart * area) within[most - 1].push_back(k);
+    if (on_most >= kWithin * size && size <= kPart * static_cast<double>(areas[most]))
+      within[most - 1].push_back(k);
   }
   return within;
 }
-
-}  // namespace
 
 Accepted accept_instances(const std::vector<Instance>& instances, int width, int height, double min_area,
                           double min_score, double (*worth)(double score), const Work& work) {
@@ -137,7 +139,10 @@ Accepted accept_instances(const std::vector<Instance>& instances, int width, int
   fill();
   constexpr int kRounds = 4;  // what replaces an instance may be replaced in turn
   for (int round = 0; round < kRounds; ++round) {
-    const auto within = instances_within(filling, instances, order, work);
+    std::vector<std::size_t> free;
+    std::copy_if(order.begin(), order.end(), std::back_inserter(free),
+                 [&](std::size_t k) { return !filling.has(k); });
+    const auto within = instances_within(filling.labels(), filling.places().size(), instances, free, work);
     bool changed = false;
     for (std::size_t p = 0; p < within.size(); ++p) {
       if (within[p].empty()) continue;

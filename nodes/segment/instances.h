@@ -20,6 +20,13 @@ struct Accepted {
   std::vector<std::size_t> from;  // index of the instance
 };
 
+// For each of the labels from 1 to `count`, at k − 1: those of the instances in `order` that lie in it, in
+// that order. At least 0.6 of such an instance lies in the label, and it has at most 0.8 of the label's area,
+// since larger ones are versions of the same particle.
+std::vector<std::vector<std::size_t>> instances_within(const std::vector<std::int32_t>& labels,
+                                                       std::size_t count, const std::vector<Instance>&,
+                                                       const std::vector<std::size_t>& order, const Work&);
+
 // Accepts instances in order of their scores, unless more than 0.4 of one is already covered by accepted
 // ones; the rest of it is kept if it stays in one piece of at least `min_area` pixels. Then an accepted
 // instance gives way to others that lie in it, if these are worth more together: a mound of soil between

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/common/geometry/rank.h"
@@ -10,9 +11,7 @@
 namespace terrazzo::segment {
 namespace {
 
-constexpr double kLiesIn = 0.6;       // share of an instance in the body, as for accepted instances
-constexpr double kLargestPart = 0.8;  // of the body's area: larger instances are versions of it
-constexpr double kFree = 0.6;         // share of a further part that the others do not cover
+constexpr double kFree = 0.6;                     // share of a further part that the others do not cover
 constexpr double kGap = 1.0 / 3, kBeyond = 1.25;  // of the way from the parts' color to the binder's
 constexpr double kAside = 0.5;                    // the same, across
 constexpr double kLeastRest = 0.1;                // of the body, for a color that noise does not decide
@@ -33,30 +32,6 @@ Vec3 median_color(const LabImage& image, const std::vector<std::int32_t>& labels
     if (!values.empty()) out[axis] = static_cast<double>(at_rank(values, values.size() / 2));
   }
   return out;
-}
-
-// The instances that lie in each of the bodies, best first.
-std::vector<std::vector<std::size_t>> parts_of(const std::vector<std::int32_t>& labels, std::int32_t count,
-                                               const std::vector<Instance>& instances) {
-  std::vector<double> areas(count + 1, 0);
-  for (const auto id : labels) ++areas[id];
-  std::vector<std::size_t> order(instances.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return instances[a].score > instances[b].score; });
-  std::vector<std::vector<std::size_t>> parts(count + 1);
-  std::vector<double> shared(count + 1, 0);
-  for (const std::size_t k : order) {
-    const auto& pixels = instances[k].pixels;
-    std::int32_t most = 0;
-    for (const auto i : pixels)
-      if (const auto id = labels[i]; id > 0 && ++shared[id] > shared[most]) most = id;
-    const double on_most = shared[most];
-    for (const auto i : pixels) shared[labels[i]] = 0;
-    const auto size = static_cast<double>(pixels.size());
-    if (most > 0 && on_most >= kLiesIn * size && size <= kLargestPart * areas[most]) parts[most].push_back(k);
-  }
-  return parts;
 }
 
 // The largest distance of what the parts leave of each body to anything else.
@@ -83,14 +58,19 @@ std::vector<double> widths_of_rest(const LabImage& image, const std::vector<std:
 }  // namespace
 
 std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::int32_t>& labels,
-                                std::int32_t count, const std::vector<Instance>& instances) {
+                                std::int32_t count, const std::vector<Instance>& instances,
+                                const Work& work) {
   const Vec3 binder = median_color(image, labels);
-  const auto parts = parts_of(labels, count, instances);
+  std::vector<std::size_t> order(instances.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return instances[a].score > instances[b].score; });
+  const auto parts = instances_within(labels, static_cast<std::size_t>(count), instances, order, work);
   // Parts side by side: each is mostly free of the better ones.
   std::vector<std::uint8_t> covered(labels.size(), 0);
   std::vector<int> beside(count + 1, 0);
   for (std::int32_t id = 1; id <= count; ++id)
-    for (const std::size_t k : parts[id]) {
+    for (const std::size_t k : parts[id - 1]) {
       const auto& pixels = instances[k].pixels;
       const auto taken = std::count_if(pixels.begin(), pixels.end(), [&](auto i) { return covered[i] != 0; });
       if (static_cast<double>(taken) > (1 - kFree) * static_cast<double>(pixels.size())) continue;

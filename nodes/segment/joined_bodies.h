@@ -6,6 +6,7 @@
 
 #include "nodes/segment/instances.h"
 #include "nodes/segment/lab_image.h"
+#include "runtime/work.h"
 
 namespace terrazzo::segment {
 
@@ -15,6 +16,6 @@ namespace terrazzo::segment {
 // way, and be narrower than they are. So the lobes of one grain are not taken for particles, and neither are
 // light specks in a dark pore.
 std::vector<bool> joined_bodies(const LabImage&, const std::vector<std::int32_t>& labels, std::int32_t count,
-                                const std::vector<Instance>&);
+                                const std::vector<Instance>&, const Work&);
 
 }  // namespace terrazzo::segment

@@ -24,7 +24,7 @@ struct Scene {
          [&](std::size_t i) { one.pixels.push_back(static_cast<std::int32_t>(i)), image.pixels[i] = color; });
     instances.push_back(one);
   }
-  bool joined() const { return joined_bodies(image, labels, 1, instances)[0]; }
+  bool joined() const { return joined_bodies(image, labels, 1, instances, {})[0]; }
   template <class Do>
   void each(int left, int right, int top, int bottom, const Do& act) {
     for (int y = top; y < bottom; ++y)
@@ -74,7 +74,7 @@ TEST(JoinedBodies, AreNotGrainsOfAnotherHue) {
 }
 
 TEST(JoinedBodies, HaveGapsNarrowerThanTheirParts) {
-  // The parts have a radius of 2.4 pixels and are 4 or 11 pixels apart.
+  // The parts have a radius of 2.5 pixels and are 4 or 11 pixels apart.
   for (const auto& [right, expected] : {std::pair(17, true), {24, false}}) {
     Scene s(gray(0.6f));
     s.part(11, 13, gray(0.3f)), s.part(right, right + 2, gray(0.3f));
