@@ -13,6 +13,7 @@
 
 #include "runtime/descriptor.h"
 #include "runtime/host_name.h"
+#include "runtime/natural_order.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -41,7 +42,7 @@ std::vector<fs::path> expand_glob(const fs::path& pattern) {
     std::error_code error;
     return fs::is_directory(p, error);
   });
-  std::sort(found.begin(), found.end());
+  std::sort(found.begin(), found.end(), natural_path_less);
   return found;
 }
 

@@ -6,14 +6,15 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/blocks/grid_types.h"
+#include "nodes/data/volume.h"
 
 namespace terrazzo::blocks {
 namespace {
 
 using openvdb::GridBase;
 
-Box box_of_grid(const GridBase& grid, std::size_t block) {
-  const auto box = grid.evalActiveVoxelBoundingBox();
+Box box_of_grid(const Volume& volume, const GridBase& grid, std::size_t block) {
+  const auto box = voxels_of(volume, grid);
   if (box.empty() || grid.activeVoxelCount() != box.volume())
     throw Error("not-a-block",
                 fmt::format("grid '{}' of block {} does not fill a box: {} voxels have a value",
@@ -71,7 +72,7 @@ const Box& BlockGrids::add(const Volume& block) {
                   "connect blocks of one solid");
     }
     check_alike(*first[g], *grids[g], k);
-    const Box here = box_of_grid(*grids[g], k);
+    const Box here = box_of_grid(block, *grids[g], k);
     if (g == 0)
       box = here;
     else if (here.low != box.low || here.size != box.size)

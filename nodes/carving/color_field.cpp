@@ -58,17 +58,12 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
                 "connect a volume with colors, for example from Voxelize");
   }
   ColorField field;
-  openvdb::Coord first(0);
-  field.resolution_ = volume.resolution;
-  field.periodic_ = volume.resolution.minCoeff() > 0;
+  field.periodic_ = volume.periodic();
   field.voxel_ = grid->voxelSize().x();
-  if (!field.periodic_) {
-    const auto box = grid->evalActiveVoxelBoundingBox();
-    if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
-    first = box.min();
-    const auto size = box.dim();
-    field.resolution_ = Vec3i(size.x(), size.y(), size.z());
-  }
+  const openvdb::CoordBBox box = voxels_of(volume, *grid);
+  if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
+  const openvdb::Coord first = box.min(), size = box.dim();
+  field.resolution_ = Vec3i(size.x(), size.y(), size.z());
   const Vec3i n = field.resolution_;
   field.voxels_.resize(voxel_count(n));
   std::vector<std::size_t> outside(static_cast<std::size_t>(n.z()));

@@ -27,6 +27,13 @@ struct Volume {
   Vec3i resolution = Vec3i::Zero();
   // Grids with unique names. They share one transform: voxel size in mm, voxel centers at (i + ½)·voxel.
   std::vector<std::shared_ptr<const openvdb::GridBase>> grids;
+  // If it is not periodic: the voxels that were given or made, active or not, from `first` to first + extent
+  // −
+  // 1. Zero if unknown, as for OpenVDB files of other programs. voxels_of() in volume.h respects both.
+  Vec3i first = Vec3i::Zero(), extent = Vec3i::Zero();
+
+  bool periodic() const { return resolution.minCoeff() > 0; }
+  bool has_extent() const { return !periodic() && extent.minCoeff() > 0; }
 
   // Returns null if there is no grid of that name and type. Defined in volume.h.
   template <class Grid>

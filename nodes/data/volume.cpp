@@ -133,8 +133,36 @@ openvdb::math::Transform::Ptr decode_transform(Reader& r) {
 
 // --- volumes
 
+constexpr std::int32_t kFarthest = 1 << 30;  // keeps first + extent within 32 bits
+
+// The period, or zeros, or an extent as negative numbers, which the first voxel follows. So volumes that were
+// stored before there were extents stay readable.
+void encode_box(const Volume& v, Writer& w) {
+  if (!v.has_extent()) {
+    for (int i = 0; i < 3; ++i) w.pod<std::int32_t>(v.resolution[i]);
+    return;
+  }
+  for (int i = 0; i < 3; ++i) w.pod<std::int32_t>(-v.extent[i]);
+  for (int i = 0; i < 3; ++i) w.pod<std::int32_t>(v.first[i]);
+}
+
+void decode_box(Volume& v, Reader& r) {
+  Vec3i size;
+  for (int i = 0; i < 3; ++i) size[i] = r.pod<std::int32_t>();
+  if (size.minCoeff() >= 0) {
+    v.resolution = size;
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    v.first[i] = r.pod<std::int32_t>();
+    if (size[i] >= 0 || size[i] < -kFarthest || v.first[i] < -kFarthest || v.first[i] > kFarthest)
+      throw Error("damaged", "the stored volume has an invalid extent");
+    v.extent[i] = -size[i];
+  }
+}
+
 void encode(const Volume& v, Writer& w) {
-  for (int i = 0; i < 3; ++i) w.pod<std::int32_t>(v.resolution[i]);
+  encode_box(v, w);
   w.pod<std::uint64_t>(v.grids.size());
   for (const auto& grid : v.grids) {
     w.text(grid->getName());
@@ -151,10 +179,7 @@ void encode(const Volume& v, Writer& w) {
 Volume decode_volume(Reader& r) {
   initialize_openvdb();
   Volume v;
-  for (int i = 0; i < 3; ++i) {
-    v.resolution[i] = r.pod<std::int32_t>();
-    if (v.resolution[i] < 0) throw Error("damaged", "the stored volume has a negative resolution");
-  }
+  decode_box(v, r);
   const std::size_t count = r.count(3 * sizeof(std::uint64_t));
   std::set<std::string> names;
   for (std::size_t i = 0; i < count; ++i) {
@@ -229,7 +254,13 @@ nlohmann::json describe(const Volume& v) {
                      {"voxel_size", {size(0), size(1), size(2)}},
                      {"bounding_box", bounds}});  // first and last active voxel
   }
-  return {{"resolution", {v.resolution[0], v.resolution[1], v.resolution[2]}}, {"grids", grids}};
+  nlohmann::json extent = nullptr;
+  if (v.has_extent())
+    extent = {{"first", {v.first[0], v.first[1], v.first[2]}},
+              {"size", {v.extent[0], v.extent[1], v.extent[2]}}};
+  return {{"resolution", {v.resolution[0], v.resolution[1], v.resolution[2]}},
+          {"extent", extent},
+          {"grids", grids}};
 }
 
 }  // namespace
@@ -244,6 +275,19 @@ const ValueType& value_type<Volume>() {
 void initialize_openvdb() {
   static std::once_flag once;
   std::call_once(once, [] { openvdb::initialize(); });
+}
+
+openvdb::CoordBBox voxels_of(const Volume& volume, const openvdb::GridBase& grid) {
+  if (!volume.periodic() && !volume.has_extent()) return grid.evalActiveVoxelBoundingBox();
+  const Vec3i first = volume.periodic() ? Vec3i::Zero().eval() : volume.first,
+              last = first + (volume.periodic() ? volume.resolution : volume.extent) - Vec3i::Ones();
+  return {openvdb::Coord(first.x(), first.y(), first.z()), openvdb::Coord(last.x(), last.y(), last.z())};
+}
+
+openvdb::CoordBBox voxels_of(const Volume& volume) {
+  openvdb::CoordBBox box;
+  for (const auto& grid : volume.grids) box.expand(voxels_of(volume, *grid));
+  return box;
 }
 
 openvdb::math::Transform::Ptr voxel_transform(double size) {

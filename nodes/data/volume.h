@@ -20,4 +20,10 @@ void initialize_openvdb();
 // Transform with the center of voxel (i, j, k) at (i + ½)·size, mm.
 openvdb::math::Transform::Ptr voxel_transform(double size);
 
+// The voxels that a volume consists of: one period, else its extent, else what is known of them, the active
+// voxels of all grids. May be empty.
+openvdb::CoordBBox voxels_of(const Volume&);
+// The same for one grid of the volume: where the extent is unknown, the active voxels of this grid.
+openvdb::CoordBBox voxels_of(const Volume&, const openvdb::GridBase&);
+
 }  // namespace terrazzo

@@ -23,8 +23,8 @@ void write_named(Context& c, const std::string& path,
 
 Volume chosen_grids(const Context& c, const Volume& volume) {
   if (!c.keyword("grids").empty()) return volume;
-  Volume out;
-  out.resolution = volume.resolution;
+  Volume out = volume;
+  out.grids.clear();
   const auto all = grid_names(volume);
   for (const std::string& name : c.texts("grids")) {
     const auto at = std::find(all.begin(), all.end(), name);

@@ -59,9 +59,14 @@ void write_vdb(const std::filesystem::path& path, const Volume& volume, const st
   openvdb::MetaMap metadata;
   metadata.insertMeta("creator", openvdb::StringMetadata("Terrazzo"));
   if (!provenance.empty()) metadata.insertMeta("provenance", openvdb::StringMetadata(provenance));
-  if (volume.resolution.minCoeff() > 0)
-    metadata.insertMeta("period", openvdb::Vec3IMetadata(openvdb::Vec3i(
-                                      volume.resolution.x(), volume.resolution.y(), volume.resolution.z())));
+  const auto insert = [&](const char* name, const Vec3i& v) {
+    metadata.insertMeta(name, openvdb::Vec3IMetadata(openvdb::Vec3i(v.x(), v.y(), v.z())));
+  };
+  if (volume.periodic()) insert("period", volume.resolution);
+  if (volume.has_extent()) {
+    insert("extent_min", volume.first);
+    insert("extent_max", volume.first + volume.extent - Vec3i::Ones());
+  }
   openvdb::GridCPtrVec grids;
   for (const auto& grid : volume.grids)
     grids.push_back(whole_numbers == WholeNumbers::Float ? as_floats(grid) : grid);

@@ -30,7 +30,12 @@ void compute(Context& c) {
   }
   const blocks::Box whole = grids.whole(c.boolean("periodic"));
   Volume out = joiner->take();
-  if (c.boolean("periodic")) out.resolution = whole.size;
+  if (c.boolean("periodic")) {
+    out.resolution = whole.size;
+  } else {
+    out.first = whole.low;
+    out.extent = whole.size;
+  }
   c.metric("blocks", static_cast<double>(count));
   c.metric("voxels", whole.size.cast<double>().prod());
   c.output("volume", std::move(out));
@@ -43,7 +48,7 @@ namespace terrazzo {
 
 NodeType join_volumes_node() {
   using namespace join_volumes;
-  return NodeType("JoinVolumes", 1)
+  return NodeType("JoinVolumes", 2)
       .doc_(
           "Joins the blocks of a solid into one volume. The result equals, bit for bit, the volume computed "
           "in one piece.")

@@ -56,6 +56,12 @@ CellPlace cell_place(const Vec3i& size, const Vec3& spacing, const Vec3& first, 
   return place;
 }
 
+void place_volume(Volume& volume, const CellPlace& place) {
+  if (volume.periodic()) return;
+  volume.first = place.first;
+  volume.extent = place.size;
+}
+
 std::shared_ptr<openvdb::GridBase> cell_grid(const std::string& name, const CellNumber& scalar,
                                              int components, const std::string& bytes, const CellPlace& place,
                                              int add, const Work& work) {

@@ -29,6 +29,9 @@ struct CellPlace {
 CellPlace cell_place(const Vec3i& size, const Vec3& spacing, const Vec3& first, std::optional<Vec3> given,
                      const Reading&);
 
+// Makes the place the extent of a volume that does not tile.
+void place_volume(Volume&, const CellPlace&);
+
 // Whole numbers become int32, three of them vec3i; others float and vec3s. The grid `id` becomes inactive
 // where it is negative, with the background −1. `add` is added to every number. Throws Error "bad-values"
 // (NaN, infinity, or beyond the grid's type).

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -11,6 +10,7 @@
 #include "nodes/common/io/hdf5_input.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/cell_grid.h"
+#include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
 namespace {
@@ -98,7 +98,8 @@ std::vector<Dream3dArray> cell_arrays(const Hdf5Input& file, const std::string& 
 
 // To 7 digits, as floats have them: 250 µm are 0.25 mm.
 double to_mm(double micrometers) {
-  return std::strtod(fmt::format("{:.7g}", micrometers * kMmPerMicrometer).c_str(), nullptr);
+  const double mm = micrometers * kMmPerMicrometer;
+  return number_in(fmt::format("{:.7g}", mm)).value_or(mm);
 }
 
 Volume read_content(const std::string& content, const std::string& wanted, std::optional<Vec3> spacing,
@@ -163,6 +164,7 @@ Volume read_content(const std::string& content, const std::string& wanted, std::
                 "name one of them with grid")
         .parameter("grid");
   if (geometry->period && place.first == Vec3i::Zero()) volume.resolution = place.size;
+  place_volume(volume, place);
   return volume;
 }
 

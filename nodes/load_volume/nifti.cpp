@@ -5,9 +5,10 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "graph/diagnostic.h"
-#include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
 namespace {
@@ -17,41 +18,32 @@ Error unreadable(const std::filesystem::path& path, const std::string& why) {
                "check that the file is complete");
 }
 
-// Converts stored numbers to float. The converter is null for types that are not a single number.
-template <class T>
-void convert(const std::vector<char>& bytes, std::vector<float>& out, std::size_t first) {
-  const std::size_t n = bytes.size() / sizeof(T);
-  for (std::size_t i = 0; i < n; ++i) {
-    T v;
-    std::memcpy(&v, bytes.data() + i * sizeof(T), sizeof(T));
-    out[first + i] = static_cast<float>(v);
-  }
-}
-using Convert = void (*)(const std::vector<char>&, std::vector<float>&, std::size_t);
-Convert converter(int type) {
+// Null for types that are not a single number.
+std::optional<NumberType> nifti_number(int type) {
+  using Kind = NumberType::Kind;
   switch (type) {
     case NIFTI_TYPE_UINT8:
-      return convert<std::uint8_t>;
+      return NumberType{Kind::Unsigned, 1};
     case NIFTI_TYPE_INT8:
-      return convert<std::int8_t>;
+      return NumberType{Kind::Signed, 1};
     case NIFTI_TYPE_UINT16:
-      return convert<std::uint16_t>;
+      return NumberType{Kind::Unsigned, 2};
     case NIFTI_TYPE_INT16:
-      return convert<std::int16_t>;
+      return NumberType{Kind::Signed, 2};
     case NIFTI_TYPE_UINT32:
-      return convert<std::uint32_t>;
+      return NumberType{Kind::Unsigned, 4};
     case NIFTI_TYPE_INT32:
-      return convert<std::int32_t>;
+      return NumberType{Kind::Signed, 4};
     case NIFTI_TYPE_INT64:
-      return convert<std::int64_t>;
+      return NumberType{Kind::Signed, 8};
     case NIFTI_TYPE_UINT64:
-      return convert<std::uint64_t>;
+      return NumberType{Kind::Unsigned, 8};
     case NIFTI_TYPE_FLOAT32:
-      return convert<float>;
+      return NumberType{Kind::Float, 4};
     case NIFTI_TYPE_FLOAT64:
-      return convert<double>;
+      return NumberType{Kind::Float, 8};
     default:
-      return nullptr;
+      return {};
   }
 }
 
@@ -173,8 +165,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     if (n.dim[0] >= k && n.dim[k] > 1)
       throw Error("not-a-volume", fmt::format("'{}' contains {} volumes", path.string(), n.dim[k]),
                   "extract one of them");
-  const Convert to_float = converter(n.datatype);
-  if (!to_float)
+  std::optional<NumberType> type = nifti_number(n.datatype);
+  if (!type)
     throw Error("not-a-volume",
                 fmt::format("'{}' contains {}, not one number per voxel", path.string(),
                             nifti_datatype_to_string(n.datatype)),
@@ -187,7 +179,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
   }
   if (s.size.cast<double>().prod() <= 2147483648.0)
     check_plausible(s.size.cast<double>().prod() * n.nbyper, n.iname ? n.iname : path.c_str());
-  allocate(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
+  require_voxels(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
+  type->big_endian = n.byteorder == MSB_FIRST;
 
   // Not nifti_image_load, which silently replaces NaN by 0.
   const auto close = [](znzptr* f) {
@@ -206,9 +199,7 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
     slab.resize(plane * static_cast<std::size_t>(n.nbyper));
     if (znzread(slab.data(), 1, slab.size(), file.get()) != slab.size())
       throw unreadable(path, fmt::format("it ends at slice {} of {}", z, s.size.z()));
-    if (n.swapsize > 1 && n.byteorder != nifti_short_order())
-      nifti_swap_Nbytes(static_cast<std::int64_t>(slab.size()) / n.swapsize, n.swapsize, slab.data());
-    to_float(slab, s.values, plane * static_cast<std::size_t>(z));
+    append_numbers(s, *type, std::string_view(slab.data(), slab.size()), path.string());
     work.progress(static_cast<double>(z + 1) / s.size.z());
   }
   // A compressed file ends with a checksum, which zlib verifies only once all data is read.

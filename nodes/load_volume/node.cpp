@@ -23,16 +23,40 @@ void require_one(const std::vector<std::filesystem::path>& files, const char* fo
         .parameter("path");
 }
 
+// The formats with one volume per file that become one grid.
+struct ScanFormat {
+  const char* name;
+  bool (*is)(const std::filesystem::path&);
+  LoadedScan (*read)(const std::filesystem::path&, const Work&, const Reading&);
+};
+constexpr ScanFormat kScanFormats[] = {{"NIfTI", is_nifti, read_nifti},
+                                       {"NumPy", is_npy, read_npy},
+                                       {"NRRD", is_nrrd, read_nrrd},
+                                       {"MetaImage", is_metaimage, read_metaimage},
+                                       {"MRC", is_mrc, read_mrc}};
+
 LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work, const Reading& reading) {
-  if (is_nifti(files[0])) {
-    require_one(files, "NIfTI");
-    return read_nifti(files[0], work, reading);
+  for (const ScanFormat& format : kScanFormats)
+    if (format.is(files[0])) {
+      require_one(files, format.name);
+      return format.read(files[0], work, reading);
+    }
+  if (is_dicom(files[0])) return read_dicom(files, work, reading);
+  refuse_foreign(files[0]);
+  try {
+    return read_slices(files, work, reading);
+  } catch (const Error& e) {
+    if (e.diagnostic().code != "unreadable-image") throw;
+    throw no_volume(files[0], e);
   }
-  if (is_npy(files[0])) {
-    require_one(files, "NumPy");
-    return read_npy(files[0], work, reading);
-  }
-  return is_dicom(files[0]) ? read_dicom(files, work, reading) : read_slices(files, work, reading);
+}
+
+// The files that are opened along with the named one.
+std::vector<std::filesystem::path> companions(const std::filesystem::path& path) {
+  if (is_vdb(path) || is_vti(path) || is_hdf5(path) || is_npy(path) || is_dicom(path)) return {};
+  if (is_nrrd(path)) return nrrd_companions(path);
+  if (is_metaimage(path)) return metaimage_companions(path);
+  return nifti_companions(path);
 }
 
 // The parameter, if it is set.
@@ -56,38 +80,84 @@ Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
   return scan.spacing;
 }
 
-// Applies slope and intercept from the parameters if set, else from the file.
-void rescale(Context& c, LoadedScan& scan) {
+struct Rescale {
+  double slope = 1, intercept = 0;
+  bool none() const { return slope == 1 && intercept == 0; }
+};
+
+// Slope and intercept from the parameters if set, else from the file.
+Rescale rescale_of(Context& c, const LoadedScan& scan) {
   const bool own_slope = c.keyword("slope").empty(), own_intercept = c.keyword("intercept").empty();
-  const double slope = own_slope ? c.number("slope") : scan.slope.value_or(1);
-  const double intercept = own_intercept ? c.number("intercept") : scan.intercept.value_or(0);
   if (!scan.slope && !own_slope && !own_intercept)
     c.warn("the file contains no rescale: stored numbers are used unchanged");
-  std::size_t bad = 0, first = 0;
-  for (std::size_t i = 0; i < scan.values.size(); ++i) {
-    if (i % (1u << 22) == 0) c.work().check();
-    const double v = slope * scan.values[i] + intercept;
-    scan.values[i] = static_cast<float>(v);
-    if (!std::isfinite(scan.values[i]) && bad++ == 0) first = i;
-  }
-  if (bad == 0) return;
-  const std::size_t nx = static_cast<std::size_t>(scan.size.x()),
-                    ny = static_cast<std::size_t>(scan.size.y());
-  throw Error("bad-values",
-              fmt::format("{} of {} voxels are NaN or infinite, the first at ({}, {}, {})", bad,
-                          scan.values.size(), first % nx, first / nx % ny, first / nx / ny),
-              "replace those voxels")
-      .parameter("path");
+  return {own_slope ? c.number("slope") : scan.slope.value_or(1),
+          own_intercept ? c.number("intercept") : scan.intercept.value_or(0)};
 }
 
-// Particle indices are whole numbers that floats hold exactly.
-void check_ids(const LoadedScan& scan) {
-  for (std::size_t i = 0; i < scan.values.size(); ++i)
-    if (const float v = scan.values[i]; v != std::nearbyint(v) || std::abs(v) > 16777216.0f)
+std::string place_of_voxel(const LoadedScan& scan, std::size_t i) {
+  const auto nx = static_cast<std::size_t>(scan.size.x()), ny = static_cast<std::size_t>(scan.size.y());
+  return fmt::format("({}, {}, {})", i % nx, i / nx % ny, i / nx / ny);
+}
+
+// The rescaled numbers as floats, in `values`.
+void make_floats(LoadedScan& scan, const Rescale& rescale, const Work& work) {
+  const std::size_t count = scan.count();
+  std::vector<float> out(scan.whole.empty() ? 0 : count);
+  std::vector<float>& to = scan.whole.empty() ? scan.values : out;
+  std::size_t bad = 0, first = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % (1u << 22) == 0) work.check();
+    const double v = rescale.slope * scan.stored(i) + rescale.intercept;
+    to[i] = static_cast<float>(v);
+    if (!std::isfinite(to[i]) && bad++ == 0) first = i;
+    if (!scan.whole.empty() && rescale.none() && double{to[i]} != v)
+      throw Error("bad-values",
+                  fmt::format("voxel {} has the value {}; a grid of floats holds whole numbers up to 2^24 = "
+                              "16777216 without loss",
+                              place_of_voxel(scan, i), scan.whole[i]),
+                  "set grid: id for labels, or slope to make the numbers smaller")
+          .parameter("path");
+  }
+  if (bad > 0)
+    throw Error("bad-values",
+                fmt::format("{} of {} voxels are NaN or infinite, the first at {}", bad, count,
+                            place_of_voxel(scan, first)),
+                "replace those voxels")
+        .parameter("path");
+  if (scan.whole.empty()) return;
+  scan.values = std::move(out);
+  scan.whole = {};
+}
+
+// The rescaled numbers as particle indices, in `whole`.
+void make_ids(LoadedScan& scan, const Rescale& rescale, const Work& work) {
+  // Numbers that were stored as floats may have been rounded when they were written.
+  const double most = scan.whole.empty() ? 16777216.0 : 2147483647.0;
+  const std::size_t count = scan.count();
+  std::vector<std::int32_t> out(scan.whole.empty() ? count : 0);
+  std::vector<std::int32_t>& to = scan.whole.empty() ? out : scan.whole;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % (1u << 22) == 0) work.check();
+    const double v = rescale.slope * scan.stored(i) + rescale.intercept;
+    if (v != std::nearbyint(v) || !(std::abs(v) <= most))
       throw Error("bad-labels",
-                  fmt::format("the grid id contains {} at voxel {}; it holds whole numbers up to 2^24", v, i),
+                  fmt::format("the grid id contains {} at voxel {}; it holds whole numbers up to {}", v,
+                              place_of_voxel(scan, i),
+                              scan.whole.empty() ? "2^24 from files that store floats" : "2^31 − 1"),
                   "set grid to another name, or slope and intercept so that values are whole")
           .parameter("grid");
+    to[i] = static_cast<std::int32_t>(v);
+  }
+  if (scan.whole.empty()) scan.whole = std::move(out);
+  scan.values = {};
+}
+
+template <class T>
+void report_range(Context& c, const std::vector<T>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  c.metric("min", static_cast<double>(*low));
+  c.metric("max", static_cast<double>(*high));
+  c.metric("voxels", static_cast<double>(values.size()));
 }
 
 void compute(Context& c) {
@@ -118,20 +188,20 @@ void compute(Context& c) {
   LoadedScan scan = read(files, c.work().part(0, 0.7), reading_of(c));
   for (const auto& note : scan.notes) c.warn(note);
   const Vec3 spacing = spacing_of(c, scan);
-  rescale(c, scan);
-  float low = scan.values[0], high = low;
-  for (const float v : scan.values) low = std::min(low, v), high = std::max(high, v);
-  c.metric("min", low), c.metric("max", high);
-  c.metric("voxels", static_cast<double>(scan.values.size()));
+  const Rescale rescale = rescale_of(c, scan);
   Volume volume;
+  volume.extent = scan.size;
   if (name == "id") {
-    check_ids(scan);
+    make_ids(scan, rescale, c.work());
+    report_range(c, scan.whole);
     add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1),
-                [&](std::size_t i) { return static_cast<std::int32_t>(scan.values[i]); });
-    return c.output("volume", std::move(volume));
+                [&](std::size_t i) { return scan.whole[i]; });
+  } else {
+    make_floats(scan, rescale, c.work());
+    report_range(c, scan.values);
+    add_number_grid(volume, name.empty() ? "density" : name, scan.size, spacing, c.work().part(0.7, 1),
+                    [&](std::size_t i) { return scan.values[i]; });
   }
-  add_number_grid(volume, name.empty() ? "density" : name, scan.size, spacing, c.work().part(0.7, 1),
-                  [&](std::size_t i) { return scan.values[i]; });
   c.output("volume", std::move(volume));
 }
 
@@ -142,25 +212,31 @@ namespace terrazzo {
 
 NodeType load_volume_node() {
   using namespace load_volume;
-  return NodeType("LoadVolume", 3)
+  return NodeType("LoadVolume", 4)
       .doc_(
-          "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, a NumPy array, a DICOM series, or a "
-          "stack of "
-          "gray images.")
-      .source_("OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, DREAM3D file version 7.0, NumPy .npy")
+          "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, NRRD, MetaImage, MRC, a NumPy array, a "
+          "DICOM series, or a stack of gray images.")
+      .source_(
+          "OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, DREAM3D file version 7.0, NumPy .npy, "
+          "NRRD 5, MetaIO, MRC 2014")
       .output(
           "volume", "Volume",
           "A scan becomes one float grid, in Hounsfield units or the units of its rescale, with x to the "
           "right, y to the front and z to the head. Grids of an OpenVDB file are returned unchanged, cell "
           "data of VTK and DREAM3D files as grids of the same names; FeatureIds of a DREAM3D file, less 1, "
-          "as the grid id.")
+          "as the grid id. Element [x, y, z] of an array is voxel (x, y, z). Pictures are stacked along z "
+          "from the first file name on, and their bottom row is y = 0, so y is the other way round than the "
+          "row number. The volume is all that the file contains, also where voxels are inactive.")
       .parameter(Parameter::input_path("path").doc_("Volume file, or a glob that names the slices of one "
-                                                    "series or stack. The content determines the format."))
+                                                    "series or stack. The content determines the format. "
+                                                    "Slices of a stack are in the natural order of their "
+                                                    "names, slice_2 before slice_10; DICOM slices are in the "
+                                                    "order of their positions."))
       .parameter(
           Parameter::text("grid", "")
               .doc_("OpenVDB, VTK and DREAM3D: name of the single grid to read; empty: all grids. Other "
-                    "formats: name of the output grid; empty: density; id: whole numbers, the index of "
-                    "the particle at each voxel, negative in the binder."))
+                    "formats: name of the output grid; empty: density; id: whole numbers up to 2³¹ − 1, the "
+                    "index of the particle at each voxel, negative in the binder."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
                      .above(0)
                      .count(1, 3)
@@ -174,11 +250,7 @@ NodeType load_volume_node() {
       .parameter(Parameter::optional_number("intercept", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
-      .companion_files_([](const std::filesystem::path& path) {
-        return is_vdb(path) || is_vti(path) || is_hdf5(path) || is_npy(path) || is_dicom(path)
-                   ? std::vector<std::filesystem::path>()
-                   : nifti_companions(path);
-      })
+      .companion_files_(companions)
       .compute_(compute);
 }
 

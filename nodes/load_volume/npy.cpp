@@ -1,12 +1,12 @@
 // NumPy's .npy format, versions 1.0 to 3.0 (numpy.lib.format).
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
 namespace {
@@ -16,25 +16,21 @@ Error bad_npy(const std::filesystem::path& path, const std::string& why) {
                "write it with numpy.save");
 }
 
-template <class T>
-void to_floats(std::string_view bytes, std::vector<float>& out) {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    T v;
-    std::memcpy(&v, bytes.data() + i * sizeof v, sizeof v);
-    out[i] = static_cast<float>(v);
-  }
+std::optional<NumberType> npy_type(std::string_view descr) {
+  NumberType type;
+  type.big_endian = descr.starts_with('>');
+  if (!descr.empty() && std::string_view("<>|=").find(descr[0]) != std::string_view::npos)
+    descr.remove_prefix(1);
+  if (descr.size() != 2) return {};
+  type.bytes = static_cast<std::size_t>(descr[1] - '0');
+  const bool one_of_eight = type.bytes == 1 || type.bytes == 2 || type.bytes == 4 || type.bytes == 8;
+  type.kind = descr[0] == 'i'   ? NumberType::Kind::Signed
+              : descr[0] == 'f' ? NumberType::Kind::Float
+                                : NumberType::Kind::Unsigned;
+  const bool known = descr == "b1" || ((descr[0] == 'i' || descr[0] == 'u') && one_of_eight) ||
+                     (descr[0] == 'f' && one_of_eight && type.bytes > 1);
+  return known ? std::optional(type) : std::nullopt;
 }
-struct NpyType {
-  const char* name;
-  std::size_t bytes;
-  void (*convert)(std::string_view, std::vector<float>&);
-};
-constexpr NpyType kNpyTypes[] = {{"b1", 1, to_floats<std::uint8_t>},  {"i1", 1, to_floats<std::int8_t>},
-                                 {"u1", 1, to_floats<std::uint8_t>},  {"i2", 2, to_floats<std::int16_t>},
-                                 {"u2", 2, to_floats<std::uint16_t>}, {"i4", 4, to_floats<std::int32_t>},
-                                 {"u4", 4, to_floats<std::uint32_t>}, {"i8", 8, to_floats<std::int64_t>},
-                                 {"u8", 8, to_floats<std::uint64_t>}, {"f4", 4, to_floats<float>},
-                                 {"f8", 8, to_floats<double>}};
 
 // The text after 'key': up to the next comma or brace, or inside parentheses. Keys have no quotes in them.
 std::string value_of(const std::string& header, const std::string& key) {
@@ -46,6 +42,40 @@ std::string value_of(const std::string& header, const std::string& key) {
   if (at == std::string::npos) return {};
   const auto end = header[at] == '(' ? header.find(')', at) : header.find_first_of(",}", at);
   return end == std::string::npos ? std::string() : header.substr(at, end - at);
+}
+
+// The whole numbers of a tuple such as "(3, 4, 5)".
+std::vector<std::int64_t> npy_shape(std::string_view tuple, const std::filesystem::path& path) {
+  const auto bad = [&] {
+    return bad_npy(path, "its shape is '" + printable(tuple) + "', which is no list of whole numbers from 0");
+  };
+  if (!tuple.starts_with('(')) throw bad();
+  std::vector<std::int64_t> shape;
+  for (std::string_view rest = tuple.substr(1); rest.find_first_not_of(' ') != std::string_view::npos;) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    std::string_view word = rest.substr(0, comma);
+    if (word.ends_with('L')) word.remove_suffix(1);  // Python 2
+    const auto n = whole_number_in(word);
+    if (!n || *n < 0) throw bad();
+    shape.push_back(*n);
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return shape;
+}
+
+// Puts an array whose last index is the fastest in the order of a scan.
+template <class T>
+void turn_from_c_order(std::vector<T>& values, const Vec3i& size, const Work& work) {
+  if (values.empty()) return;
+  std::vector<T> turned(values.size());
+  std::size_t i = 0;
+  for (int x = 0; x < size.x(); ++x) {
+    work.check();
+    for (int y = 0; y < size.y(); ++y)
+      for (int z = 0; z < size.z(); ++z)
+        turned[(static_cast<std::size_t>(z) * size.y() + y) * size.x() + x] = values[i++];
+  }
+  values = std::move(turned);
 }
 
 }  // namespace
@@ -65,29 +95,18 @@ LoadedScan read_npy(const std::filesystem::path& path, const Work& work, const R
   std::memcpy(&length, all.data() + size_at, size_bytes);
   const std::size_t data_at = size_at + size_bytes + length;
   if (data_at > all.size()) throw bad_npy(path, "its header is truncated");
-  const std::string header(all.substr(size_at + size_bytes, length));
+  std::string header(all.substr(size_at + size_bytes, length));
+  std::replace(header.begin(), header.end(), '"', '\'');
 
-  std::string type = value_of(header, "descr");
-  std::erase(type, '\'');
-  const bool swapped = type.starts_with('>');
-  if (!type.empty() && std::string_view("<>|=").find(type[0]) != std::string_view::npos) type.erase(0, 1);
-  const NpyType* known = nullptr;
-  for (const NpyType& t : kNpyTypes)
-    if (type == t.name) known = &t;
-  if (!known || (swapped && known->bytes > 1))
-    throw bad_npy(path, "its type is '" + printable(value_of(header, "descr")) +
-                            "'; supported are little-endian whole numbers, floats and booleans");
-  std::string text = value_of(header, "shape");
-  std::vector<double> shape;
-  for (const char* at = text.c_str(); *at;) {
-    if (*at < '0' || *at > '9') {
-      ++at;
-      continue;
-    }
-    char* end = nullptr;
-    shape.push_back(std::strtod(at, &end));
-    at = end;
-  }
+  std::string descr = value_of(header, "descr");
+  std::erase(descr, '\'');
+  StoredArray array;
+  if (const auto type = npy_type(descr))
+    array.type = *type;
+  else
+    throw bad_npy(path, "its type is '" + printable(descr) +
+                            "'; supported are whole numbers, floats of 2, 4 and 8 bytes, and booleans");
+  const std::vector<std::int64_t> shape = npy_shape(value_of(header, "shape"), path);
   if (shape.size() != 3)
     throw Error(
         "not-a-volume",
@@ -95,27 +114,20 @@ LoadedScan read_npy(const std::filesystem::path& path, const Work& work, const R
         "select one component or one volume");
   LoadedScan s;
   for (int k = 0; k < 3; ++k) {
-    if (!(shape[k] <= (1 << 24))) throw bad_npy(path, fmt::format("axis {} has {} voxels", k, shape[k]));
-    s.size[k] = static_cast<int>(shape[k]);
+    const std::int64_t n = shape[static_cast<std::size_t>(k)];
+    if (n > (1 << 24)) throw bad_npy(path, fmt::format("axis {} has {} voxels", k, n));
+    s.size[k] = static_cast<int>(n);
   }
-  const double bytes = s.size.cast<double>().prod() * double(known->bytes);
-  if (bytes > double(all.size() - data_at))
-    throw bad_npy(path,
-                  fmt::format("it has {} bytes of voxels instead of {:.0f}", all.size() - data_at, bytes));
-  allocate(s, path.string(), reading, bytes);
-  work.check();
-  known->convert(all.substr(data_at), s.values);
-  if (value_of(header, "fortran_order") == "True") return s;
-  // C order: the last index, z, is the fastest.
-  std::vector<float> turned(s.values.size());
-  std::size_t i = 0;
-  for (int x = 0; x < s.size.x(); ++x) {
-    work.check();
-    for (int y = 0; y < s.size.y(); ++y)
-      for (int z = 0; z < s.size.z(); ++z)
-        turned[(static_cast<std::size_t>(z) * s.size.y() + y) * s.size.x() + x] = s.values[i++];
+  array.data = all.substr(data_at);
+  array.content = content.size();
+  take_voxels(s, array, path, work, reading);
+  const std::string order = value_of(header, "fortran_order");
+  if (order != "True" && order != "False")
+    throw bad_npy(path, "fortran_order is '" + printable(order) + "' instead of True or False");
+  if (order == "False") {  // C order: the last index, z, is the fastest
+    turn_from_c_order(s.values, s.size, work);
+    turn_from_c_order(s.whole, s.size, work);
   }
-  s.values = std::move(turned);
   return s;
 }
 

@@ -9,7 +9,7 @@
 
 namespace terrazzo::load_volume {
 
-void allocate(LoadedScan& s, const std::string& file, const Reading& reading, double more) {
+void require_voxels(const LoadedScan& s, const std::string& file, const Reading& reading, double more) {
   if (s.size.minCoeff() < 1)
     throw Error("empty-volume",
                 fmt::format("'{}' is {} × {} × {} voxels", file, s.size.x(), s.size.y(), s.size.z()));
@@ -20,7 +20,11 @@ void allocate(LoadedScan& s, const std::string& file, const Reading& reading, do
         fmt::format("'{}' is {} × {} × {} voxels, more than 2^31", file, s.size.x(), s.size.y(), s.size.z()),
         "crop or downsample it first");
   require_memory(2 * sizeof(float) * voxels + more, reading.memory, "the volume in '" + file + "'");
-  s.values.resize(static_cast<std::size_t>(voxels));
+}
+
+void allocate(LoadedScan& s, const std::string& file, const Reading& reading, double more) {
+  require_voxels(s, file, reading, more);
+  s.values.resize(static_cast<std::size_t>(s.size.cast<double>().prod()));
 }
 
 void check_plausible(double bytes, const std::filesystem::path& path) {
@@ -62,15 +66,20 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
                                              static_cast<std::size_t>(old.x()) * old.y()};
   const Vec3 spacing = s.spacing;
   for (int k = 0; k < 3; ++k) s.size[k] = old[from[k]], s.spacing[k] = spacing[from[k]];
-  std::vector<float> values;
-  values.reserve(s.values.size());
   const auto at = [&](int axis, int i) {
     return stride[from[axis]] * static_cast<std::size_t>(flipped[axis] ? s.size[axis] - 1 - i : i);
   };
-  for (int z = 0; z < s.size.z(); ++z)
-    for (int y = 0; y < s.size.y(); ++y)
-      for (int x = 0; x < s.size.x(); ++x) values.push_back(s.values[at(0, x) + at(1, y) + at(2, z)]);
-  s.values = std::move(values);
+  const auto turn = [&](auto& numbers) {
+    if (numbers.empty()) return;
+    std::remove_reference_t<decltype(numbers)> turned;
+    turned.reserve(numbers.size());
+    for (int z = 0; z < s.size.z(); ++z)
+      for (int y = 0; y < s.size.y(); ++y)
+        for (int x = 0; x < s.size.x(); ++x) turned.push_back(numbers[at(0, x) + at(1, y) + at(2, z)]);
+    numbers = std::move(turned);
+  };
+  turn(s.values);
+  turn(s.whole);
 }
 
 }  // namespace terrazzo::load_volume

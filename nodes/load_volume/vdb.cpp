@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <istream>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <streambuf>
@@ -14,6 +15,7 @@
 #include "graph/diagnostic.h"
 #include "graph/utf8.h"
 #include "nodes/common/geometry/convert_grid.h"
+#include "nodes/common/geometry/coverage.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/vdb_layout.h"
 
@@ -155,29 +157,106 @@ const VdbGrid& owner_of_tree(const VdbGrid& g, const std::vector<VdbGrid>& all) 
   throw unreadable("grid '" + printable(g.name) + "' shares a tree that is missing");
 }
 
+std::optional<Vec3i> three_in(const VdbHeader& header, const char* name) {
+  const auto it = header.metadata.find(name);
+  std::int32_t v[3];
+  if (it == header.metadata.end() || it->second.type != openvdb::Vec3IMetadata::staticTypeName() ||
+      it->second.bytes.size() != sizeof v)
+    return {};
+  std::memcpy(v, it->second.bytes.data(), sizeof v);
+  return Vec3i(v[0], v[1], v[2]);
+}
+
+// The period or the extent that Export wrote into the file's metadata.
+void place_volume(Volume& volume, const VdbHeader& header, const Reading& reading) {
+  constexpr int kFarthest = 1 << 24;
+  if (const auto period = three_in(header, "period"); period && period->minCoeff() > 0) {
+    volume.resolution = *period;
+    return;
+  }
+  const auto first = three_in(header, "extent_min"), last = three_in(header, "extent_max");
+  if (!first || !last) return;
+  const bool possible = (first->array() >= -kFarthest).all() && (last->array() <= kFarthest).all() &&
+                        (first->array() <= last->array()).all();
+  const openvdb::CoordBBox voxels = voxels_of(volume);
+  const openvdb::CoordBBox extent(openvdb::Coord(first->x(), first->y(), first->z()),
+                                  openvdb::Coord(last->x(), last->y(), last->z()));
+  if (!possible || (!voxels.empty() && !extent.isInside(voxels))) {
+    reading.warn("the file's extent_min and extent_max do not contain its voxels, so they are ignored");
+    return;
+  }
+  volume.first = *first;
+  volume.extent = *last - *first + Vec3i::Ones();
+}
+
+// Whether a grid of unknown class has the form of a level set: a narrow band of distances between inactive
+// values of one size, negative inside and positive outside.
+template <class Grid>
+bool has_form_of_level_set(const openvdb::GridBase& base) {
+  const auto* grid = dynamic_cast<const Grid*>(&base);
+  if (!grid || base.getGridClass() != openvdb::GRID_UNKNOWN || !(grid->background() > 0)) return false;
+  const auto band = grid->background();
+  bool inside = false;
+  for (auto it = grid->cbeginValueAll(); it; ++it) {
+    if (std::abs(*it) > band || (!it.isValueOn() && std::abs(*it) != band)) return false;
+    inside = inside || (!it.isValueOn() && *it < 0);
+  }
+  return inside;
+}
+
+// Signed distances under the name of a density, which other nodes take for coverage, become coverage.
+openvdb::GridBase::ConstPtr as_density(const openvdb::GridBase::ConstPtr& grid, const Reading& reading) {
+  const auto* distances = dynamic_cast<const openvdb::FloatGrid*>(grid.get());
+  if (!distances || grid->getName() != "density") return grid;
+  reading.warn("the grid density is a level set; it is converted to coverage, from 0 outside to 1 inside");
+  return coverage_of(*distances);
+}
+
+// Marks level sets whose class the file does not name, and gives the grid `density` the values of its name.
+void settle_level_sets(Volume& volume, const Reading& reading) {
+  const openvdb::CoordBBox voxels = voxels_of(volume);
+  for (auto& grid : volume.grids) {
+    if (has_form_of_level_set<openvdb::FloatGrid>(*grid) ||
+        has_form_of_level_set<openvdb::DoubleGrid>(*grid)) {
+      const auto marked = grid->deepCopyGrid();
+      marked->setGridClass(openvdb::GRID_LEVEL_SET);
+      reading.warn(
+          fmt::format("grid '{}' has the form of a level set and is read as one: signed distances in mm",
+                      printable(grid->getName())));
+      grid = marked;
+    }
+    if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) continue;
+    const auto density = as_density(grid, reading);
+    if (density == grid) continue;
+    grid = density;
+    if (volume.periodic() || volume.has_extent() || voxels.empty()) continue;
+    // The band outside the surface, which is no longer active, stays a part of the volume.
+    volume.first = Vec3i(voxels.min().x(), voxels.min().y(), voxels.min().z());
+    volume.extent = Vec3i(voxels.dim().x(), voxels.dim().y(), voxels.dim().z());
+  }
+}
+
 Volume read_content(std::string_view content, const std::string& wanted, const std::filesystem::path& path,
                     const Reading& reading, std::vector<std::string>& names) {
   const VdbHeader header = read_vdb_header(content);
   const std::vector<VdbGrid> grids = vdb_grids(content, header);
   Volume volume;
   double needed = static_cast<double>(content.size());
+  // Grids that may be converted exist twice for a moment.
+  const auto copied = [](const VdbGrid& g) {
+    return g.metadata.count("stored_from") || g.name == "density" || !g.metadata.count("class");
+  };
   const auto is_wanted = [&](const VdbGrid& g) {
     return g.known && (wanted.empty() || g.name == wanted || g.unique_name == wanted);
   };
   for (const VdbGrid& g : grids)
-    if (is_wanted(g)) needed += owner_of_tree(g, grids).memory * (g.metadata.count("stored_from") ? 2 : 1);
+    if (is_wanted(g)) needed += owner_of_tree(g, grids).memory * (copied(g) ? 2 : 1);
   require_memory(needed, reading.memory, "the volume in '" + path.string() + "'");
   for (const VdbGrid& g : grids) {
     names.push_back(g.name);
     if (is_wanted(g)) volume.grids.push_back(read_grid(content, header, g, owner_of_tree(g, grids)));
   }
-  if (const auto it = header.metadata.find("period"); it != header.metadata.end()) {
-    std::int32_t p[3];
-    if (it->second.type == openvdb::Vec3IMetadata::staticTypeName() && it->second.bytes.size() == sizeof p) {
-      std::memcpy(p, it->second.bytes.data(), sizeof p);
-      if (p[0] > 0 && p[1] > 0 && p[2] > 0) volume.resolution = Vec3i(p[0], p[1], p[2]);
-    }
-  }
+  place_volume(volume, header, reading);
   return volume;
 }
 
@@ -216,6 +295,7 @@ Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, co
                   "replace those voxels");
   }
   for (auto& g : volume.grids) g = as_stored_from(g);
+  settle_level_sets(volume, reading);
   if (volume.grids.empty()) {
     std::string list;
     for (const auto& n : names)

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <set>
 
 #include "graph/diagnostic.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/cell_grid.h"
+#include "nodes/load_volume/stored_numbers.h"
 #include "nodes/load_volume/vti_layout.h"
 
 namespace terrazzo::load_volume {
@@ -36,7 +36,7 @@ const CellNumber& scalar_of(const VtiArrayText& array) {
 }
 
 // To 12 digits: 0.00025 m is 0.25 mm.
-double rounded(double v) { return std::strtod(fmt::format("{:.12g}", v).c_str(), nullptr); }
+double rounded(double v) { return number_in(fmt::format("{:.12g}", v)).value_or(v); }
 
 CellPlace place_of(const VtiLayout& layout, std::optional<Vec3> spacing, const Reading& reading) {
   const Vec3 first = layout.origin.cwiseQuotient(layout.spacing) + layout.start.cast<double>();  // in voxels
@@ -92,6 +92,7 @@ Volume read_vti(const std::filesystem::path& path, const std::string& wanted, st
           .parameter("grid");
     }
     if (layout.period == place.size && place.first == Vec3i::Zero()) volume.resolution = place.size;
+    place_volume(volume, place);
     return volume;
   } catch (const Error& e) {
     if (e.diagnostic().code != "unreadable-volume" && e.diagnostic().code != "not-a-volume") throw;

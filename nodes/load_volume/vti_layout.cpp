@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
-
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <pugixml.hpp>
 
 #include "graph/diagnostic.h"
+#include "nodes/load_volume/stored_numbers.h"
 #include "runtime/base64.h"
 
 namespace terrazzo::load_volume {
@@ -19,18 +21,26 @@ Error bad_vti(const std::string& what) {
   return Error("unreadable-volume", what, "check that the file is complete");
 }
 
+// Removes the first word from `rest` and returns it; "" at the end.
+std::string_view next_word(std::string_view& rest) {
+  constexpr std::string_view kBlanks = " \t\r\n";
+  rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+  const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
 template <std::size_t N>
 std::array<double, N> numbers_of(const pugi::xml_node& node, const char* attribute,
                                  std::array<double, N> otherwise) {
   const pugi::xml_attribute a = node.attribute(attribute);
   if (!a) return otherwise;
-  const char* at = a.value();
+  std::string_view rest = a.value();
   for (double& v : otherwise) {
-    char* end = nullptr;
-    v = std::strtod(at, &end);
-    if (end == at || !std::isfinite(v))
+    const auto number = number_in(next_word(rest));
+    if (!number || !std::isfinite(*number))
       throw bad_vti(fmt::format("{} is '{}'", attribute, printable(a.value())));
-    at = end;
+    v = *number;
   }
   return otherwise;
 }
@@ -58,23 +68,35 @@ class VtiPiece {
   }
   // Like take, but leaves the position, to look at a header of unknown length.
   std::string look(std::size_t count) const { return VtiPiece(*this).take(count); }
+  // A header of `header` bytes and what follows it. Some programs encode both together, others each by
+  // itself, which padding after the header shows. (Without padding both come to the same.)
+  std::string take_after(std::size_t header, std::size_t count) {
+    const std::size_t digits = (header + 2) / 3 * 4;
+    if (base64_ && digits <= data_.size() && data_[digits - 1] == '=') {
+      take(header);
+      return take(count);
+    }
+    return take(header + count).substr(header);
+  }
 
  private:
   std::string_view data_;
   bool base64_;
 };
 
-std::uint64_t length_at(const std::string& bytes, std::size_t index, bool wide) {
+std::uint64_t length_at(const std::string& bytes, std::size_t index, const VtiLayout& layout) {
+  const std::size_t word = layout.word();
   std::uint64_t v = 0;
-  std::memcpy(&v, bytes.data() + index * (wide ? 8 : 4), wide ? 8 : 4);
+  for (std::size_t k = 0; k < word; ++k)
+    v = v << 8 | static_cast<unsigned char>(bytes[index * word + (layout.big_endian ? k : word - 1 - k)]);
   return v;
 }
 
-std::string inflate_blocks(VtiPiece piece, bool wide, std::size_t expected) {
-  const std::size_t word = wide ? 8 : 4;
+std::string inflate_blocks(VtiPiece piece, const VtiLayout& layout, std::size_t expected) {
+  const std::size_t word = layout.word();
   const std::string first = piece.look(3 * word);
-  const std::uint64_t blocks = length_at(first, 0, wide), size = length_at(first, 1, wide),
-                      rest = length_at(first, 2, wide);
+  const std::uint64_t blocks = length_at(first, 0, layout), size = length_at(first, 1, layout),
+                      rest = length_at(first, 2, layout);
   if (blocks == 0) return {};
   // A single block may be smaller than the nominal size. Every block has at least one byte.
   constexpr std::uint64_t kLargest = std::uint64_t{1} << 40;
@@ -82,18 +104,19 @@ std::string inflate_blocks(VtiPiece piece, bool wide, std::size_t expected) {
   if (blocks > expected || size > kLargest || last > expected || (blocks > 1 && size > expected) ||
       (blocks - 1) * size + last != expected)
     throw bad_vti("the sizes of its compressed blocks do not fit the array");
-  const std::string header = piece.take((3 + static_cast<std::size_t>(blocks)) * word);
+  const std::size_t header_bytes = (3 + static_cast<std::size_t>(blocks)) * word;
+  const std::string header = piece.look(header_bytes);
   std::uint64_t packed_bytes = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const std::uint64_t p = length_at(header, 3 + b, wide);
-    if (p > (std::uint64_t{1} << 48)) throw bad_vti("a compressed block is too large");
+    const std::uint64_t p = length_at(header, 3 + b, layout);
+    if (p > (std::uint64_t{1} << 40)) throw bad_vti("a compressed block is too large");
     packed_bytes += p;
   }
-  const std::string packed = piece.take(static_cast<std::size_t>(packed_bytes));
+  const std::string packed = piece.take_after(header_bytes, static_cast<std::size_t>(packed_bytes));
   std::string out(expected, '\0');
   std::size_t from = 0, to = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const auto p = static_cast<std::size_t>(length_at(header, 3 + b, wide));
+    const auto p = static_cast<std::size_t>(length_at(header, 3 + b, layout));
     const auto u = static_cast<std::size_t>(b + 1 == blocks && rest ? rest : size);
     uLongf written = u;
     if (uncompress(reinterpret_cast<Bytef*>(out.data() + to), &written,
@@ -107,28 +130,31 @@ std::string inflate_blocks(VtiPiece piece, bool wide, std::size_t expected) {
 
 std::string ascii_bytes(const VtiArrayText& array, std::size_t bytes, std::size_t count) {
   std::string out;
-  const char* at = array.text.c_str();
+  std::string_view rest = array.text;
+  const bool floats = array.type.starts_with("Float"), is_signed = array.type.starts_with("Int");
   for (std::size_t i = 0; i < count; ++i) {
-    char* end = nullptr;
-    const double v = std::strtod(at, &end);
-    if (end == at)
+    const std::string_view word = next_word(rest);
+    if (word.empty())
       throw bad_vti(fmt::format("array '{}' has {} numbers instead of {}", printable(array.name), i, count));
-    at = end;
-    const auto put = [&](auto typed) { out.append(reinterpret_cast<const char*>(&typed), sizeof typed); };
-    const bool floats = array.type.starts_with("Float"), is_signed = array.type.starts_with("Int");
-    if (!floats && !(std::abs(v) < 9e15)) throw bad_vti("a whole number is too large");
-    if (floats)
-      bytes == 4 ? put(static_cast<float>(v)) : put(v);
-    else if (is_signed)
-      bytes == 1   ? put(static_cast<std::int8_t>(v))
-      : bytes == 2 ? put(static_cast<std::int16_t>(v))
-      : bytes == 4 ? put(static_cast<std::int32_t>(v))
-                   : put(static_cast<std::int64_t>(v));
-    else
-      bytes == 1   ? put(static_cast<std::uint8_t>(v))
-      : bytes == 2 ? put(static_cast<std::uint16_t>(v))
-      : bytes == 4 ? put(static_cast<std::uint32_t>(v))
-                   : put(static_cast<std::uint64_t>(v));
+    const auto real = number_in(word);
+    const auto whole = whole_number_in(word);
+    if (!real || (!floats && !whole))
+      throw bad_vti(fmt::format("array '{}' of {} has '{}' as number {}", printable(array.name),
+                                printable(array.type), printable(word), i + 1));
+    if (floats) {
+      const float single = static_cast<float>(*real);
+      out.append(bytes == 4 ? reinterpret_cast<const char*>(&single) : reinterpret_cast<const char*>(&*real),
+                 bytes);
+      continue;
+    }
+    // The lowest bytes of the number are the number of the smaller type, if they can hold it.
+    const auto bits = static_cast<int>(8 * bytes);
+    const std::int64_t least = is_signed ? (bits == 64 ? *whole : -(std::int64_t{1} << (bits - 1))) : 0,
+                       most = bits == 64 ? *whole : (std::int64_t{1} << (is_signed ? bits - 1 : bits)) - 1;
+    if (*whole < least || *whole > most)
+      throw bad_vti(fmt::format("{} is beyond {}, the type of array '{}'", *whole, printable(array.type),
+                                printable(array.name)));
+    out.append(reinterpret_cast<const char*>(&*whole), bytes);
   }
   return out;
 }
@@ -169,8 +195,10 @@ VtiLayout vti_layout(const std::string& content, const Reading& reading) {
   if (type != "ImageData")
     throw Error("not-a-volume", "it contains '" + printable(type) + "' instead of ImageData",
                 "export it as image data");
-  if (std::string(file.attribute("byte_order").as_string("LittleEndian")) != "LittleEndian")
-    throw bad_vti("its bytes are in big-endian order");
+  const std::string byte_order = file.attribute("byte_order").as_string("LittleEndian");
+  out.big_endian = byte_order == "BigEndian";
+  if (!out.big_endian && byte_order != "LittleEndian")
+    throw bad_vti("its byte order is '" + printable(byte_order) + "'");
   const std::string compressor = file.attribute("compressor").value();
   if (!compressor.empty() && compressor != "vtkZLibDataCompressor")
     throw Error("unreadable-volume", "it is compressed by '" + printable(compressor) + "'",
@@ -235,23 +263,29 @@ std::string vti_bytes(std::string_view content, const VtiLayout& layout, const V
   } else if (array.format != "binary") {
     throw bad_vti("array '" + printable(array.name) + "' has the format '" + printable(array.format) + "'");
   }
-  const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
-  if (array.format == "binary")
-    while (!data.empty() && blank(data.front())) data.remove_prefix(1);
+  std::string digits;  // without the line ends that some programs put between them
+  if (array.format == "binary") {
+    const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
+    std::copy_if(data.begin(), data.end(), std::back_inserter(digits), [&](char c) { return !blank(c); });
+    data = digits;
+  }
   VtiPiece piece(data, base64);
   std::string out;
   if (layout.compressed) {
-    out = inflate_blocks(piece, layout.wide, expected);
+    out = inflate_blocks(piece, layout, expected);
   } else {
-    const std::size_t word = layout.wide ? 8 : 4;
-    if (length_at(piece.look(word), 0, layout.wide) != expected)
-      throw bad_vti(fmt::format("array '{}' has {} bytes instead of {}", printable(array.name),
-                                length_at(piece.look(word), 0, layout.wide), expected));
-    out = piece.take(word + expected).substr(word);  // encoded together
+    const std::uint64_t length = length_at(piece.look(layout.word()), 0, layout);
+    if (length != expected)
+      throw bad_vti(
+          fmt::format("array '{}' has {} bytes instead of {}", printable(array.name), length, expected));
+    out = piece.take_after(layout.word(), expected);
   }
   if (out.size() != expected)
     throw bad_vti(
         fmt::format("array '{}' has {} bytes instead of {}", printable(array.name), out.size(), expected));
+  if (layout.big_endian)
+    for (std::size_t at = 0; at < out.size(); at += bytes)
+      std::reverse(out.data() + at, out.data() + at + bytes);
   return out;
 }
 

@@ -24,9 +24,12 @@ struct VtiLayout {
   Vec3i period = Vec3i::Zero();                        // field data `period`, or 0
   bool wide = false;                                   // lengths have 64 bits instead of 32
   bool compressed = false;                             // by zlib
+  bool big_endian = false;                             // numbers and lengths
   bool raw = false;                                    // appended data is raw, not base64
   std::size_t appended_at = 0;                         // offset of the appended data in the file, or 0
   std::vector<VtiArrayText> cells;
+
+  std::size_t word() const { return wide ? 8 : 4; }  // bytes of a length
 };
 
 // Arrays of other numbers of components than 1 and 3, and point data, are left out with a warning. Throws

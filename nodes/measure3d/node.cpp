@@ -126,7 +126,7 @@ namespace terrazzo {
 
 NodeType measure3d_node() {
   using namespace measure3d;
-  return NodeType("Measure3D", 1)
+  return NodeType("Measure3D", 2)
       .doc_(
           "Measures a packing or a volume of labels: distributions of volume, aspect, orientation and "
           "coordination; contact area and "
@@ -141,7 +141,7 @@ NodeType measure3d_node() {
       .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
       .optional_input("volume", {"Volume"},
                       "Volume for correlations, surface and representative size: labels, such as Voxelize's "
-                      "grid id, or a density. "
+                      "grid id, a density, or a level set, which is measured as the body inside. "
                       "Without particles, each label of the grid is measured as a particle.")
       .output("table", "Table", "One row per measure: value, standard error, unit")
       .output("particles", "Table",

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/coverage.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::measure3d {
@@ -51,6 +53,7 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
   out.in.resize(out.box.count());
   if (labels) out.ids.resize(out.box.count());
   const std::size_t plane = out.box.plane();
+  const double voxel = std::cbrt(out.box.spacing.prod());
   using Sum = std::pair<std::size_t, std::int32_t>;  // voxels in the phase, largest label
   const Sum sum = work.reduce<Sum>(
       static_cast<std::size_t>(out.box.size.z()), 4, {0, -1},
@@ -69,6 +72,8 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
           values.resize((end - begin) * plane);
           source.read(z0, z1, values.data());
         }
+        if (source.level_set())
+          for (float& v : values) v = static_cast<float>(coverage_of(v, voxel));
         for (std::size_t i = begin * plane; i < end * plane; ++i) {
           bool in = false;
           if (labels) {

@@ -32,10 +32,11 @@ struct Raster {
 
 // Reads one grid: `name`, or if that is empty `id`, else `density`, else the only grid. Whole numbers are
 // labels of particles, of which `particles` tells the voids; those below `threshold`, by default 0, are the
-// binder. Other numbers and bools are in particles from `threshold` on, by default 0.5. `memory`: bytes that
-// the raster may take. Throws Error "no-such-grid", "not-a-scalar", "several-grids", "missing-input" (voids
-// without labels), "size-mismatch" (a label that is not a particle), "too-large", and those of voxel_box and
-// VoxelSource.
+// binder. Other numbers and bools are in particles from `threshold` on, by default 0.5;
+// the signed distances of a level set are first converted to coverage, which is 0.5 at the surface. `memory`:
+// bytes that the raster may take. Throws Error "no-such-grid", "not-a-scalar", "several-grids",
+// "missing-input" (voids without labels), "size-mismatch" (a label that is not a particle), "too-large", and
+// those of voxel_box and VoxelSource.
 Raster read_raster(const Volume&, const std::string& name, const Particles* particles, Phase phase,
                    std::optional<double> threshold, std::uint64_t memory, const Work&);
 

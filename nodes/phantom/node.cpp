@@ -31,6 +31,7 @@ void compute(Context& c) {
   Volume volume;
   add_number_grid(volume, "density", limb.resolution, limb.spacing(), c.work().part(0.9, 1),
                   [&](std::size_t i) { return values[i]; });
+  volume.extent = limb.resolution;
   c.output("volume", std::move(volume));
 }
 
@@ -41,7 +42,7 @@ namespace terrazzo {
 
 NodeType phantom_node() {
   using namespace phantom;
-  return NodeType("Phantom", 1)
+  return NodeType("Phantom", 2)
       .doc_("Makes a synthetic scan of a limb in Hounsfield units, with skin, fat, muscles and bones")
       .output("volume", "Volume", "Grid `density` in Hounsfield units. The limb is cut at z = 0.")
       .parameter(

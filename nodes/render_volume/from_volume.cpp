@@ -59,11 +59,7 @@ ScanField scan_field(const Volume& volume, const std::string& name, const Work& 
         throw Error("tilted-volume", "grid '" + grid->getName() + "' is rotated, sheared or mirrored",
                     "resample it to axis-aligned voxels");
   }
-  openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
-  if (volume.resolution.minCoeff() > 0)
-    box = openvdb::CoordBBox(
-        openvdb::Coord(0),
-        openvdb::Coord(volume.resolution.x() - 1, volume.resolution.y() - 1, volume.resolution.z() - 1));
+  const openvdb::CoordBBox box = voxels_of(volume, *grid);
   if (box.empty())
     throw Error("empty-volume", "grid '" + grid->getName() + "' has no active voxels",
                 "connect a grid with active voxels");
@@ -88,11 +84,7 @@ SolidTexture SolidTexture::of(const Volume& volume, const Work& work) {
   if (!grid)
     throw Error("no-color", "a texture has no color grid `Cd`",
                 "connect a solid texture, for example from SolidOptimize");
-  openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
-  if (volume.resolution.minCoeff() > 0)
-    box = openvdb::CoordBBox(
-        openvdb::Coord(0),
-        openvdb::Coord(volume.resolution.x() - 1, volume.resolution.y() - 1, volume.resolution.z() - 1));
+  const openvdb::CoordBBox box = voxels_of(volume, *grid);
   const double voxels = box.empty() ? 0 : double(box.dim().x()) * box.dim().y() * box.dim().z();
   if (!(voxels >= 1) || voxels > (1 << 30))
     throw Error("empty-volume", "a texture has no voxels, or more than 2^30",

@@ -108,16 +108,11 @@ VolumeBox volume_box(const Volume& volume) {
   const openvdb::Vec3d voxel = transform.voxelSize();
   VolumeBox box;
   box.voxel = std::min({voxel[0], voxel[1], voxel[2]});
-  openvdb::CoordBBox active;
-  box.periodic = volume.resolution.minCoeff() > 0;
-  if (box.periodic)
-    active = {openvdb::Coord(0),
-              openvdb::Coord(volume.resolution[0] - 1, volume.resolution[1] - 1, volume.resolution[2] - 1)};
-  else
-    for (const auto& g : volume.grids) active.expand(g->evalActiveVoxelBoundingBox());
-  if (active.empty()) throw Error("empty-volume", "the volume has no active voxels");
-  const openvdb::Vec3d lo = transform.indexToWorld(active.min().asVec3d() - openvdb::Vec3d(0.5));
-  const openvdb::Vec3d hi = transform.indexToWorld(active.max().asVec3d() + openvdb::Vec3d(0.5));
+  box.periodic = volume.periodic();
+  const openvdb::CoordBBox voxels = voxels_of(volume);
+  if (voxels.empty()) throw Error("empty-volume", "the volume has no active voxels");
+  const openvdb::Vec3d lo = transform.indexToWorld(voxels.min().asVec3d() - openvdb::Vec3d(0.5));
+  const openvdb::Vec3d hi = transform.indexToWorld(voxels.max().asVec3d() + openvdb::Vec3d(0.5));
   for (int k = 0; k < 3; ++k) box.corner[k] = std::min(lo[k], hi[k]), box.size[k] = std::abs(hi[k] - lo[k]);
   if (!(box.size.minCoeff() > 0)) throw Error("empty-volume", "the volume's box has no extent");
   return box;

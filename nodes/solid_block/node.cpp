@@ -58,7 +58,7 @@ void compute(Context& c) {
 
 NodeType solid_block_node() {
   NodeType type =
-      NodeType("SolidBlock", 1)
+      NodeType("SolidBlock", 2)
           .doc_(
               "Makes one block of a solid texture that is too large for memory. Its voxels equal those of "
               "the whole solid at its place, whatever the order in which blocks are made.")

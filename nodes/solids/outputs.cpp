@@ -52,7 +52,12 @@ void give_solid(Context& c, SolidResult&& r, const std::vector<SolidExemplar>& e
   const bool features = !r.sources.features.empty(), sources = c.boolean("sources");
   initialize_openvdb();
   Volume volume;
-  volume.resolution = whole ? r.size : Vec3i::Zero().eval();
+  if (whole) {
+    volume.resolution = r.size;
+  } else {
+    volume.first = r.origin;
+    volume.extent = r.size;
+  }
   volume.grids.push_back(dense_grid<openvdb::Vec3SGrid>(
       "Cd", r.size, voxel, last,
       [&](std::size_t i) {

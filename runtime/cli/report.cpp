@@ -103,6 +103,14 @@ void print_metrics(std::ostream& out, const Graph& graph, const RunResult& run) 
   }
 }
 
+void print_stacks(std::ostream& out, const Graph& graph, const RunResult& run) {
+  const auto name = [](const FileRecord& f) { return std::filesystem::path(f.path).filename().string(); };
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i)
+    if (const auto& read = run.nodes[i].read; read.size() > 1)
+      out << fmt::format("{}: reads {} files, first '{}', last '{}'\n", graph.nodes[i].path, read.size(),
+                         name(read.front()), name(read.back()));
+}
+
 namespace {
 
 std::string cell_text(const json& v) {

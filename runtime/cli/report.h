@@ -14,6 +14,8 @@ nlohmann::json report_json(const Graph&, const RunResult&, int threads, const Ov
                            const std::filesystem::path& folder);
 void print_table(std::ostream&, const Graph&, const RunResult&);
 void print_metrics(std::ostream&, const Graph&, const RunResult&);
+// The first and the last file of every node that reads several, in the order in which it reads them.
+void print_stacks(std::ostream&, const Graph&, const RunResult&);
 // A value's JSON as text: tables in columns, other types as "name: value" lines with long lists shortened.
 std::string readable(const std::string& type, const nlohmann::json&);
 std::string bytes_text(std::uint64_t);

@@ -64,6 +64,7 @@ int run(const Program& program, RunCommand& o) {
   if (!o.quiet) {
     print_table(std::cout, graph, result);
     print_metrics(std::cout, graph, result);
+    print_stacks(std::cout, graph, result);
     if (!result.cancelled()) print_output_tables(session.evaluator(), graph, result);
     for (const auto& node : result.nodes)
       for (const auto& f : node.files)

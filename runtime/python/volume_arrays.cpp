@@ -47,6 +47,26 @@ typename Grid::Ptr grid_of(const std::string& name, const Vec3i& size, const Vec
   return grid;
 }
 
+// Whole numbers that floats would round are refused.
+void require_exact(const py::array& a) {
+  if (!is_whole(a)) return;
+  const auto data = numbers<std::int64_t>(a, "the volume");
+  const bool no_sign = a.dtype().kind() == 'u';
+  const std::int64_t* in = data.data();
+  const auto n = static_cast<std::size_t>(data.size());
+  const Outside outside;
+  const auto bad = std::find_if(in, in + n, [&](std::int64_t v) {
+    // Compared as doubles, which hold what a float can hold.
+    return (no_sign && v < 0) || std::abs(v) > (std::int64_t{1} << 53) ||
+           static_cast<double>(static_cast<float>(v)) != static_cast<double>(v);
+  });
+  if (bad != in + n)
+    throw Error("bad-values",
+                no_sign && *bad < 0 ? "a voxel of the volume is above 2⁶³"
+                                    : fmt::format("a voxel of the volume is {}, which float32 rounds", *bad),
+                "pass labels with name=\"id\", or floats");
+}
+
 py::object volume(const py::object& object, const std::vector<double>& voxel_size, const std::string& name) {
   const py::array a = array_of(object, "the volume");
   const bool vectors = a.ndim() == 4 && a.shape(3) == 3;
@@ -69,8 +89,10 @@ py::object volume(const py::object& object, const std::vector<double>& voxel_siz
     throw Error("wrong-type", fmt::format("the grid id holds the numbers of particles, not {}", text_of(a)),
                 "pass whole numbers of the shape (nx, ny, nz), or another name");
   require_memory(static_cast<double>(a.size()) * 5, available_memory(), "the volume");
+  if (!ids) require_exact(a);
   initialize_openvdb();
   Volume out;
+  out.extent = size;
   const bool no_sign = a.dtype().kind() == 'u';
   const auto add = [&]<class Grid, class Number>(const py::array_t<Number, py::array::c_style>& data) {
     const Number* in = data.data();
@@ -110,6 +132,7 @@ py::object volume(const py::object& object, const std::vector<double>& voxel_siz
 // The same grids as one period of a volume that tiles.
 py::object with_period(const py::object& object, const std::vector<py::ssize_t>& period) {
   Volume out = the<Volume>(object);
+  out.first = out.extent = Vec3i::Zero();
   if (period.size() != 3)
     throw Error("wrong-count", "a period is three numbers of voxels").parameter("period");
   for (int k = 0; k < 3; ++k) {

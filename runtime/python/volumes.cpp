@@ -35,14 +35,6 @@ const openvdb::GridBase& grid(const Volume& v, const std::string& name) {
               fmt::format("grids: {}", fmt::join(grid_names(v), ", ")));
 }
 
-// One period if the volume tiles, otherwise the active voxels.
-openvdb::CoordBBox box_of(const Volume& v, const openvdb::GridBase& g) {
-  if (v.resolution.minCoeff() > 0)
-    return {openvdb::Coord(0),
-            openvdb::Coord(v.resolution.x() - 1, v.resolution.y() - 1, v.resolution.z() - 1)};
-  return g.evalActiveVoxelBoundingBox();
-}
-
 template <class Grid, class Scalar>
 py::array dense(const openvdb::GridBase& any, int width, const openvdb::CoordBBox& box) {
   const auto& g = static_cast<const Grid&>(any);
@@ -102,7 +94,7 @@ void bind_volumes(py::module_& m) {
       .def(
           "origin",
           [](const VolumeObject& v, const std::string& name) {
-            const auto box = box_of(the_volume(v), grid(the_volume(v), name));
+            const auto box = voxels_of(the_volume(v), grid(the_volume(v), name));
             if (box.empty()) return py::make_tuple(0, 0, 0);
             return py::make_tuple(box.min().x(), box.min().y(), box.min().z());
           },
@@ -111,14 +103,22 @@ void bind_volumes(py::module_& m) {
           "dense",
           [](const VolumeObject& v, const std::string& name) {
             const openvdb::GridBase& g = grid(the_volume(v), name);
-            return dense_by_type(g, box_of(the_volume(v), g));
+            return dense_by_type(g, voxels_of(the_volume(v), g));
           },
           py::arg("name"),
-          "A grid as a new array (nx, ny, nz), or (nx, ny, nz, 3) for vectors: one period, or the active "
-          "voxels if the volume does not tile. Fails if the memory does not suffice.")
+          "A grid as a new array (nx, ny, nz), or (nx, ny, nz, 3) for vectors: one period, or all voxels "
+          "that were given or made if the volume does not tile. If neither is known, as for OpenVDB files "
+          "of other programs, the grid's active voxels. Fails if the memory does not suffice.")
+      .def_property_readonly(
+          "extent",
+          [](const VolumeObject& v) {
+            const Vec3i n = the_volume(v).has_extent() ? the_volume(v).extent : Vec3i::Zero().eval();
+            return py::make_tuple(n.x(), n.y(), n.z());
+          },
+          "Voxels along x, y, z of a volume that does not tile; zeros if it tiles, or if they are not known.")
       .def("_plane", [](const VolumeObject& v, const std::string& name) {  // the middle one along z
         const openvdb::GridBase& g = grid(the_volume(v), name);
-        openvdb::CoordBBox box = box_of(the_volume(v), g);
+        openvdb::CoordBBox box = voxels_of(the_volume(v), g);
         if (!box.empty()) box.min().z() = box.max().z() = std::midpoint(box.min().z(), box.max().z());
         return dense_by_type(g, box);
       });

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/json_text.h"
+#include "runtime/natural_order.h"
 #include "runtime/studio/arrangement.h"
 #include "runtime/studio/document_json.h"
 #include "runtime/studio/live_graph.h"
@@ -96,7 +97,7 @@ json LiveGraph::files() {
     if (it->is_regular_file(ignored) && !name.starts_with('.'))
       list.push_back(it->path().lexically_relative(folder).string());
   }
-  std::ranges::sort(list);
+  std::ranges::sort(list, natural_less);
   return {{"files", list}, {"more", more}};
 }
 

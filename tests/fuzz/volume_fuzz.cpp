@@ -1,4 +1,4 @@
-// Fuzzes volumes as NIfTI, DICOM, images and OpenVDB. The first byte selects the format.
+// Fuzzes volumes as NIfTI, DICOM, images, OpenVDB, NRRD, MetaImage, MRC and NumPy arrays. The first byte selects the format.
 #include <unistd.h>
 
 #include <fstream>
@@ -13,9 +13,9 @@ using namespace terrazzo;
 extern "C" const char* __lsan_default_suppressions() { return "leak:readTopology\n"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const char* const formats[] = {".nii", ".dcm", ".tif", ".vdb"};
+  static const char* const formats[] = {".nii", ".dcm", ".tif", ".vdb", ".nrrd", ".mha", ".mrc", ".npy"};
   if (size == 0) return 0;
-  const int format = data[0] % 4;
+  const int format = data[0] % 8;
   const std::string file =
       (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()))).string() +
       formats[format];
@@ -30,8 +30,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       load_volume::read_dicom({file}, {}, reading);
     else if (format == 2)
       load_volume::read_slices({file}, {}, reading);
-    else
+    else if (format == 3)
       load_volume::read_vdb(file, "", reading);
+    else if (format == 4)
+      load_volume::read_nrrd(file, {}, reading);
+    else if (format == 5)
+      load_volume::read_metaimage(file, {}, reading);
+    else if (format == 6)
+      load_volume::read_mrc(file, {}, reading);
+    else
+      load_volume::read_npy(file, {}, reading);
   } catch (const Error&) {
   }
   ::unlink(file.c_str());

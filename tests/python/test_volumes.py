@@ -111,3 +111,36 @@ def test_grids_of_pyopenvdb():
     dense = np.zeros(v.dense("surface").shape, np.float32)
     ball.copyToArray(dense, ijk=v.origin("surface"))
     assert np.array_equal(dense, v.dense("surface"))
+
+
+def test_a_given_array_is_the_whole_volume():
+    n = 24
+    x, y, z = np.indices((n, n, n)) - 8
+    ids = np.where(x**2 + y**2 + z**2 < 36, 3, -1)
+    given = t.volume(ids, 0.5, name="id")
+    assert given.extent == (n, n, n) and given.origin("id") == (0, 0, 0)
+    assert np.array_equal(given.dense("id"), ids)
+    g = t.Graph(cache=False)
+    measured = g.Measure3D(volume=given).table.value()
+    rows = {row[0]: row[1] for row in measured.rows}
+    assert np.isclose(rows["volume fraction, voxels"], (ids >= 0).mean())
+    assert t.volume(ids, 0.5, name="id", period=True).extent == (0, 0, 0)
+
+
+def test_whole_numbers_keep_their_digits():
+    for whole in (np.full((2, 2, 2), 2**24 + 1), np.full((2, 2, 2), 2**53 + 1, np.uint64), np.full((2, 2, 2), 2**64 - 1, np.uint64)):
+        with pytest.raises(t.Error) as e:
+            t.volume(whole, 1)
+        assert e.value.code == "bad-values"
+    assert t.volume(np.full((2, 2, 2), 2**24), 1).dense("density").max() == 2**24
+
+
+def test_the_extent_survives_pyopenvdb():
+    pytest.importorskip("pyopenvdb")
+    ids = np.full((8, 9, 10), -1)
+    ids[2, 3, 4] = 5
+    given = t.volume(ids, 0.5, name="id")
+    grids = given.to_pyopenvdb()
+    assert grids[0]["extent_max"] == (7, 8, 9)
+    again = t.volume(grids)
+    assert again.extent == (8, 9, 10) and np.array_equal(again.dense("id"), ids)

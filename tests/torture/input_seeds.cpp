@@ -215,6 +215,50 @@ void dicoms(Writer& w) {
   w.text("LoadVolume.dcm", "b.dcm", file("1.2.840.10008.1.2.5", fragments));
 }
 
+// One number per voxel after a header of text or words.
+void arrays(Writer& w) {
+  std::string voxels;
+  for (int i = 0; i < 12; ++i) voxels += {static_cast<char>(i), '\0'};
+  uLongf size = 200;
+  std::string packed(size, '\0');
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(voxels.data()),
+           voxels.size());
+  packed.resize(size);
+  const std::string nrrd = "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 2 2\nendian: little\n";
+  w.text(
+      "LoadVolume.nrrd", "a.nrrd",
+      nrrd +
+          "encoding: raw\nspace: left-posterior-superior\nspace directions: (0.5,0,0) (0,2,0) (0,0,1)\n\n" +
+          voxels);
+  w.text("LoadVolume.nrrd", "a.nrrd",
+         nrrd + "encoding: ascii\nspacings: 1 1 2\n\n1 2 3 4 5 6\n7 8 9 10 11 12\n");
+  w.text("LoadVolume.nrrd", "a.nrrd", nrrd + "encoding: gzip\nspacings: 1 1 2\n\n" + packed);
+  const fs::path header = w.place("LoadVolume.nrrd", "a.nhdr");
+  std::ofstream(header) << nrrd + "encoding: raw\nspacings: 1 1 1\nbyte skip: -1\ndata file: a.raw\n";
+  std::ofstream(header.parent_path() / "a.raw", std::ios::binary) << "ab" << voxels;
+  const std::string meta =
+      "ObjectType = Image\nNDims = 3\nDimSize = 3 2 2\nElementSpacing = 1 1 2\nElementType = MET_SHORT\n"
+      "TransformMatrix = 0 1 0 1 0 0 0 0 1\n";
+  w.text("LoadVolume.mha", "a.mha", meta + "ElementByteOrderMSB = True\nElementDataFile = LOCAL\n" + voxels);
+  w.text("LoadVolume.mha", "a.mha", meta + "CompressedData = True\nElementDataFile = LOCAL\n" + packed);
+  const fs::path beside = w.place("LoadVolume.mha", "a.mhd");
+  std::ofstream(beside) << meta + "HeaderSize = 2\nElementDataFile = a.raw\n";
+  std::ofstream(beside.parent_path() / "a.raw", std::ios::binary) << "ab" << voxels;
+  std::string mrc(1024, '\0');
+  const auto put = [&](std::size_t word, auto v) { std::memcpy(mrc.data() + 4 * (word - 1), &v, 4); };
+  const std::int32_t numbers[] = {3, 2, 2, 1, 0, 0, 0, 3, 2, 2};
+  for (std::size_t k = 0; k < 10; ++k) put(k + 1, numbers[k]);
+  for (std::size_t k = 0; k < 3; ++k) {
+    put(k + 11, 20.0f);
+    put(k + 14, 90.0f);
+    put(k + 17, static_cast<std::int32_t>(3 - k));
+  }
+  put(23, std::int32_t{1});
+  mrc.replace(208, 4, "MAP ");
+  mrc[212] = mrc[213] = 0x44;
+  w.text("LoadVolume.mrc", "a.mrc", mrc + voxels);
+}
+
 void texts(Writer& w, const fs::path& source) {
   const auto content = [&](const char* name) { return read_file(source / name).value_or(""); };
   w.text("LoadProfiles.csv", "a.csv",
@@ -286,7 +330,7 @@ void texts(Writer& w, const fs::path& source) {
 
 void write_input_seeds(const fs::path& folder, const fs::path& source) {
   Writer w(folder);
-  pictures(w), meshes(w), vdbs(w), voxel_files(w), niftis(w), dicoms(w), texts(w, source);
+  pictures(w), meshes(w), vdbs(w), voxel_files(w), niftis(w), dicoms(w), arrays(w), texts(w, source);
 }
 
 std::vector<InputSeed> read_input_seeds(const fs::path& folder) {

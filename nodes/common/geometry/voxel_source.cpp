@@ -81,14 +81,12 @@ VoxelBox voxel_box(const Volume& volume) {
                               g->getName()),
                   "use grids of equal voxels");
   }
-  box.periodic = volume.resolution.minCoeff() > 0;
-  if (box.periodic) {
-    box.size = volume.resolution;
-  } else {
-    openvdb::CoordBBox active;
-    for (const auto& g : volume.grids) active.expand(g->evalActiveVoxelBoundingBox());
-    if (active.empty()) throw Error("empty-volume", "the volume has no active voxels");
-    for (int k = 0; k < 3; ++k) box.first[k] = active.min()[k], box.size[k] = active.dim()[k];
+  box.periodic = volume.periodic();
+  const openvdb::CoordBBox voxels = voxels_of(volume);
+  if (voxels.empty()) throw Error("empty-volume", "the volume has no active voxels");
+  for (int k = 0; k < 3; ++k) {
+    box.first[k] = voxels.min()[k];
+    box.size[k] = voxels.dim()[k];
   }
   box.corner = corner + box.first.cast<double>().cwiseProduct(box.spacing);
   return box;
@@ -114,6 +112,7 @@ VoxelSource::VoxelSource(const Volume& volume, const std::string& grid, const Vo
     whole_ = std::is_same_v<Grid, openvdb::Int32Grid> || std::is_same_v<Grid, openvdb::Vec3IGrid> ||
              std::is_same_v<Grid, openvdb::BoolGrid>;
     yes_no_ = std::is_same_v<Grid, openvdb::BoolGrid>;
+    level_set_ = !whole_ && components_ == 1 && g.getGridClass() == openvdb::GRID_LEVEL_SET;
     if (!whole_) check_finite(g);
   });
   if (!known)

@@ -10,7 +10,7 @@
 
 namespace terrazzo {
 
-// The voxels of a volume: one period, or the active voxels of all grids if the volume does not tile.
+// The voxels of a volume: one period, or its extent, or the active voxels of all grids if neither is known.
 struct VoxelBox {
   Vec3i first = Vec3i::Zero(), size = Vec3i::Zero();  // voxels
   Vec3 spacing = Vec3::Ones();                        // edges of a voxel, mm
@@ -38,6 +38,7 @@ class VoxelSource {
   bool whole() const { return whole_; }           // whether the values are whole numbers
   bool yes_no() const { return yes_no_; }         // whether they are only 0 and 1, those of a bool grid
   std::size_t voxel_bytes() const { return 4 * static_cast<std::size_t>(components_); }
+  bool level_set() const { return level_set_; }  // whether the values are signed distances in mm
   // Reads the planes z0 ≤ z < z1 of the box: x fastest, a voxel's components together. Grids of whole numbers
   // give std::int32_t (bool: 0 or 1), the others float. Several threads may read at once.
   void read(int z0, int z1, void* out) const;
@@ -47,7 +48,7 @@ class VoxelSource {
   VoxelBox box_;
   std::string name_;
   int components_ = 1;
-  bool whole_ = false, yes_no_ = false;
+  bool whole_ = false, yes_no_ = false, level_set_ = false;
 };
 
 }  // namespace terrazzo

@@ -1,6 +1,6 @@
-// Reader of HDF5 files in the form that the library writes by default (superblock 0, version 1 of object
-// headers and groups), which DREAM3D, h5py and MATLAB use. Written for Terrazzo, because the library trusts
-// its input.
+// Reader of HDF5 files: the form that the library writes by default (superblock 0, version 1 of object
+// headers and groups), which DREAM3D, h5py and MATLAB use, and the newer one (superblock 2 and 3,
+// libver='latest'). Written for Terrazzo, because the library trusts its input.
 #pragma once
 
 #include <cstdint>
@@ -57,14 +57,43 @@ class Hdf5Input {
   std::uint64_t number(std::uint64_t at, unsigned bytes) const;
   void require(std::uint64_t at, std::uint64_t bytes) const;
   void require_text(std::uint64_t at, const char* expected) const;
+  Address root_of_superblock() const;
   std::vector<Message> messages(Address object) const;
+  std::vector<Message> messages_1(Address object) const;
+  std::vector<Message> messages_2(Address object) const;
+  static void add_message(const Message&, std::uint64_t flags, std::vector<Message>&);
+  void add_link(const Message&, std::map<std::string, Address>&) const;
+  struct HeapTable;
+  HeapTable heap_table(Address heap) const;
+  std::uint64_t heap_place(const HeapTable&, std::uint64_t offset) const;
+  // The links (`type` 5) or attributes (8) that a tree of version 2 names in a heap.
+  std::vector<Message> heap_objects(Address heap, Address tree, unsigned type) const;
+  std::vector<Message> attributes(Address object) const;
+  struct Records {
+    std::uint64_t size = 0;
+    std::vector<std::uint64_t> at;
+  };
+  // Of a tree of version 2.
+  Records records(Address tree) const;
   void read_type(const Message&, Hdf5Array&) const;
-  void read_space(const Message&, Hdf5Array&) const;
+  void read_space(const Message&, Hdf5Array&, std::vector<std::uint64_t>* most = nullptr) const;
   Layout layout(Address dataset) const;
+  void read_filters(const Message&, Layout&) const;
+  void read_layout(const Message&, Layout&) const;
+  void read_chunk_layout_3(const Message&, Layout&) const;
+  void read_chunk_layout_4(const Message&, Layout&) const;
+  void check_layout(const Layout&) const;
   void visit_links(std::uint64_t tree, std::uint64_t names, std::uint64_t names_size, unsigned deepest,
                    std::map<std::string, Address>&) const;
+  struct Chunk;
   void visit_chunks(std::uint64_t node, unsigned deepest, const Layout&, std::string& out) const;
-  void place_chunk(std::uint64_t key, std::uint64_t data, const Layout&, std::string& out) const;
+  void visit_tree_2(const Layout&, std::string& out) const;
+  void visit_array(const Layout&, std::string& out) const;
+  bool bit_at(std::uint64_t bitmap, std::uint64_t bit) const;
+  // Where an array has the entry of a chunk, or kNowhere.
+  std::uint64_t fixed_array_entry(const Layout&, std::uint64_t index) const;
+  std::uint64_t extensible_array_entry(const Layout&, std::uint64_t index) const;
+  void place_chunk(const Chunk&, const Layout&, std::string& out) const;
 
   const std::string& content_;
   Address root_ = 0;

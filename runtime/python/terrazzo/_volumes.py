@@ -11,6 +11,7 @@ from . import _core
 from ._graph import Graph
 
 _period = "period"  # metadata of grids: what Volume.resolution says
+_extent = ("extent_min", "extent_max")  # and the first and last voxel of a volume that does not tile
 
 
 def _pyopenvdb():
@@ -24,9 +25,11 @@ def _pyopenvdb():
 def volume(grids, voxel_size=None, *, name="density", period=None):
     """A Volume of an array (nx, ny, nz) of numbers or (nx, ny, nz, 3) of vectors, or of grids of pyopenvdb.
 
-    An array needs voxel_size, the edge of a voxel in mm; one number, or one for each axis. All of its voxels are
-    active. name: of its grid; "Cd" for colors; "id" for the numbers of particles, whole numbers, of which negative
-    ones are binder. The other numbers become float32. Grids of pyopenvdb, one or several, keep their names,
+    An array needs voxel_size, the edge of a voxel in mm; one number, or one for each axis. The volume is the whole
+    array: element [i, j, k] is the voxel (i, j, k), with x to the right, y to the front and z up, and its center at
+    (i + ½, j + ½, k + ½) · voxel_size. Pictures are arrays [row, column] with the first row at the top; turn a stack
+    of them with np.transpose(stack[:, ::-1], (2, 1, 0)). name: of its grid; "Cd" for colors; "id" for the numbers of particles, whole numbers, of which negative
+    ones are binder. The other numbers become float32; whole numbers that float32 cannot hold are an Error. Grids of pyopenvdb, one or several, keep their names,
     transforms (in mm) and inactive voxels.
 
     period: whether the volume tiles. True: the array is one period. (nx, ny, nz): the voxels (0, 0, 0) to
@@ -57,15 +60,21 @@ def _of_pyopenvdb(grids):
     periods = {tuple(grid[_period]) if _period in grid.metadata else None for grid in grids}
     if len(periods) > 1:
         raise ValueError("the grids have different periods; pass period=(nx, ny, nz) or False")
+    extents = [tuple(tuple(grid[name]) for name in _extent if name in grid.metadata) for grid in grids]
+    if len(set(extents)) > 1:
+        raise ValueError("the grids have different extents; delete their metadata extent_min and extent_max")
     plain = []
     for grid in grids:
-        if _period in grid.metadata:
+        noted = [name for name in (_period, *_extent) if name in grid.metadata]
+        if noted:
             grid = grid.copy()  # shares the voxels
-            del grid[_period]
+            for name in noted:
+                del grid[name]
         plain.append(grid)
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "volume.vdb")
-        _pyopenvdb().write(file, plain)
+        # LoadVolume reads the extent from the file's metadata.
+        _pyopenvdb().write(file, plain, metadata=dict(zip(_extent, extents[0])) if extents else {})
         return Graph(cache=False).LoadVolume(path=file).volume.value(), periods.pop() if periods else None
 
 
@@ -73,17 +82,22 @@ def to_pyopenvdb(self):
     """The grids as a list of pyopenvdb grids, in mm. Copied. Needs Debian's package python3-openvdb.
 
     Whole numbers become floats, since that module reads no grids of whole numbers; those beyond 2²⁴ are an
-    Error. If the volume tiles, each grid has the metadata `period`, (nx, ny, nz) voxels.
+    Error. If the volume tiles, each grid has the metadata `period`, (nx, ny, nz) voxels. If it does not, and its
+    extent is known, `extent_min` and `extent_max` are its first and last voxel.
     """
     read = _pyopenvdb().readAll
     with tempfile.TemporaryDirectory() as folder:
         file = os.path.join(folder, "volume.vdb")
         self.save(file)
-        by_name = {grid.name: grid for grid in read(file)[0]}
+        found, about = read(file)
+        by_name = {grid.name: grid for grid in found}
     grids = [by_name[name] for name in self.grids]
-    if all(self.resolution):
-        for grid in grids:
+    for grid in grids:
+        if all(self.resolution):
             grid[_period] = self.resolution
+        for name in _extent:
+            if name in about:
+                grid[name] = about[name]
     return grids
 
 
