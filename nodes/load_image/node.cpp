@@ -30,11 +30,12 @@ void compute(Context& c) {
         .parameter("color_config");
   const auto& files = c.files("path");
   const std::string colorspace = c.text("colorspace");
+  const PageChoice choice = page_choice(c);
   Image stack;
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
     std::optional<PixelScale> scale;
-    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &scale);
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &scale, choice);
     if (i == 0 && scale) offer(*scale, c);
     if (i == 0) {
       stack = std::move(section);
@@ -68,11 +69,13 @@ namespace terrazzo {
 
 NodeType load_image_node() {
   using namespace load_image;
-  return NodeType("LoadImage", 3)
+  return NodeType("LoadImage", 4)
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
-          "PNG, TIFF, OpenEXR, Radiance HDR, BMP and PNM; color spaces are converted through OpenColorIO. A "
-          "truncated file is an error; other decoder messages become warnings.")
+          "PNG, TIFF, OpenEXR, Radiance HDR, BMP, PNM, GIF and the raw files of cameras; color spaces are "
+          "converted "
+          "through OpenColorIO and Little CMS. A truncated file is an error; other decoder messages become "
+          "warnings.")
       .output("image", "Image", "One section per file, in file name order")
       .parameter(Parameter::input_path("path").doc_(
           "Image file. A glob names a stack of sections of equal size and scale."))
@@ -83,8 +86,15 @@ NodeType load_image_node() {
                            "resolution, ImageJ calibration) state another size."))
       .parameter(Parameter::text("colorspace", "auto")
                      .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
-                           "$OCIO if set, then in the built-in one. auto: sRGB for integer formats, "
+                           "$OCIO if set, then in the built-in one. auto: what the file states (ICC profile, "
+                           "PNG chunks, EXIF, OpenEXR chromaticities), else sRGB for integer formats and "
                            "scene-linear for float formats."))
+      .parameter(Parameter::optional_integer("page", "auto")
+                     .range(1, 1e6)
+                     .doc_("Page to read of a file with several, from 1. auto: the only one."))
+      .parameter(Parameter::optional_integer("channel", "auto")
+                     .range(1, 10000)
+                     .doc_("Channel to read as gray, from 1. auto: the colors, or the only one."))
       .parameter(Parameter::text("color_config", color_config_id())
                      .doc_("Identity of the OpenColorIO configuration in use, so that a changed $OCIO counts "
                            "as a changed input. Set it only to require a particular configuration."))

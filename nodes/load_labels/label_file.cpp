@@ -9,28 +9,89 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
-#include "nodes/common/io/picture_input.h"
+#include "nodes/common/io/stored_picture.h"
 
 namespace terrazzo::load_labels {
 namespace {
 
-// Reads samples in the file's own type, so that no value is scaled, and checks that each is a whole number.
-template <class T>
-std::vector<std::uint32_t> read_as(PictureInput& in, const std::filesystem::path& path, Sample type) {
-  // The memory estimate covers one integer per sample and one per pixel.
-  const auto samples = in.samples<T>(type, 4.0 * in.header().count() + 4);
-  std::vector<std::uint32_t> out(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double v = static_cast<double>(samples[i]);
-    if (!(v >= 0 && v <= 4294967294.0 && v == std::floor(v)))
-      throw Error("bad-labels",
-                  "'" + path.string() + "' contains the value " + fmt::format("{:g}", v) +
-                      " where a label is expected",
-                  "labels must be whole numbers; 0 is the background")
-          .parameter("path");
-    out[i] = static_cast<std::uint32_t>(v);
-  }
-  return out;
+constexpr double kLargestLabel = 4294967294.0;
+
+Error bad_mask(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
+  return Error("bad-labels", fmt::format("'{}' {}", path.string(), what), hint).parameter("path");
+}
+
+std::uint32_t label_of(double v, const std::filesystem::path& path) {
+  if (!(v >= 0 && v <= kLargestLabel && v == std::floor(v)))
+    throw bad_mask(
+        path, fmt::format("contains the value {:.17g} where a label is expected", v),
+        fmt::format("labels must be whole numbers up to {:.0f}; 0 is the background", kLargestLabel));
+  return static_cast<std::uint32_t>(v);
+}
+
+// The label of a pixel of a picture with colors.
+std::uint32_t color_label(const StoredSamples& s, std::size_t pixel, const std::filesystem::path& path) {
+  std::uint32_t rgb[3];
+  for (int k = 0; k < 3; ++k) rgb[k] = label_of(s.at(pixel, k), path);
+  if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return rgb[0];
+  if (s.bits > 8 || s.is_float)
+    throw bad_mask(path, "has colors of more than 8 bits per channel",
+                   "save the mask as gray numbers or as 8-bit colors");
+  return (rgb[0] << 16 | rgb[1] << 8 | rgb[2]) + 1;
+}
+
+// What the user may not expect about the background.
+void warn_of_background(const StoredSamples& s, const std::string& name, const Reading& reading) {
+  const auto black = std::array<std::uint8_t, 3>{0, 0, 0};
+  if (!s.palette.empty() && s.palette[0] != black &&
+      std::find(s.palette.begin(), s.palette.end(), black) != s.palette.end())
+    reading.warn(
+        fmt::format("'{}': color 0 of the palette is the background, but it is not black; to use colors as "
+                    "labels, save the mask as RGB",
+                    name));
+  if (s.white_is_zero)
+    reading.warn(
+        fmt::format("'{}' is stored as WhiteIsZero: what viewers show as white has the number 0 and is the "
+                    "background; to swap both, invert the mask",
+                    name));
+}
+
+// Whether the pixels around (x, y) have two labels other than its own.
+bool touches_two(const RawMask& m, int x, int y) {
+  const std::uint32_t own = m.at(x, y);
+  std::uint32_t other = own;
+  for (int v = std::max(0, y - 1); v <= std::min(m.height - 1, y + 1); ++v)
+    for (int u = std::max(0, x - 1); u <= std::min(m.width - 1, x + 1); ++u) {
+      const std::uint32_t label = m.at(u, v);
+      if (label == own || label == other) continue;
+      if (other != own) return true;
+      other = label;
+    }
+  return false;
+}
+
+// Masks that were smoothed, resampled or compressed with losses have values along their borders that occur
+// nowhere else. Each of their pixels touches two others; a label has pixels inside, or touches only
+// background.
+void require_unmixed(const RawMask& m, const std::filesystem::path& path) {
+  std::map<std::uint32_t, bool> mixed;  // by label: all of its pixels touch two others
+  for (const auto v : m.values)
+    if (v != 0) mixed.emplace(v, true);
+  for (int y = 0; y < m.height; ++y)
+    for (int x = 0; x < m.width; ++x)
+      if (const auto label = mixed.find(m.at(x, y)); label != mixed.end() && label->second)
+        label->second = touches_two(m, x, y);
+  const auto count = static_cast<std::size_t>(
+      std::count_if(mixed.begin(), mixed.end(), [](const auto& label) { return label.second; }));
+  constexpr std::size_t least = 3;  // of two by two samples per pixel
+  if (count < least || count == mixed.size() || 2 * count <= mixed.size()) return;
+  throw Error(
+      "blurred-mask",
+      fmt::format(
+          "{} of the {} values of '{}' occur only where others meet: the mask was smoothed, resampled or "
+          "compressed with losses",
+          count, mixed.size(), path.string()),
+      "save the mask without antialiasing, and resize it with the nearest neighbor; or apply a threshold")
+      .parameter("path");
 }
 
 Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
@@ -60,43 +121,44 @@ Labels with_any(Labels labels) {
 
 }  // namespace
 
-RawMask read_mask(const std::filesystem::path& path, const Reading& reading) {
-  PictureInput in(path, reading, {{"oiio:UnassociatedAlpha", 1}});
-  const PictureHeader s = in.header();
-  if (s.deep || s.depth > 1 || s.width <= 0 || s.height <= 0)
-    throw in.unreadable("it is not a plain 2D image");
-  const bool alpha = s.alpha >= 0 && s.count() > 1;
-  const int colors = s.count() - (alpha ? 1 : 0);
-
-  std::vector<std::uint32_t> samples;
-  if (s.sample == Sample::UInt8)
-    samples = read_as<std::uint8_t>(in, path, s.sample);
-  else if (s.sample == Sample::UInt16)
-    samples = read_as<std::uint16_t>(in, path, s.sample);
-  else if (s.sample == Sample::Int16)
-    samples = read_as<std::int16_t>(in, path, s.sample);
-  else if (s.sample == Sample::UInt32)
-    samples = read_as<std::uint32_t>(in, path, s.sample);
-  else if (s.sample == Sample::Int32)
-    samples = read_as<std::int32_t>(in, path, s.sample);
-  else
-    samples = read_as<float>(in, path, Sample::Float);
-
+RawMask read_mask(const std::filesystem::path& path, const PageChoice& choice, const Reading& reading) {
+  const PictureContent content = checked_picture(path, reading);
+  const ChosenPage chosen = choose_page(content.pages, choice, path);
+  const StoredSamples s = stored_samples(content, chosen.page, reading, 3.0 * sizeof(std::uint32_t));
+  const std::string name = printable(path.filename().string());
+  if (s.is_lossy)
+    throw Error(
+        "lossy-mask",
+        fmt::format("'{}' is compressed with losses (JPEG), which changes the numbers of a mask",
+                    path.string()),
+        "save the mask as PNG or TIFF in the program that made it; if there is only this file, threshold it "
+        "into black and white first")
+        .parameter("path");
+  if (chosen.channel && *chosen.channel >= s.count)
+    throw Error("bad-value",
+                fmt::format("channel is {}, but '{}' has {} channels per pixel", *chosen.channel + 1,
+                            path.string(), s.count),
+                "channels are counted from 1")
+        .parameter("channel");
+  if (!chosen.channel && !s.is_color && s.plain() != 1)
+    throw Error("several-channels",
+                fmt::format("'{}' has {} channels per pixel, which are no colors", path.string(), s.plain()),
+                fmt::format("set channel to the one to read, from 1 to {}", s.count))
+        .parameter("channel");
+  warn_of_background(s, name, reading);
+  const bool colors = s.is_color && !chosen.channel;
   RawMask mask{s.width, s.height, {}};
-  mask.values.resize(static_cast<std::size_t>(s.width) * s.height);
+  mask.values.resize(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height));
   for (std::size_t p = 0; p < mask.values.size(); ++p) {
-    const std::uint32_t* v = &samples[p * s.count()];
-    if (alpha && v[s.alpha] == 0) continue;
-    if (colors < 3 || (v[0] == v[1] && v[1] == v[2])) {
-      mask.values[p] = v[0];
-    } else {
-      if (s.sample != Sample::UInt8)
-        throw Error("bad-labels", "'" + path.string() + "' has colors of more than 8 bits per channel",
-                    "save the mask as gray numbers or as 8-bit colors")
-            .parameter("path");
-      mask.values[p] = (v[0] << 16 | v[1] << 8 | v[2]) + 1;
-    }
+    if (!chosen.channel && s.alpha >= 0 && s.at(p, s.alpha) == 0) continue;
+    const double v = s.at(p, chosen.channel.value_or(0));
+    if (s.clear && v == *s.clear) continue;
+    if (!s.palette_alpha.empty() && v < static_cast<double>(s.palette_alpha.size()) &&
+        s.palette_alpha[static_cast<std::size_t>(v)] == 0)
+      continue;
+    mask.values[p] = colors ? color_label(s, p, path) : label_of(v, path);
   }
+  require_unmixed(mask, path);
   return mask;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "nodes/common/io/picture_pages.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/data/labels.h"
 
@@ -11,16 +12,22 @@ namespace terrazzo::load_labels {
 
 enum class MaskKind { Instances, Classes };  // what each value is
 
-// The pixels of one mask: 0 for background (0, black or transparent), otherwise the pixel's value, or for a
-// color 0xRRGGBB + 1. Values are those of the file, never scaled.
+// The pixels of one mask: 0 for background (0, black or transparent), otherwise the pixel's number or index
+// of a palette, or for a color 0xRRGGBB + 1. Numbers are those of the file, never scaled.
 struct RawMask {
   int width = 0, height = 0;
   std::vector<std::uint32_t> values;
+  std::uint32_t at(int x, int y) const {
+    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                  static_cast<std::size_t>(x)];
+  }
 };
 
-// Reads 8, 16 and 32 bit integers, floats with whole numbers, gray images, and 8-bit colors. Throws Error
-// "unreadable-image", "too-large", and "bad-labels" if a value is not a whole number ≥ 0.
-RawMask read_mask(const std::filesystem::path&, const Reading& = {});
+// Reads one page: integers of 1 to 64 bits, floats with whole numbers, indices of a palette, and 8-bit
+// colors. Throws Error "unreadable-image", "too-large", "several-pages" or "several-channels" if the choice
+// is open, "bad-labels" if a value is not a whole number from 0 to 4,294,967,294, "lossy-mask" for JPEG, and
+// "blurred-mask" if most values occur only where others meet.
+RawMask read_mask(const std::filesystem::path&, const PageChoice& = {}, const Reading& = {});
 
 // Each value is one profile of its section, connected or not. Profiles are numbered by section, then by
 // increasing value. Throws Error "size-mismatch", "no-particles".

@@ -14,10 +14,11 @@ std::vector<RawMask> read_masks(Context& c, const char* parameter, std::uint64_t
       c.work().check();
       Reading reading = reading_of(c);
       reading.memory -= std::min(reading.memory, held);
-      masks.push_back(read_mask(file, reading));
+      masks.push_back(read_mask(file, page_choice(c), reading));
       held += masks.back().values.size() * (sizeof(std::uint32_t) + sizeof(std::int32_t));
     } catch (Error& e) {
-      throw e.parameter(parameter);
+      if (e.diagnostic().parameter == "path") throw e.parameter(parameter);
+      throw;
     }
   return masks;
 }
@@ -46,12 +47,13 @@ namespace terrazzo {
 
 NodeType load_labels_node() {
   using namespace load_labels;
-  return NodeType("LoadLabels", 2)
+  return NodeType("LoadLabels", 3)
       .doc_("Reads existing masks as labels, to be measured by Segment instead of its own segmentation.")
       .output("labels", "Labels", "One section per file, in file name order")
-      .parameter(Parameter::input_path("path").doc_(
-          "Mask of 8, 16 or 32 bit numbers, or with one 8-bit color per class. 0 and black are background. A "
-          "glob names a stack of sections."))
+      .parameter(Parameter::input_path("path").doc_("Mask of whole numbers of 1 to 64 bits, of a palette's "
+                                                    "indices, or with one 8-bit color per class. 0 and "
+                                                    "black are background. A glob names a stack of sections. "
+                                                    "JPEG is refused, because it changes numbers."))
       .parameter(Parameter::choice("kind", "instances", {"instances", "classes"})
                      .doc_("instances: each value is one profile. classes: each value is a class, and its "
                            "connected components are the profiles."))
@@ -60,6 +62,12 @@ NodeType load_labels_node() {
               .doc_("With kind: instances, a second mask of the same size, or a glob, that has the class "
                     "of each profile: the most frequent value at its pixels, from 1. none: all are "
                     "of one class."))
+      .parameter(Parameter::optional_integer("page", "auto")
+                     .range(1, 1e6)
+                     .doc_("Page to read of a file with several, from 1. auto: the only one."))
+      .parameter(Parameter::optional_integer("channel", "auto")
+                     .range(1, 10000)
+                     .doc_("Channel to read, from 1. auto: the only one, or colors."))
       .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
       .compute_(compute);
 }

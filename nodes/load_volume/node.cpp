@@ -8,6 +8,7 @@
 #include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/load_volume/dream3d.h"
 #include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/slices.h"
 #include "nodes/load_volume/vdb.h"
 #include "nodes/load_volume/vti.h"
 #include "runtime/context.h"
@@ -35,7 +36,10 @@ constexpr ScanFormat kScanFormats[] = {{"NIfTI", is_nifti, read_nifti},
                                        {"MetaImage", is_metaimage, read_metaimage},
                                        {"MRC", is_mrc, read_mrc}};
 
-LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& work, const Reading& reading) {
+SliceChoice slice_choice(const Context& c) { return {page_choice(c), c.text("order") == "stored"}; }
+
+LoadedScan read(const std::vector<std::filesystem::path>& files, const SliceChoice& slices, const Work& work,
+                const Reading& reading) {
   for (const ScanFormat& format : kScanFormats)
     if (format.is(files[0])) {
       require_one(files, format.name);
@@ -44,7 +48,7 @@ LoadedScan read(const std::vector<std::filesystem::path>& files, const Work& wor
   if (is_dicom(files[0])) return read_dicom(files, work, reading);
   refuse_foreign(files[0]);
   try {
-    return read_slices(files, work, reading);
+    return read_slices(files, slices, work, reading);
   } catch (const Error& e) {
     if (e.diagnostic().code != "unreadable-image") throw;
     throw no_volume(files[0], e);
@@ -185,7 +189,7 @@ void compute(Context& c) {
     c.output("volume", std::move(volume));
     return;
   }
-  LoadedScan scan = read(files, c.work().part(0, 0.7), reading_of(c));
+  LoadedScan scan = read(files, slice_choice(c), c.work().part(0, 0.7), reading_of(c));
   for (const auto& note : scan.notes) c.warn(note);
   const Vec3 spacing = spacing_of(c, scan);
   const Rescale rescale = rescale_of(c, scan);
@@ -241,15 +245,25 @@ NodeType load_volume_node() {
                      .above(0)
                      .count(1, 3)
                      .unit_("mm")
-                     .doc_("Edge lengths of a voxel, one number or three. auto: from the file; image stacks "
-                           "and NumPy arrays contain no spacing. Lengths in VTK files are meters, in DREAM3D "
-                           "files micrometers."))
+                     .doc_("Edge lengths of a voxel, one number or three. auto: from the file; NumPy arrays "
+                           "and image stacks, except those of ImageJ and OME, contain no spacing. Lengths in "
+                           "VTK files are meters, in DREAM3D files micrometers."))
       .parameter(Parameter::optional_number("slope", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Factor in value = slope · stored + intercept. auto: from the file, else 1."))
       .parameter(Parameter::optional_number("intercept", "auto")
                      .range(-1e12, 1e12)
                      .doc_("Offset in value = slope · stored + intercept. auto: from the file, else 0."))
+      .parameter(Parameter::optional_integer("channel", "auto")
+                     .range(1, 10000)
+                     .doc_("Images: channel to read, from 1. auto: the only one."))
+      .parameter(Parameter::optional_integer("page", "auto")
+                     .range(1, 1e6)
+                     .doc_("Images: frame of a time series to read, from 1. auto: the only one."))
+      .parameter(
+          Parameter::choice("order", "described", {"described", "stored"})
+              .doc_("Images: which pages of a file are its slices. described: those that the metadata of "
+                    "ImageJ, OME or tifffile say, else all. stored: all, in the order of the file."))
       .companion_files_(companions)
       .compute_(compute);
 }

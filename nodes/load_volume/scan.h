@@ -22,7 +22,9 @@ struct LoadedScan {
   std::vector<std::string> notes;          // warnings for the user
 
   std::size_t count() const { return whole.empty() ? values.size() : whole.size(); }
-  double stored(std::size_t i) const { return whole.empty() ? double{values[i]} : static_cast<double>(whole[i]); }
+  double stored(std::size_t i) const {
+    return whole.empty() ? double{values[i]} : static_cast<double>(whole[i]);
+  }
 };
 
 // A shorter edge of a voxel, in mm, is no size: OpenVDB takes it for zero.
@@ -79,11 +81,6 @@ LoadedScan read_mrc(const std::filesystem::path&, const Work& = {}, const Readin
 // "too-large".
 bool is_dicom(const std::filesystem::path&);
 LoadedScan read_dicom(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
-
-// Reads gray images of equal size in file name order, or the pages of one file. Rows are stored from the
-// bottom up; numbers are kept as stored. Throws Error "unreadable-image", "size-mismatch", "not-a-volume"
-// (colors), "too-large".
-LoadedScan read_slices(const std::vector<std::filesystem::path>&, const Work& = {}, const Reading& = {});
 
 // Throws Error "unreadable-volume" if the file has a known format that is not read.
 void refuse_foreign(const std::filesystem::path&);

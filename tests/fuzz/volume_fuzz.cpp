@@ -1,10 +1,12 @@
-// Fuzzes volumes as NIfTI, DICOM, images, OpenVDB, NRRD, MetaImage, MRC and NumPy arrays. The first byte selects the format.
+// Fuzzes volumes as NIfTI, DICOM, images, OpenVDB, NRRD, MetaImage, MRC and NumPy arrays. The first byte
+// selects the format.
 #include <unistd.h>
 
 #include <fstream>
 
 #include "graph/diagnostic.h"
 #include "nodes/load_volume/scan.h"
+#include "nodes/load_volume/slices.h"
 #include "nodes/load_volume/vdb.h"
 
 using namespace terrazzo;
@@ -29,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     else if (format == 1)
       load_volume::read_dicom({file}, {}, reading);
     else if (format == 2)
-      load_volume::read_slices({file}, {}, reading);
+      load_volume::read_slices({file}, {}, {}, reading);
     else if (format == 3)
       load_volume::read_vdb(file, "", reading);
     else if (format == 4)

@@ -21,6 +21,8 @@
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/nodes/load_volume/nifti_file.h"
+#include "tests/support/png_file.h"
+#include "tests/support/tiff_file.h"
 
 namespace terrazzo::torture {
 namespace {
@@ -74,6 +76,47 @@ void pictures(Writer& w) {
   write_labels(w.place("LoadLabels.png", "a.png"), labels);
   write_labels(w.place("LoadLabels.tif", "a.tif"), labels);
   write_labels(w.place("LoadVolume.tif", "a.tif"), labels);
+}
+
+// What masks, volumes and photographs of other programs look like.
+void stored_pictures(Writer& w) {
+  using test::png_chunk;
+  const std::string palette = png_chunk("PLTE", {0, 0, 0, 9, 9, 9, 80, 9, 9, 1, 2, 3});
+  const std::string png =
+      test::png_file({4, 2, 2, 3, {'\x1b', '\x4e'}, palette + png_chunk("tRNS", {'\xff', 0})});
+  const auto little = [](std::uint32_t v) { return test::number_bytes<std::uint32_t>({v}); };
+  const std::string bmp = "BM" + little(0) + little(0) + little(70) + little(40) + little(4) + little(1) +
+                          std::string{1, 0, 8, 0} + std::string(16, '\0') + little(4) + little(0) +
+                          std::string(16, '\x40') + std::string{3, 0, 1, 2};
+  const std::string gif = std::string("GIF89a\2\0\1\0\x81\0\0", 13) + std::string(12, '\x33') +
+                          std::string("\x2c\0\0\0\0\2\0\1\0\0\2\2\x8c\x0a\0\x3b", 16);
+  test::TiffPage bits{5, 3};
+  bits.bits = 1, bits.photometric = 0, bits.pixels = {'\x50', '\x20', '\x88'};
+  test::TiffPage stack{2, 2};
+  stack.pixels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+  stack.description = "ImageJ=1.5\nimages=3\nslices=3\n";
+  test::TiffPage plane{2, 1};
+  plane.pixels = {1, 2};
+  plane.description =
+      "<OME><Image><Pixels SizeC=\"1\" SizeZ=\"2\" SizeT=\"1\" DimensionOrder=\"XYCZT\"><TiffData IFD=\"0\" "
+      "PlaneCount=\"2\"/></Pixels></Image></OME>";
+  test::TiffPage thumbnail = bits;
+  thumbnail.tags = {{254, {1}}};
+  thumbnail.sub_pages = {plane};
+  w.text("LoadLabels.png", "a.png", png);
+  w.text("LoadLabels.bmp", "a.bmp", bmp);
+  w.text("LoadLabels.gif", "a.gif", gif);
+  w.text("LoadLabels.pnm", "a.pgm", "P2\n# c\n3 1\n15\n0 3 15\n");
+  w.text("LoadLabels.pnm", "a.pbm", "P4 9 2\n\x60\x01\x60\x01");
+  w.text("LoadLabels.tif", "a.tif", test::tiff_file({bits}));
+  w.text("LoadImage.gif", "a.gif", gif);
+  w.text("LoadImage.tif", "a.tif", test::tiff_file({thumbnail}));
+  w.text("LoadVolume.tif", "a.tif", test::tiff_file({stack}));
+  w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, bits, plane}));
+  w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, plane}, {true, true}));
+  w.text("LoadImage.png", "a.png",
+         test::png_file({1, 1, 8, 2, "abc",
+                         png_chunk("gAMA", test::png_number(55556)) + png_chunk("cICP", {12, 13, 0, 1})}));
 }
 
 void meshes(Writer& w) {
@@ -330,7 +373,8 @@ void texts(Writer& w, const fs::path& source) {
 
 void write_input_seeds(const fs::path& folder, const fs::path& source) {
   Writer w(folder);
-  pictures(w), meshes(w), vdbs(w), voxel_files(w), niftis(w), dicoms(w), arrays(w), texts(w, source);
+  pictures(w), stored_pictures(w), meshes(w), vdbs(w), voxel_files(w), niftis(w), dicoms(w), arrays(w),
+      texts(w, source);
 }
 
 std::vector<InputSeed> read_input_seeds(const fs::path& folder) {

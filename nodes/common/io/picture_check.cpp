@@ -2,23 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <cstring>
+#include <algorithm>
 #include <limits>
 
 #include "graph/diagnostic.h"
 
 namespace terrazzo {
-namespace {
-
-std::uint32_t little32(std::string_view at) {
-  std::uint32_t v = 0;
-  for (int k = 3; k >= 0; --k) v = v << 8 | static_cast<unsigned char>(at[static_cast<std::size_t>(k)]);
-  return v;
-}
-
-}  // namespace
-
 void damaged_picture(const std::string& what) {
   throw Error("unreadable-image", what, "check that the file is complete");
 }
@@ -36,6 +25,32 @@ std::string picture_format(std::string_view c) {
   if (c.size() > 2 && c[0] == 'P' && ((c[1] >= '1' && c[1] <= '6') || c[1] == 'F' || c[1] == 'f') &&
       (std::isspace(static_cast<unsigned char>(c[2])) || c[2] == '#'))
     return "pnm";
+  if (c.starts_with("GIF87a"sv) || c.starts_with("GIF89a"sv)) return "gif";
+  // Fujifilm, Panasonic, Olympus, Minolta, Canon's CR3, and Sigma
+  if (c.starts_with("FUJIFILMCCD-RAW"sv) || c.starts_with("IIU\0"sv) || c.starts_with("IIRO"sv) ||
+      c.starts_with("IIRS"sv) || c.starts_with("MMOR"sv) || c.starts_with("\0MRM"sv) ||
+      c.substr(0, 12).substr(std::min<std::size_t>(c.size(), 4)) == "ftypcrx "sv || c.starts_with("FOVb"sv))
+    return "raw";
+  return "";
+}
+
+std::string other_format(std::string_view c) {
+  using namespace std::string_view_literals;
+  const std::string_view kind = c.size() > 12 ? c.substr(4, 8) : ""sv;
+  if (kind.starts_with("ftyphe"sv) || kind == "ftypmif1"sv || kind == "ftypmsf1"sv) return "a HEIC picture";
+  if (kind == "ftypavif"sv || kind == "ftypavis"sv) return "an AVIF picture";
+  if (kind.starts_with("ftyp"sv)) return "a video";
+  if (c.starts_with("RIFF"sv) && c.size() > 12 && c.substr(8, 4) == "WEBP"sv) return "a WebP picture";
+  if (c.starts_with("8BPS"sv)) return "a Photoshop picture";
+  if (c.starts_with("\0\0\0\x0cjP  "sv) || c.starts_with("\xff\x4f\xff\x51"sv)) return "a JPEG 2000 picture";
+  if (c.starts_with("\0\0\0\x0cJXL "sv) || c.starts_with("\xff\x0a"sv)) return "a JPEG XL picture";
+  if (c.starts_with("gimp xcf"sv)) return "a GIMP picture";
+  if (c.starts_with("%PDF"sv)) return "a PDF document";
+  if (c.starts_with("DDS "sv)) return "a DDS texture";
+  if (c.starts_with("SDPX"sv) || c.starts_with("XPDS"sv)) return "a DPX picture";
+  if (c.starts_with("P7\n"sv)) return "a PAM picture";
+  if (c.starts_with("<svg"sv) || (c.starts_with("<?xml"sv) && c.substr(0, 1000).find("<svg"sv) != c.npos))
+    return "an SVG drawing";
   return "";
 }
 
@@ -63,54 +78,12 @@ double largest_ratio(const std::string& format, const std::string& compression) 
   if (format == "hdr") return 128;
   if (format == "bmp") return 32;  // 1-bit pixels become three bytes
   if (format == "pnm") return 8;
+  if (format == "gif") return 4096;  // a code of 12 bits stands for up to 4,096 pixels
   if (compression == "none") return 8;
   if (compression == "zip" || compression == "zips") return 8 * deflate;
   if (compression == "lzw" || compression == "packbits" || compression == "rle" || compression == "jpeg")
     return 20000;
   return any;
-}
-
-void check_exr(std::string_view content, const Reading&) {
-  // Attributes have a name, a type, a size and a value; an empty name ends them. In a multi-part file, this
-  // reads the first part.
-  std::size_t at = 8;
-  const auto word = [&] {
-    const auto end = content.find('\0', at);
-    if (end == std::string_view::npos || end - at > 255) damaged_picture("its header has no end");
-    const auto found = content.substr(at, end - at);
-    at = end + 1;
-    return found;
-  };
-  double height = 0;
-  int lines = 1;  // rows per block
-  bool tiled = false;
-  while (true) {
-    const auto name = word();
-    if (name.empty()) break;
-    word();
-    if (at + 4 > content.size()) damaged_picture("its header has no end");
-    const std::uint32_t size = little32(content.substr(at));
-    at += 4;
-    if (size > content.size() - at) damaged_picture("its header has no end");
-    const auto value = content.substr(at, size);
-    at += size;
-    if (name == "dataWindow" && size == 16) {
-      const auto low = static_cast<std::int32_t>(little32(value.substr(4)));
-      const auto high = static_cast<std::int32_t>(little32(value.substr(12)));
-      height = double(high) - low + 1;
-    } else if (name == "compression" && size == 1) {
-      constexpr int of_kind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-      if (static_cast<unsigned char>(value[0]) < 10) lines = of_kind[static_cast<unsigned char>(value[0])];
-    } else if (name == "tiles") {
-      tiled = true;
-      if (size >= 8) lines = static_cast<int>(std::min(little32(value.substr(4)), 1u << 20));
-    }
-  }
-  if (tiled && lines < 1) damaged_picture("its tiles are empty");
-  if (height < 1) damaged_picture("it has no rows");
-  if (8 * std::floor(height / lines) > static_cast<double>(content.size() - at))
-    damaged_picture(
-        fmt::format("its header says {:.0f} rows, but the file has only {} bytes", height, content.size()));
 }
 
 }  // namespace terrazzo

@@ -9,8 +9,11 @@
 
 namespace terrazzo {
 
-// OpenImageIO's name of the format, detected from the first bytes; "" if the format is not supported.
+// OpenImageIO's name of the format, detected from the first bytes; "" if the format is not supported. The raw
+// files of most cameras are TIFF files.
 std::string picture_format(std::string_view content);
+// What a file of another format is, such as "a Photoshop picture", or "".
+std::string other_format(std::string_view content);
 
 // Upper bound of pixel bytes per byte of file; infinite if a few bytes can encode any number of equal pixels.
 // `compression` is OpenImageIO's name.
@@ -27,6 +30,19 @@ void check_exr(std::string_view content, const Reading&);
 // Checks that the file contains as many pixels as its header says and that all color indices are valid;
 // OpenImageIO checks neither. Rejects run-length encoded files.
 void check_bmp(std::string_view content, const Reading&);
+
+// Checks that all blocks and frames are within the file, and that the frames fit the memory.
+void check_gif(std::string_view content, const Reading&);
+
+// The number of color components, without decoding; 0 if the header is damaged.
+int jpeg_components(std::string_view content);
+// The number of frames of an animated PNG file, else 1.
+std::uint32_t png_frames(std::string_view content);
+// The number of frames of a GIF file.
+int gif_frames(std::string_view content);
+// The number of parts of an OpenEXR file, and an attribute of the first one, "" if it has none.
+int exr_parts(std::string_view content);
+std::string_view exr_attribute(std::string_view content, std::string_view name);
 
 // Rejects XMP metadata that is nested deeply enough to exhaust the stack, since OpenImageIO parses it
 // recursively.

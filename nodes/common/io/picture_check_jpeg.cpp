@@ -88,6 +88,12 @@ bool run(std::string_view content, Listener& l, Size& size, bool header_only) {
 
 }  // namespace
 
+int jpeg_components(std::string_view content) {
+  Size size;
+  Listener l;
+  return run(content, l, size, true) ? size.components : 0;
+}
+
 void check_jpeg(std::string_view content, const Reading& reading) {
   Size size;
   Listener header;

@@ -48,6 +48,18 @@ void check_packed_note(std::string_view name, std::string_view data) {
 
 }  // namespace
 
+std::uint32_t png_frames(std::string_view content) {
+  constexpr std::size_t around = 12;
+  for (std::size_t at = 8; at + around <= content.size();) {
+    const std::uint32_t length = big32(content.substr(at));
+    const std::string_view name = content.substr(at + 4, 4);
+    if (name == "acTL" && length >= 4) return big32(content.substr(at + 8));
+    if (name == "IDAT" || length > content.size() - at - around) break;
+    at += around + length;
+  }
+  return 1;
+}
+
 void check_png(std::string_view content, const Reading& reading) {
   constexpr std::size_t around = 12;  // length, name and checksum
   std::size_t at = 8, damaged = 0;

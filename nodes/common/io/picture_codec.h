@@ -42,6 +42,8 @@ class PictureDecoder {
   virtual std::string text(const std::string& name) const = 0;
   virtual float number(const std::string& name, float otherwise = 0) const = 0;
   virtual int whole(const std::string& name, int otherwise = 0) const = 0;
+  // An attribute of bytes, such as "ICCProfile"; "" if the page has none.
+  virtual std::string bytes(const std::string& name) const = 0;
   // Reads all samples of the page and converts them; `as` is not Other. False if that fails.
   virtual bool read(Sample as, void* to) = 0;
   virtual bool has_error() const = 0;

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 
@@ -11,13 +11,6 @@
 namespace terrazzo {
 namespace {
 
-using Check = void (*)(std::string_view, const Reading&);
-const std::map<std::string, Check> checks = {{"jpeg", check_jpeg},
-                                             {"png", check_png},
-                                             {"tiff", check_tiff},
-                                             {"openexr", check_exr},
-                                             {"bmp", check_bmp}};
-
 std::string reason(const std::string& message) {
   const std::string words = printable(message);
   return words.empty() ? "the decoder gave no reason" : words;
@@ -25,31 +18,16 @@ std::string reason(const std::string& message) {
 
 }  // namespace
 
-Error PictureInput::unreadable(const std::string& why) const {
-  return Error("unreadable-image", "cannot read the image '" + path_.string() + "': " + why,
-               "check that the file is complete; supported formats are JPEG, PNG, TIFF, OpenEXR, HDR, BMP "
-               "and PNM")
-      .parameter("path");
-}
+PictureInput::PictureInput(const std::filesystem::path& path, Reading reading,
+                           const PictureAttributes& options)
+    : PictureInput(checked_picture(path, reading), 0, reading, options) {}
 
-PictureInput::PictureInput(std::filesystem::path path, Reading reading, const PictureAttributes& options)
-    : path_(std::move(path)), reading_(std::move(reading)) {
-  const std::string name = path_.filename().string();
-  try {
-    const std::string content = read_whole(path_, reading_);
-    size_ = content.size();
-    format_ = picture_format(content);
-    if (format_.empty()) throw unreadable("its format is not supported");
-    check_notes(content);
-    Reading named = reading_;
-    named.warn = [&](const std::string& message) { reading_.warn(name + ": " + message); };
-    if (const auto check = checks.find(format_); check != checks.end()) check->second(content, named);
-  } catch (Error& e) {
-    if (e.diagnostic().code == "unreadable-file" ||
-        (e.diagnostic().code == "unreadable-image" && e.diagnostic().parameter.empty()))
-      throw unreadable(e.diagnostic().message);
-    throw e.parameter("path");
-  }
+PictureInput::PictureInput(PictureContent content, std::uint64_t size, Reading reading,
+                           const PictureAttributes& options)
+    : path_(content.path),
+      reading_(std::move(reading)),
+      size_(std::max<std::uint64_t>(size, content.bytes.size())),
+      format_(content.format) {
   // Select the reader of this format. Given only the file name, OpenImageIO would try one reader after
   // another.
   const PictureCodec& codec = picture_codec();
@@ -70,6 +48,8 @@ void PictureInput::require(double bytes_per_sample, double more) const {
   if (native > largest_ratio(format_, compression) * static_cast<double>(size_) + 1e6)
     throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width,
                                  s.height, s.count()));
+  // LibRaw keeps the sensor's data and works on a copy with four colors.
+  if (format_ == "raw") more += 24;
   const double tile = double(s.tile_width) * s.tile_height * s.count() * static_cast<double>(s.sample_bytes);
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,

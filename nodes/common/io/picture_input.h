@@ -9,20 +9,22 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/picture_content.h"
 #include "nodes/common/io/reading.h"
 
 namespace terrazzo {
 
 class PictureInput {
  public:
-  // Opens a JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM file, detected by content, and checks its
-  // structure. A truncated file is an error; other messages of the decoder become warnings. Throws Error
-  // "unreadable-image" or "too-large".
-  PictureInput(std::filesystem::path, Reading, const PictureAttributes& options);
+  // Opens a file that checked_picture() accepts. A truncated file is an error; other messages of the decoder
+  // become warnings. Throws Error "unreadable-image" or "too-large".
+  PictureInput(const std::filesystem::path&, Reading, const PictureAttributes& options);
+  // Opens a checked file of `size` bytes; its content is not needed any more.
+  PictureInput(PictureContent, std::uint64_t size, Reading, const PictureAttributes& options);
 
   const PictureHeader& header() const { return in_->header(); }
   const PictureDecoder& attributes() const { return *in_; }
-  bool seek(int page) { return in_->seek(page); }
+  bool seek(int page) { return page == in_->page() || in_->seek(page); }
 
   // All samples of the page, converted to T, which is `type`, as OpenImageIO does. `more` is the number of
   // additional bytes per pixel that the caller will need. Throws Error "unreadable-image" if the page cannot
@@ -36,7 +38,7 @@ class PictureInput {
     return out;
   }
 
-  Error unreadable(const std::string& why) const;
+  Error unreadable(const std::string& why) const { return unreadable_picture(path_, why); }
 
  private:
   void require(double bytes_per_sample, double more) const;

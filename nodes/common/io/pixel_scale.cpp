@@ -19,25 +19,6 @@ std::string line_value(const std::string& text, const std::string& name) {
   return text.substr(at, text.find_first_of("\r\n", at) - at);
 }
 
-double mm_of_unit(const std::string& unit) {
-  static constexpr std::array<std::pair<std::string_view, double>, 13> known{{{"nm", 1e-6},
-                                                                              {"um", 1e-3},
-                                                                              {"µm", 1e-3},
-                                                                              {"μm", 1e-3},
-                                                                              {"\\u00B5m", 1e-3},
-                                                                              {"micron", 1e-3},
-                                                                              {"microns", 1e-3},
-                                                                              {"mm", 1},
-                                                                              {"cm", 10},
-                                                                              {"m", 1000},
-                                                                              {"inch", 25.4},
-                                                                              {"inches", 25.4},
-                                                                              {"in", 25.4}}};
-  for (const auto& [name, mm] : known)
-    if (unit == name) return mm;
-  return 0;
-}
-
 std::optional<PixelScale> of_imagej(const PictureDecoder& in) {
   const std::string text = in.text("ImageDescription");
   if (text.rfind("ImageJ=", 0) != 0) return {};
@@ -86,6 +67,28 @@ std::optional<PixelScale> of_scan(const PictureDecoder& in) {
 }
 
 }  // namespace
+
+double mm_of_unit(const std::string& unit) {
+  static constexpr std::array<std::pair<std::string_view, double>, 16> known{{{"nm", 1e-6},
+                                                                              {"um", 1e-3},
+                                                                              {"nanometer", 1e-6},
+                                                                              {"micrometer", 1e-3},
+                                                                              {"millimeter", 1},
+                                                                              {"µm", 1e-3},
+                                                                              {"μm", 1e-3},
+                                                                              {"\\u00B5m", 1e-3},
+                                                                              {"micron", 1e-3},
+                                                                              {"microns", 1e-3},
+                                                                              {"mm", 1},
+                                                                              {"cm", 10},
+                                                                              {"m", 1000},
+                                                                              {"inch", 25.4},
+                                                                              {"inches", 25.4},
+                                                                              {"in", 25.4}}};
+  for (const auto& [name, mm] : known)
+    if (unit == name) return mm;
+  return 0;
+}
 
 std::optional<PixelScale> pixel_scale_of(const PictureDecoder& in) {
   std::optional<PixelScale> scale = of_imagej(in);

@@ -14,6 +14,9 @@ struct PixelScale {
   std::string source;      // where the size comes from, for a message: "its resolution, 1200 pixels per inch"
 };
 
+// The length of a unit of microscopes and scanners, such as "µm", in mm; 0 if the name is unknown.
+double mm_of_unit(const std::string& unit);
+
 // From, in this order: the calibration that ImageJ stores in TIFF files; focal length, subject distance and
 // the pitch of the sensor (EXIF 2.32), with the size of a pixel in the plane of the subject; and the
 // resolution of a scan. The resolution of a camera's picture, and resolutions that programs write by habit

@@ -79,6 +79,11 @@ class Decoder : public PictureDecoder {
   int whole(const std::string& name, int otherwise) const override {
     return in_->spec().get_int_attribute(name, otherwise);
   }
+  std::string bytes(const std::string& name) const override {
+    const OIIO::ParamValue* found = in_->spec().find_attribute(name);
+    if (!found || found->type().basetype != OIIO::TypeDesc::UINT8) return "";
+    return {static_cast<const char*>(found->data()), static_cast<std::size_t>(found->datasize())};
+  }
   bool read(Sample as, void* to) override {
     return in_->read_image(in_->current_subimage(), 0, 0, in_->spec().nchannels, type_of(as), to);
   }
