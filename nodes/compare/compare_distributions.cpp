@@ -71,14 +71,16 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
     for (int i = 0; i <= choice.classes; ++i) edges.push_back(largest * i / choice.classes);
     da = reclassed(da, a.class_edges, edges), db = reclassed(db, b.class_edges, edges);
   }
+  // Without a volume fraction, densities are relative.
+  const char* const unit = a.volume_fraction > 0 && b.volume_fraction > 0 ? "mm⁻³" : "relative";
   double total_a = 0, total_b = 0, difference = 0, variance = 0;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     const double va = da.value[i], vb = db.value[i], noise = da.variance[i] + db.variance[i];
-    out.numbers.push_back({"size_classes", fmt::format("N_V {}", i + 1), "mm⁻³", edges[i], edges[i + 1], va,
-                           vb, std::max(sigmas_95 * std::sqrt(noise), 1e-9 * std::abs(va))});
+    out.numbers.push_back({"size_classes", fmt::format("N_V {}", i + 1), unit, edges[i], edges[i + 1], va, vb,
+                           std::max(sigmas_95 * std::sqrt(noise), 1e-9 * std::abs(va))});
     total_a += va, total_b += vb, difference += std::abs(vb - va), variance += noise;
   }
-  out.numbers.push_back({"size_classes", "N_V", "mm⁻³", 0, 0, total_a, total_b,
+  out.numbers.push_back({"size_classes", "N_V", unit, 0, 0, total_a, total_b,
                          std::max(sigmas_95 * std::sqrt(variance), 1e-9 * std::abs(total_a))});
   out.metrics["N_V_a"] = total_a, out.metrics["N_V_b"] = total_b;
   if (total_a > 0) out.metrics["N_V_l1"] = difference / total_a;

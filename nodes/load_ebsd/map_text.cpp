@@ -3,24 +3,24 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/cell_rows.h"
+#include "nodes/common/io/reading.h"
+#include "nodes/common/io/text_input.h"
 
 namespace terrazzo::load_ebsd {
 
 bool Lines::next(std::string_view& line) {
-  if (at_ >= text_.size()) return false;
   before_ = at_;
-  const auto end = std::min(text_.find('\n', at_), text_.size());
-  line = text_.substr(at_, end - at_);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  at_ = end + 1, ++number_;
+  if (!next_line(text_, at_, line)) return false;
+  ++number_;
   return true;
 }
 
-void Lines::malformed(const std::string& what) const { malformed_row(file_, number_, what); }
+void Lines::malformed_at(int line, const std::string& what) const { malformed_row(file_, line, what); }
 
 void Lines::unreadable(const std::string& what, const std::string& hint) const {
   throw Error("unreadable-file", fmt::format("cannot read the EBSD map '{}': {}", file_, what), hint)
@@ -42,57 +42,33 @@ std::optional<double> number_in(std::string_view cell) {
   return v && std::isfinite(*v) ? v : std::nullopt;
 }
 
-void check_grid(const Grid& g, const Lines& lines) {
-  for (const double step : {g.x_step, g.y_step})
-    if (!(step > 1e-6 && step < 1e6))
-      lines.unreadable(fmt::format("its steps are {} and {} µm", g.x_step, g.y_step));
-  const auto most = static_cast<std::int64_t>(1) << 24;
-  if (g.odd < 1 || g.rows < 1 || g.even < 0 || (g.rows > 1 && g.even < 1) || g.odd > most || g.even > most ||
-      g.rows > most)
-    lines.unreadable(fmt::format("its grid has {} and {} columns and {} rows", g.odd, g.even, g.rows));
-  const double p = std::min(g.x_step, g.y_step);
-  const double pixels = static_cast<double>(std::max(g.odd, g.even)) * g.x_step / p *
-                        static_cast<double>(g.rows) * g.y_step / p;
-  if (pixels > 2147483647.0)
-    lines.unreadable(fmt::format("it would have {:.3g} square pixels; the limit is 2147483647", pixels));
-  // Resampling a few points to very many pixels is a mistake in the file.
-  if (pixels > 100 * static_cast<double>(g.count()))
-    lines.unreadable(fmt::format("its steps {} and {} µm differ too much", g.x_step, g.y_step));
+double last_digit(std::string_view number) {
+  int exponent = 0;
+  const auto e = number.find_first_of("eE");
+  if (e != std::string_view::npos) {
+    const std::string_view digits =
+        number.substr(e + 1 < number.size() && number[e + 1] == '+' ? e + 2 : e + 1);
+    std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+  }
+  const std::string_view mantissa = number.substr(0, e);
+  const auto point = mantissa.find_first_of(".,");
+  if (point != std::string_view::npos) exponent -= static_cast<int>(mantissa.size() - point) - 1;
+  return std::pow(10.0, std::clamp(exponent, -300, 300));
 }
 
-EbsdMap rasterize(const Grid& g, std::vector<MapPoint> points, std::vector<Phase> phases,
-                  const Lines& lines) {
-  EbsdMap out;
-  out.phases = std::move(phases);
-  out.pixel_size = std::min(g.x_step, g.y_step);
-  const bool equal = std::abs(g.x_step - g.y_step) < 1e-4 * out.pixel_size;
-  if (static_cast<std::int64_t>(points.size()) != g.count())
-    lines.unreadable(fmt::format("it has {} points, but its grid has {}", points.size(), g.count()),
-                     "the file may be cropped or truncated; export it again");
-  if (!g.hexagonal && equal) {
-    out.width = static_cast<int>(g.odd), out.height = static_cast<int>(g.rows);
-    out.points = std::move(points);
-    return out;
-  }
-  const auto across = std::min(g.odd, g.rows > 1 ? g.even : g.odd);
-  const double p = out.pixel_size;
-  out.width = std::max(1, static_cast<int>(std::lround(static_cast<double>(across) * g.x_step / p)));
-  out.height = std::max(1, static_cast<int>(std::lround(static_cast<double>(g.rows) * g.y_step / p)));
-  out.points.reserve(static_cast<std::size_t>(out.width) * out.height);
-  // Points are in the middle of their cells; those of even rows of a hexagonal grid half a step further.
-  for (int y = 0; y < out.height; ++y) {
-    const auto row =
-        std::clamp(static_cast<std::int64_t>((y + 0.5) * p / g.y_step), std::int64_t{0}, g.rows - 1);
-    const std::int64_t start = row / 2 * (g.odd + g.even) + row % 2 * g.odd;
-    const std::int64_t columns = row % 2 ? g.even : g.odd;
-    const double shift = g.hexagonal && row % 2 ? 0.5 : 0;
-    for (int x = 0; x < out.width; ++x) {
-      const auto column = std::clamp(static_cast<std::int64_t>(std::floor((x + 0.5) * p / g.x_step - shift)),
-                                     std::int64_t{0}, columns - 1);
-      out.points.push_back(points[static_cast<std::size_t>(start + column)]);
-    }
-  }
-  return out;
+void PointList::add(const MapPoint& point, std::string_view x_cell, std::string_view y_cell, double unit,
+                    const Lines& lines) {
+  const auto coordinate = [&](std::string_view cell, std::vector<double>& values, double& digit) {
+    const auto v = number_in(cell);
+    if (!v) lines.malformed(fmt::format("'{}' is not a number", printable(cell)));
+    if (std::abs(*v) > 1e9) lines.malformed(fmt::format("the coordinate {} is above 1e9", *v));
+    values.push_back(*v * unit);
+    digit = std::min(digit, last_digit(cell) * unit);
+  };
+  coordinate(x_cell, x, x_digit);
+  coordinate(y_cell, y, y_digit);
+  points.push_back(point);
+  line.push_back(lines.number());
 }
 
 }  // namespace terrazzo::load_ebsd

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "nodes/common/io/reading.h"
+#include "nodes/common/io/text_input.h"
 #include "nodes/load_ebsd/grains.h"
 #include "runtime/context.h"
 
@@ -19,13 +19,11 @@ EbsdMap read_map(Context& c) {
                 "use one node per map, for example with each")
         .parameter("path");
   try {
-    const std::string text = read_whole(files[0], reading_of(c));
-    const double bytes = static_cast<double>(text.size());
-    // The shortest line of a point has 16 characters. Resampling can multiply the points.
-    require_memory(bytes * (1 + 2.0 * sizeof(MapPoint) / 16), c.memory(),
-                   fmt::format("the map '{}'", files[0].string()));
-    const bool ctf = text.starts_with("Channel Text File");
-    return ctf ? read_ctf(text, files[0].string()) : read_ang(text, files[0].string());
+    const std::string text = read_text(files[0], reading_of(c)), file = files[0].string();
+    const double bytes = map_bytes_per_byte * static_cast<double>(text.size());
+    require_memory(bytes, c.memory(), fmt::format("the map '{}'", file));
+    const auto left = static_cast<std::uint64_t>(static_cast<double>(c.memory()) - bytes);
+    return text.starts_with("Channel Text File") ? read_ctf(text, file, left) : read_ang(text, file, left);
   } catch (Error& e) {
     throw e.parameter("path");
   }
@@ -50,6 +48,9 @@ void compute(Context& c) {
       std::count_if(map.points.begin(), map.points.end(), [](const MapPoint& p) { return p.phase >= 0; });
   const auto labeled = std::count_if(grains.labels.ids.begin(), grains.labels.ids.end(),
                                      [](std::int32_t id) { return id > 0; });
+  if (map.missing > 0)
+    c.warn(fmt::format("the file has no point for {} places of its grid; they count as not indexed",
+                       map.missing));
   const auto share = [&](auto count) {
     return static_cast<double>(count) / static_cast<double>(map.points.size());
   };
@@ -69,7 +70,7 @@ namespace terrazzo {
 
 NodeType load_ebsd_node() {
   using namespace load_ebsd;
-  return NodeType("LoadEBSD", 1)
+  return NodeType("LoadEBSD", 2)
       .doc_(
           "Reads an EBSD map and finds its grains: regions in which the orientation of the crystal changes "
           "little.")
@@ -78,8 +79,9 @@ NodeType load_ebsd_node() {
       .output("image", "Image", "The map as a picture of equal size, for Segment")
       .output("table", "Table",
               "One row per grain: phase, size, mean orientation (Bunge's Euler angles), spread, quality")
-      .parameter(Parameter::input_path("path").doc_("Map of EDAX/TSL (.ang) or Oxford/HKL (.ctf). Lengths in "
-                                                    "the file are assumed to be in micrometers."))
+      .parameter(
+          Parameter::input_path("path").doc_("Map of EDAX/TSL (.ang) or Oxford/HKL (.ctf). Lengths are "
+                                             "in micrometers unless the header says otherwise."))
       .parameter(Parameter::number("misorientation", 10)
                      .unit_("degrees")
                      .range(0.5, 60)

@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "graph/node_type.h"
-#include "graph/utf8.h"
 #include "nodes/common/io/json_input.h"
-#include "nodes/common/io/reading.h"
+#include "nodes/common/io/text_input.h"
 #include "nodes/load_profiles/profile_json.h"
 #include "nodes/load_profiles/profile_table.h"
 #include "runtime/context.h"
@@ -15,13 +14,12 @@ namespace {
 
 // A row has at least two characters. In memory it needs its text and its profile, each up to twice while the
 // lists grow.
-std::string file_of(const std::filesystem::path& file, Context& c) {
+std::string text_of(const std::filesystem::path& file, Context& c) {
   try {
-    std::string text = read_whole(file, reading_of(c));
-    const auto rows = static_cast<double>(std::count(text.begin(), text.end(), '\n'));
-    require_memory(is_json(text)
-                       ? memory_to_read_json(text)
-                       : 4.0 * static_cast<double>(text.size()) + rows * (3 * sizeof(Profile) + 150),
+    std::string text = read_text(file, reading_of(c));
+    require_memory(is_json(text) ? memory_to_read_json(text)
+                                 : 4.0 * static_cast<double>(text.size()) +
+                                       static_cast<double>(count_lines(text)) * (3 * sizeof(Profile) + 150),
                    c.memory(), "the profiles '" + file.string() + "'");
     return text;
   } catch (Error& e) {
@@ -31,26 +29,24 @@ std::string file_of(const std::filesystem::path& file, Context& c) {
 
 // The profiles of tables, or of one JSON file.
 Profiles profiles_of(Context& c) {
-  const ProfileUnit unit = profile_unit(c.text("unit"));
+  const auto unit = profile_unit(c.text("unit"));
   Profiles all;
   all.sections = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
-    const std::string text = file_of(file, c), read = valid_utf8(text);
-    if (read != text)
-      c.warn("'" + file.filename().string() + "' is not UTF-8: invalid bytes are read as U+FFFD");
-    if (is_json(read)) {
+    const std::string text = text_of(file, c);
+    if (is_json(text)) {
       if (c.files("path").size() != 1)
         throw Error("several-files",
                     "'" + file.string() + "' is JSON, which cannot be joined with other files",
                     "name one file")
             .parameter("path");
-      if (unit.length != 1)
+      if (unit && unit->length != 1)
         throw Error("bad-value", "'" + file.string() + "' is JSON, which is in mm", "leave out the unit")
             .parameter("unit");
-      return read_profiles_json(read, file.string());
+      return read_profiles_json(text, file.string());
     }
-    Profiles one = read_profiles(read, file.string(), unit);
+    Profiles one = read_profiles(text, file.string(), unit, [&](const std::string& w) { c.warn(w); });
     for (auto& p : one.profiles) {
       p.section += all.sections;
       all.profiles.push_back(std::move(p));
@@ -61,20 +57,24 @@ Profiles profiles_of(Context& c) {
   return all;
 }
 
+// Areas are written with three digits or more, and so are their sum and the observed area. Profiles that fill
+// the section may exceed it by as much.
+constexpr double kRounding = 1e-3;
+
 void compute(Context& c) {
   Profiles all = profiles_of(c);
   double sum = 0;
   for (const auto& p : all.profiles) sum += p.area;
   if (c.number("observed_area") > 0) {
     all.observed_area = c.number("observed_area");
-    all.area_fraction = sum / all.observed_area;
-    if (all.area_fraction > 1)
-      throw Error("area-too-small",
-                  "the profiles cover " + fmt::format("{:g}", sum) +
-                      " mm², which exceeds the observed area of " + fmt::format("{:g}", all.observed_area) +
-                      " mm²",
-                  "check unit and observed_area (mm², total of all sections)")
+    if (sum > (1 + kRounding) * all.observed_area)
+      throw Error(
+          "area-too-small",
+          fmt::format("the profiles cover {:.6g} mm², which is {:.3g} times the observed area of {} mm²", sum,
+                      sum / all.observed_area, all.observed_area),
+          "check unit and observed_area (mm², total of all sections)")
           .parameter("observed_area");
+    all.area_fraction = std::min(1.0, sum / all.observed_area);
   }
   c.metric("profiles", static_cast<double>(all.profiles.size()));
   c.metric("area", sum);
@@ -88,7 +88,7 @@ namespace terrazzo {
 
 NodeType load_profiles_node() {
   using namespace load_profiles;
-  return NodeType("LoadProfiles", 2)
+  return NodeType("LoadProfiles", 3)
       .doc_(
           "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools, "
           "and "
@@ -104,8 +104,11 @@ NodeType load_profiles_node() {
               .doc_("Total area, over all sections, in which the profiles were counted. 0: what the JSON "
                     "file says; for tables, unknown, so densities are relative."))
       .parameter(
-          Parameter::choice("unit", "mm", {"mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})
-              .doc_("Unit of length in the table. Areas are in its square. JSON is in mm."))
+          Parameter::choice("unit", "auto",
+                            {"auto", "mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})
+              .doc_("Unit of length in the table. Areas are in its square. auto: the unit that the header "
+                    "names, as in 'Area (µm²)', else mm. A header that names another unit than this "
+                    "parameter is an error. JSON is in mm."))
       .compute_(compute);
 }
 

@@ -1,143 +1,123 @@
 #include "nodes/load_profiles/profile_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <optional>
-#include <vector>
+#include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/load_profiles/measured_table.h"
 
 namespace terrazzo::load_profiles {
 namespace {
 
-// "Area (µm²)" → "area", "Equivalent diameter [um]" → "equivalentdiameter".
-std::string plain_name(std::string name) {
-  for (const auto& [sign, letter] : {std::pair{"²", "2"}, {"µ", "u"}, {"μ", "u"}})
-    for (auto at = name.find(sign); at != std::string::npos; at = name.find(sign))
-      name.replace(at, std::string(sign).size(), letter);
-  std::string plain;
-  for (const char c : name) {
-    if (c == '(' || c == '[') break;
-    if (std::isalnum(static_cast<unsigned char>(c))) plain += static_cast<char>(std::tolower(c));
-  }
-  for (const char* suffix : {"mm2", "um2", "nm2", "cm2", "m2", "px2", "pixels2"}) {
-    const std::string s = suffix;
-    if (plain.size() > s.size() && plain.ends_with(s)) plain.resize(plain.size() - s.size());
-  }
-  return plain;
-}
-
-// A table with named columns, read row by row.
-class ProfileTable {
+// The unit of the numbers in each column of lengths or areas.
+class Units {
  public:
-  ProfileTable(const std::string& text, const std::string& file)
-      : file_(file), rows_(text, file, {.separators = "\t;, ", .comments = true}) {
-    CellRow header;
-    if (!rows_.next(header))
-      throw Error("no-particles", "'" + file_ + "' contains no rows").parameter("path");
-    bool numbers = true;
-    for (const auto& c : header.cells) {
-      header_.push_back(c.text);
-      numbers = numbers && number_in(c).has_value();
-    }
-    if (numbers) {
-      if (header_.size() != 1)
-        throw Error("no-column",
-                    "'" + file_ + "' has " + std::to_string(header_.size()) + " columns but no header line",
-                    "add a header line that names a column area or diameter")
-            .parameter("path");
-      header_ = {"area"};
-      first_ = std::move(header);
-    } else if (CellRow row; rows_.next(row)) {
-      // Some programs number the rows without a header for that column.
-      if (row.cells.size() == header_.size() + 1) shift_ = 1;
-      first_ = std::move(row);
-    }
-    for (std::size_t i = 0; i < header_.size(); ++i) index_.emplace(plain_name(header_[i]), i + shift_);
+  Units(const MeasuredTable& table, const std::string& file, const std::optional<ProfileUnit>& given)
+      : table_(table), file_(file), given_(given) {
+    find_common();
   }
 
-  std::optional<std::size_t> column(std::initializer_list<const char*> names) const {
-    for (const char* n : names)
-      if (const auto i = index_.find(n); i != index_.end()) return i->second;
-    return std::nullopt;
-  }
-  // Reads the next row below the header. Returns false at the end.
-  bool next() {
-    if (first_) {
-      row_ = std::move(*first_);
-      first_.reset();
-    } else if (!rows_.next(row_)) {
-      return false;
+  // mm per unit of a column of lengths, mm² per unit of a column of areas.
+  double factor(std::size_t column, int power) {
+    const ColumnHeader& header = table_.header(column);
+    double mm = 1;
+    if (!header.unit_text.empty()) {
+      mm = checked(column, power);
+    } else if (given_) {
+      if (common_ && *common_ != given_->length)
+        throw Error("contradicting-unit",
+                    fmt::format("the columns of '{}' are in '{}', but unit is {}", file_,
+                                printable(common_text_), given_->name),
+                    fmt::format("leave out unit, or name the unit of the column '{}' in its header",
+                                table_.name(column)))
+            .parameter("unit");
+      mm = given_->length;
+    } else if (common_) {
+      mm = *common_;
+    } else {
+      assumed_ = table_.name(column) + (power == 2 ? " (mm²)" : " (mm)");
     }
-    rows_.require_cells(row_, header_.size() + shift_);
-    return true;
+    return power == 2 ? mm * mm : mm;
   }
-  // A cell of the row that was read last.
-  const std::string& text(std::size_t column) const { return row_.cells[column].text; }
-  double number(std::size_t column) const {
-    const auto v = number_in(row_.cells[column]);
-    if (!v || !std::isfinite(*v))
-      malformed("'" + printable(text(column)) + "' is not a number (column " + name(column) + ")");
-    return *v;
-  }
-  int whole(std::size_t column) const {
-    const double v = number(column);
-    if (v < 0 || v != std::floor(v) || v > 1e9)
-      malformed("'" + printable(text(column)) + "' is not a whole number ≥ 0 (column " + name(column) + ")");
-    return static_cast<int>(v);
-  }
-  [[noreturn]] void malformed(const std::string& what) const { rows_.malformed(row_.line, what); }
-  std::string names() const {
-    std::string all;
-    for (const auto& h : header_) all += (all.empty() ? "" : ", ") + (h.empty() ? "''" : h);
-    return printable(all);
-  }
+
+  // The last column that was read in mm because nothing names a unit; "" if there is none.
+  const std::string& assumed() const { return assumed_; }
 
  private:
-  // Numbers may be in quotes.
-  std::optional<double> number_in(const CellRow::Cell& cell) const {
-    return cell_number(trimmed_cell(cell.text), rows_.separator() != ',');
-  }
-  std::string name(std::size_t column) const {
-    return column < shift_ ? "1" : printable(header_[column - shift_]);
+  // The unit in the header of a column, which must not contradict the parameter.
+  double checked(std::size_t column, int power) const {
+    const ColumnHeader& header = table_.header(column);
+    const std::string said = fmt::format("the column '{}' of '{}' is in '{}'", table_.name(column), file_,
+                                         printable(header.unit_text));
+    if (!header.unit || header.unit->mm == 0)
+      throw Error("unknown-unit",
+                  said + (header.unit ? ", which has no length" : ", which is not a known unit"),
+                  "convert the column to a unit such as µm or mm, and name it in the header")
+          .parameter("path");
+    // "Area (µm)" can only mean µm².
+    if (header.unit->power > 0 && header.unit->power != power)
+      throw Error("contradicting-unit",
+                  fmt::format("{}, which is not a unit of {}", said, power == 2 ? "area" : "length"),
+                  "correct the header")
+          .parameter("path");
+    if (given_ && given_->length != header.unit->mm)
+      throw Error("contradicting-unit", fmt::format("{}, but unit is {}", said, given_->name),
+                  "leave out unit if the header is right, or else correct the header")
+          .parameter("unit");
+    return header.unit->mm;
   }
 
-  std::string file_;
-  CellReader rows_;
-  std::vector<std::string> header_;
-  std::size_t shift_ = 0;         // columns without a header before the others
-  std::optional<CellRow> first_;  // the first row below the header, until next() returns it
-  CellRow row_;
-  std::map<std::string, std::size_t> index_;
+  // A program measures all lengths of a table in one unit. It counts where the column of sizes names none.
+  void find_common() {
+    static const std::set<std::string> lengths = {
+        "area",   "perim",    "perimeter", "feret",     "minferet",  "maxferet",
+        "feretx", "ferety",   "width",     "height",    "major",     "minor",
+        "x",      "y",        "xm",        "ym",        "bx",        "by",
+        "length", "diameter", "ecd",       "centroidx", "centroidy", "equivalentdiameter"};
+    for (const ColumnHeader& h : table_.headers()) {
+      if (!h.unit || h.unit->mm == 0 || !lengths.count(h.name)) continue;
+      if (common_ && *common_ != h.unit->mm) {
+        common_.reset();
+        return;
+      }
+      common_ = h.unit->mm;
+      common_text_ = h.unit_text;
+    }
+  }
+
+  const MeasuredTable& table_;
+  const std::string& file_;
+  const std::optional<ProfileUnit>& given_;
+  std::optional<double> common_;  // mm
+  std::string common_text_;
+  std::string assumed_;
 };
 
 }  // namespace
 
-ProfileUnit profile_unit(const std::string& name) {
-  std::string length = name;
-  for (const char* square : {"²", "2", "^2"})
-    if (length.ends_with(square)) length.resize(length.size() - std::string(square).size());
-  if (length.ends_with("^")) length.pop_back();
-  const std::map<std::string, double> mm = {{"mm", 1},    {"µm", 1e-3}, {"μm", 1e-3}, {"um", 1e-3},
-                                            {"nm", 1e-6}, {"cm", 10},   {"m", 1000}};
-  const auto found = mm.find(length);
-  if (found == mm.end())
+std::optional<ProfileUnit> profile_unit(const std::string& name) {
+  if (name == "auto") return std::nullopt;
+  const auto unit = unit_of(name);
+  if (!unit || unit->mm == 0 || unit->power > 2)
     throw Error("unknown-unit", "unknown unit '" + name + "'",
                 "use mm, µm, um, nm, cm, m or one of their squares")
         .parameter("unit");
-  return {found->second, found->second * found->second};
+  return ProfileUnit{name, unit->mm, unit->mm * unit->mm};
 }
 
-Profiles read_profiles(const std::string& text, const std::string& file, const ProfileUnit& unit) {
-  ProfileTable table(text, file);
+Profiles read_profiles(const std::string& text, const std::string& file,
+                       const std::optional<ProfileUnit>& unit,
+                       const std::function<void(const std::string&)>& warn) {
+  MeasuredTable table(text, file);
   const auto area = table.column({"area", "areas"});
-  const auto diameter =
-      table.column({"diameter", "diameters", "ecd", "equivalentdiameter", "equivdiameter", "eqdiameter"});
+  const auto diameter = table.column({"diameter", "diameters", "ecd", "equivalentdiameter", "equivdiameter",
+                                      "eqdiameter", "equivalentcirculardiameter", "equivalentcirclediameter",
+                                      "circularequivalentdiameter", "equivalentdiameterarea"});
   if (!area && !diameter)
     throw Error("no-column",
                 "'" + file + "' has no column area or diameter; its columns are " + table.names(),
@@ -150,14 +130,21 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
   const auto x = table.column({"centroidx"}), y = table.column({"centroidy"});
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
+  Units units(table, file, unit);
+  const std::size_t measured = area ? *area : *diameter;
+  const double to_mm = units.factor(measured, area ? 2 : 1);
+  const Vec2 position = x && y ? Vec2(units.factor(*x, 1), units.factor(*y, 1)) : Vec2(1, 1);
+  // Export writes these columns, and mm.
+  if (!units.assumed().empty() && !(border && confidence))
+    warn(fmt::format("'{}' names no unit: it is read as {}; set unit", printable(file), units.assumed()));
+
   Profiles out;
-  while (table.next()) {
+  while (table.next(measured)) {
     Profile p;
-    const double size = table.number(area ? *area : *diameter);
+    const double size = table.number(measured);
     if (size <= 0)
-      table.malformed("an area or diameter must be above 0; it is '" +
-                      printable(table.text(area ? *area : *diameter)) + "'");
-    p.area = area ? size * unit.area : std::numbers::pi / 4 * size * unit.length * size * unit.length;
+      table.malformed("an area or diameter must be above 0; it is '" + printable(table.text(measured)) + "'");
+    p.area = area ? size * to_mm : std::numbers::pi / 4 * size * to_mm * size * to_mm;
     if (section) p.section = table.whole(*section);
     if (!section && slice) p.section = std::max(0, table.whole(*slice) - 1);  // ImageJ counts from 1
     if (cls) p.cls = table.whole(*cls);
@@ -166,11 +153,19 @@ Profiles read_profiles(const std::string& text, const std::string& file, const P
     if (confidence) p.confidence = table.number(*confidence);
     if (p.confidence < 0 || p.confidence > 1) table.malformed("a confidence must be from 0 to 1");
     if (border) p.touches_border = table.whole(*border) != 0;
-    if (x && y) p.centroid = unit.length * Vec2(table.number(*x), table.number(*y));
+    if (x && y) p.centroid = Vec2(table.number(*x), table.number(*y)).cwiseProduct(position);
     if (r && g && b) p.color = Vec3(table.number(*r), table.number(*g), table.number(*b)).cast<float>();
     out.sections = std::max(out.sections, p.section + 1);
     out.classes = std::max(out.classes, p.cls + 1);
     out.profiles.push_back(std::move(p));
+  }
+  if (const auto& left_out = table.statistics(); !left_out.empty()) {
+    constexpr std::size_t most = 8;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(left_out.size(), most); ++i)
+      list += (i > 0 ? ", " : "") + left_out[i];
+    warn(fmt::format("'{}': {} rows are statistics, not profiles, and are left out: {}{}", printable(file),
+                     left_out.size(), list, left_out.size() > most ? ", …" : ""));
   }
   if (out.profiles.empty())
     throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <pugixml.hpp>
 #include <sstream>
+#include <string_view>
 
 #include "nodes/load_strokes/stroke_files.h"
 #include "nodes/load_strokes/svg_path.h"
@@ -17,28 +21,33 @@ Error bad(const std::string& what) {
   return Error("bad-strokes-file", what, "save the drawing as plain SVG with paths in pixels");
 }
 
-// A length in user units; units other than px are converted at SVG's 96 px per inch. Returns `none` for
-// percentages and invalid text.
-double length(const std::string& text, double none) {
-  try {
-    std::size_t used = 0;
-    const double v = std::stod(text, &used);
-    const std::string unit = text.substr(used);
-    static const std::map<std::string, double> units = {
-        {"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
-    const auto it = units.find(unit);
-    return it == units.end() || !std::isfinite(v) ? none : v * it->second;
-  } catch (const std::exception&) {
-    return none;
-  }
+// Takes the number at the start of a text, after blanks. The locale does not matter.
+std::optional<double> take_number(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  const std::string_view number = text.substr(text.starts_with('+') ? 1 : 0);
+  double v = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), v);
+  if (error != std::errc()) return std::nullopt;
+  text = number.substr(static_cast<std::size_t>(end - number.data()));
+  return v;
 }
 
+// A length in user units; units other than px are converted at SVG's 96 px per inch. Returns `none` for
+// percentages and invalid text.
+double length(std::string_view text, double none) {
+  const auto v = take_number(text);
+  static const std::map<std::string_view, double> units = {
+      {"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
+  const auto it = units.find(text);
+  return !v || it == units.end() || !std::isfinite(*v) ? none : *v * it->second;
+}
+
+// Up to the first text that is no number.
 std::vector<double> numbers(std::string text) {
   for (char& c : text)
     if (c == ',') c = ' ';
-  std::istringstream in(text);
   std::vector<double> out;
-  for (double v = 0; in >> v;) out.push_back(v);
+  for (std::string_view rest = text; const auto v = take_number(rest);) out.push_back(*v);
   return out;
 }
 

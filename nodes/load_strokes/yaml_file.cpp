@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/stroke_text.h"
+#include "nodes/common/io/text_input.h"
 #include "nodes/load_strokes/stroke_files.h"
 
 namespace terrazzo::load_strokes {
@@ -14,6 +16,14 @@ Error bad_yaml(const std::string& what) {
                "write each entry as {radius: 6, points: [[10, 20], [30, 40]]} or {area: true, points: …}");
 }
 
+// The locale does not matter.
+double number_of(const YAML::Node& n) {
+  const auto v = n.IsScalar() ? cell_number(n.Scalar(), false) : std::nullopt;
+  if (!v)
+    throw bad_yaml(where(n) + ": '" + printable(n.IsScalar() ? n.Scalar() : "a list") + "' is not a number");
+  return *v;
+}
+
 // `left` is the number of points that may still be created. YAML aliases can repeat a list, so a small file
 // can contain any number.
 std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
@@ -23,7 +33,7 @@ std::vector<Vec2> points_of(const YAML::Node& n, std::size_t& left) {
     if (left-- == 0)
       throw Error("too-large", "the strokes have more points than fit in memory", "remove some strokes");
     if (!p.IsSequence() || p.size() != 2) throw bad_yaml(where(p) + ": a point must be [x, y]");
-    out.emplace_back(p[0].as<double>(), p[1].as<double>());
+    out.emplace_back(number_of(p[0]), number_of(p[1]));
   }
   return out;
 }
@@ -35,7 +45,7 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
   for (const auto& entry : n) {
     const auto key = entry.first.as<std::string>();
     if (key == "radius")
-      s.radius = entry.second.as<double>();
+      s.radius = number_of(entry.second);
     else if (key == "area")
       s.area = entry.second.as<bool>();
     else if (key == "points")
@@ -60,7 +70,7 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
 
 Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   // A node of the document has at least two characters and uses about 300 bytes.
-  const std::string text = read_whole(file, reading);
+  const std::string text = read_text(file, reading);
   require_memory(200.0 * static_cast<double>(text.size()), reading.memory,
                  "the strokes in '" + file.string() + "'");
   std::size_t left = reading.memory / (4 * sizeof(Vec2));

@@ -1,26 +1,32 @@
 #include "graph/node_type.h"
-#include "graph/utf8.h"
 #include "nodes/common/io/json_input.h"
-#include "nodes/common/io/reading.h"
+#include "nodes/common/io/text_input.h"
 #include "nodes/load_table/read_table.h"
 #include "runtime/context.h"
 
 namespace terrazzo::load_table {
 namespace {
 
+std::string csv_text(const std::filesystem::path& file, Context& c) {
+  try {
+    std::string text = read_text(file, reading_of(c));
+    require_memory(memory_to_read(text), c.memory(), "the table '" + file.string() + "'");
+    return text;
+  } catch (Error& e) {
+    throw e.parameter("path");
+  }
+}
+
 void compute(Context& c) {
-  const std::string text = json_text_in(c);
-  const auto& path = c.files("path")[0];
-  require_memory(memory_to_read(text), c.memory(), "the table '" + path.string() + "'");
-  const std::string file = path.string(), extension = path.extension().string();
+  const auto& files = c.files("path");
+  const std::string extension = files.empty() ? "" : files[0].extension().string();
   Table table;
-  if (extension == ".json" || extension == ".JSON") {
-    table = read_json(text, file, c.work());
+  if (files.size() != 1 || extension == ".json" || extension == ".JSON") {
+    const std::string text = json_text_in(c);  // reports several files
+    require_memory(memory_to_read(text), c.memory(), "the table '" + files[0].string() + "'");
+    table = read_json(text, files[0].string(), c.work());
   } else {
-    const std::string read = valid_utf8(text);
-    if (read != text)
-      c.warn("'" + path.filename().string() + "' is not UTF-8: invalid bytes are read as U+FFFD");
-    table = read_csv(read, file, c.work());
+    table = read_csv(csv_text(files[0], c), files[0].string(), c.work());
   }
   c.metric("rows", static_cast<double>(table.rows.size()));
   c.metric("columns", static_cast<double>(table.columns.size()));
@@ -34,7 +40,7 @@ namespace terrazzo {
 
 NodeType load_table_node() {
   using namespace load_table;
-  return NodeType("LoadTable", 1)
+  return NodeType("LoadTable", 2)
       .doc_("Reads a table from CSV, or from JSON that Export wrote.")
       .source_("RFC 4180")
       .output("table", "Table", "The table, with the columns and rows of the file")

@@ -72,8 +72,9 @@ Table read_json(const std::string& text, const std::string& file, const Work& wo
 double memory_to_read(const std::string& text) {
   double cells = 0, rows = 0;
   for (const char c : text) {
-    cells += c == ',' || c == ';' || c == '\t' || c == '\n';
-    rows += c == '\n' || c == '[';
+    const bool end = c == '\n' || c == '\r';
+    cells += c == ',' || c == ';' || c == '\t' || end;
+    rows += end || c == '[';
   }
   return memory_to_read_json(text) + (cells + rows + 1) * sizeof(Table::Cell) +
          (rows + 1) * 2 * sizeof(std::vector<Table::Cell>);

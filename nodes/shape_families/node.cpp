@@ -16,8 +16,20 @@ constexpr double kDisagree = 1.1;  // ratio of densities from which families tha
 
 Table table_of(const std::vector<Family>& families, const Scores& scores) {
   Table t;
-  t.columns = {"family",   "sizes",        "outlines",      "behind",       "standard error", "plausible",
-               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³", "mean size mm", "goodness of fit"};
+  const auto per_volume = [&](const char* name) {
+    return fmt::format("{} {}", name, scores.relative ? "relative" : "mm⁻³");
+  };
+  t.columns = {"family",
+               "sizes",
+               "outlines",
+               "behind",
+               "standard error",
+               "plausible",
+               per_volume("N_V"),
+               per_volume("N_V low"),
+               per_volume("N_V high"),
+               "mean size mm",
+               "goodness of fit"};
   for (std::size_t f = 0; f < families.size(); ++f) {
     const FamilyScore& s = scores.families[f];
     auto& row = t.rows.emplace_back();
@@ -79,9 +91,10 @@ void warn_of_disagreement(Context& c, const std::vector<Family>& families, const
     if (scores.families[f].N_V > scores.families[high].N_V) high = f;
   }
   const double least = scores.families[low].N_V, most = scores.families[high].N_V;
+  if (scores.relative) return;
   c.metric("N_V", scores.families[scores.best].N_V);
   c.metric("N_V_least", least), c.metric("N_V_most", most);
-  if (!scores.relative && most > kDisagree * least)
+  if (most > kDisagree * least)
     c.warn(fmt::format(
         "the profiles fit {} and {} about equally well, but N_V is {:.3g} mm⁻³ with {} and "
         "{:.3g} mm⁻³ with {}",
@@ -120,7 +133,7 @@ namespace terrazzo {
 
 NodeType shape_families_node() {
   using namespace shape_families;
-  return NodeType("ShapeFamilies", 2)
+  return NodeType("ShapeFamilies", 3)
       .doc_(
           "Compares families of particle shapes by how well they predict profiles that were held out, and "
           "reports how much the number of particles depends on the choice.")

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "graph/node_type.h"
-#include "nodes/common/io/reading.h"
+#include "nodes/common/io/text_input.h"
 #include "nodes/study_anova/answers.h"
 #include "nodes/study_anova/report.h"
 #include "runtime/context.h"
@@ -11,12 +11,12 @@ namespace {
 
 void compute(Context& c) {
   const auto& key_file = c.files("key").front();
-  const auto key = read_key(read_whole(key_file, reading_of(c)), key_file.string());
+  const auto key = read_key(read_text(key_file, reading_of(c)), key_file.string());
   std::vector<Answer> answers;
   std::size_t number = 0;
   for (const auto& file : c.files("answers")) {
     ++number;
-    for (Answer& a : read_answers(read_whole(file, reading_of(c)), file.string(), key)) {
+    for (Answer& a : read_answers(read_text(file, reading_of(c)), file.string(), key)) {
       // Each session writes one file, and many people leave the suggested name unchanged.
       a.participant = fmt::format("{}/{}", number, a.participant);
       answers.push_back(std::move(a));

@@ -15,11 +15,30 @@ using namespace unfolding;
 
 // Relative effect of the smallest profiles on the density of larger particles that is reported.
 constexpr double kLimitEffect = 0.25;
+// χ² per degree of freedom from which shapes or limits are wrong, whatever the counting noise.
+constexpr double kPoorFit = 10;
+// Volume fraction from which rigid particles cannot be packed, and sphericity of bodies that are rounder than
+// any that fill space: Kelvin's cell has 0.80, the cells of random tessellations less.
+constexpr double kNearlyFull = 0.9, kRounderThanCells = 0.85;
+
+// What follows the name of a density: its unit, or that only ratios of densities have a meaning.
+const char* unit_of_areas(const UnfoldResult& r) { return r.observations.relative ? "relative" : "mm⁻²"; }
+const char* unit_of_volumes(const UnfoldResult& r) { return r.observations.relative ? "relative" : "mm⁻³"; }
 
 Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
+  const auto per_area = [&](const char* name) { return fmt::format("{} {}", name, unit_of_areas(r)); };
+  const auto per_volume = [&](const char* name) { return fmt::format("{} {}", name, unit_of_volumes(r)); };
   Table t;
-  t.columns = {"class",    "from mm",      "to mm",         "N_A observed mm⁻²", "N_A refitted mm⁻²",
-               "N_V mm⁻³", "N_V low mm⁻³", "N_V high mm⁻³", "volume share",      "volume passing"};
+  t.columns = {"class",
+               "from mm",
+               "to mm",
+               per_area("N_A observed"),
+               per_area("N_A refitted"),
+               per_volume("N_V"),
+               per_volume("N_V low"),
+               per_volume("N_V high"),
+               "volume share",
+               "volume passing"};
   for (std::size_t c = 0; c < r.fits.size(); ++c)
     for (int j = 0; j < r.model.visible(); ++j) {
       const auto k = static_cast<std::size_t>(r.model.first + j);
@@ -38,9 +57,10 @@ Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
 
 Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
   Plot areas, volumes, sieve;
-  areas.title = "Profiles per area", areas.x_label = "size of the profile, mm", areas.y_label = "N_A, mm⁻²";
-  volumes.title = "Particles per volume", volumes.x_label = "size of the particle, mm",
-  volumes.y_label = "N_V, mm⁻³";
+  areas.title = "Profiles per area", areas.x_label = "size of the profile, mm";
+  areas.y_label = fmt::format("N_A, {}", unit_of_areas(r));
+  volumes.title = "Particles per volume", volumes.x_label = "size of the particle, mm";
+  volumes.y_label = fmt::format("N_V, {}", unit_of_volumes(r));
   PlotSeries observed{PlotSeries::Kind::Bars, "observed", {}, {}, {}, {}, 0};
   PlotSeries refitted{PlotSeries::Kind::Bars, "refitted", {}, {}, {}, {}, 1};
   PlotSeries density{PlotSeries::Kind::Bars, "", {}, {}, {}, {}, 2};
@@ -64,6 +84,24 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
     passing.x.push_back(r.model.edges[k]), passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
   sieve.series = {passing};
   return draw({areas, volumes, sieve}, 3);
+}
+
+// Warns of shapes that cannot be those of the particles, as far as the sizes tell.
+void warn_of_shapes(Context& c, const UnfoldResult& r, const KMatrix& kmatrix) {
+  const double fit = r.distribution.goodness_of_fit;
+  if (fit > kPoorFit)
+    c.warn(fmt::format(
+        "the refitted profiles differ from the observed ones far beyond chance: goodness_of_fit is "
+        "{:.3g}, and 1 is expected; check d_max, smallest_visible and the shapes of the K matrix",
+        fit));
+  const double fraction = r.distribution.volume_fraction;
+  if (!r.observations.relative && fraction > kNearlyFull && sphericity(kmatrix) > kRounderThanCells)
+    c.warn(
+        fmt::format("the particles fill {:.3g} of the volume, which bodies as round as those of the K matrix "
+                    "cannot; grains that fill space are cells, and another number of them has the same "
+                    "profiles: connect the K matrix of cells that Tessellate makes, and compare both with "
+                    "ShapeFamilies",
+                    fraction));
 }
 
 void compute(Context& c) {
@@ -116,6 +154,7 @@ void compute(Context& c) {
                         r.model.profile_edges[1], 100 * std::abs(limit->change),
                         limit->change > 0 ? "higher" : "lower", r.model.profile_edges[1]));
     }
+  warn_of_shapes(c, r, kmatrix);
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
   if (o.method == unfolding::Method::Em) c.metric("jumps", jumps);
@@ -146,7 +185,7 @@ namespace terrazzo {
 
 NodeType unfold_node() {
   using namespace unfold;
-  return NodeType("Unfold", 8)
+  return NodeType("Unfold", 9)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")

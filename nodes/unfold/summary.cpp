@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/stereology/size_kernel.h"
 
@@ -64,6 +65,16 @@ SizeSummary summarize(const SizeDistribution& d) {
   s.d50 = quantile(d.class_edges, s.volume_share, 0.5, 4);
   s.d90 = quantile(d.class_edges, s.volume_share, 0.9, 4);
   return s;
+}
+
+double sphericity(const KMatrix& k) {
+  double sum = 0, probability = 0;
+  for (const auto& e : k.shapes) {
+    if (!(e.mean_caliper > 0)) continue;
+    sum += e.probability * e.volume / (std::numbers::pi / 6 * std::pow(e.mean_caliper, 3));
+    probability += e.probability;
+  }
+  return probability > 0 ? sum / probability : 0;
 }
 
 }  // namespace terrazzo::unfold

@@ -1,8 +1,9 @@
-// Summary statistics of sizes that other programs report: means and quantiles.
+// Summary statistics of sizes that other programs report: means and quantiles; and of shapes.
 #pragma once
 
 #include <vector>
 
+#include "nodes/data/kmatrix.h"
 #include "nodes/data/size_distribution.h"
 
 namespace terrazzo::unfold {
@@ -20,5 +21,9 @@ struct SizeSummary {
 // Over all shapes and color classes. Sizes are uniform within their class; volume is proportional to size³.
 // All zeros if there are no particles.
 SizeSummary summarize(const SizeDistribution&);
+
+// Mean over the shapes of a K matrix of volume / volume of the sphere with the same mean caliper diameter: 1
+// for spheres, less for all other convex bodies.
+double sphericity(const KMatrix&);
 
 }  // namespace terrazzo::unfold

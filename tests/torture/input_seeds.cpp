@@ -307,6 +307,13 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadProfiles.csv", "a.csv",
          "Label,Area (mm2),X,Class,Section\n1,7.5,71.85,0,0\n2,1.5e1,52,1,0\n3,9,17,0,1\n");
   w.text("LoadProfiles.csv", "a.csv", "# remark\ndiameter;weight\n1,5;2\n2,5;1\n");
+  w.text("LoadProfiles.csv", "a.csv", " ,Area (\xb5m\xb2),Feret (\xb5m)\r1,7,3\rMean,7,3\r");
+  w.text("LoadProfiles.csv", "a.csv",
+         std::string("\xff\xfe"
+                     "d\0_\0u\0m\0,\0e\0c\0d\0\r\0\n\0"
+                     "1\0,\0"
+                     "2\0",
+                     28));
   w.text("LoadProfiles.json", "a.json",
          "{\"observed_area\":100,\"sections\":2,\"classes\":1,\"window\":[5,10],\"binder_color\":[0,0.5,1],"
          "\"area_fraction\":0.25,\"profiles\":[{\"section\":1,\"class\":0,\"area\":2.5,\"centroid\":[1,2],"
@@ -319,8 +326,13 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadEBSD.ctf", "a.ctf",
          "Channel Text File\nJobMode\tGrid\nXCells\t2\nYCells\t2\nXStep\t1\nYStep\t0,5\nPhases\t1\n"
          "1;1;1\t90;90;90\tIron\t11\t229\nPhase\tX\tY\tEuler1\tEuler2\tEuler3\tMAD\tBC\n"
-         "1\t0\t0\t1\t2\t3\t0,5\t9\n1\t1\t0\t1\t2\t3\t0.5\t9\n0\t0\t1\t0\t0\t0\t0\t0\n"
-         "1\t1\t1\t90\t2\t3\t1\t9\n");
+         "1\t0\t0\t1\t2\t3\t0,5\t9\n1\t1\t0\t1\t2\t3\t0.5\t9\n0\t0\t0,5\t0\t0\t0\t0\t0\n"
+         "1\t1\t0,5\t90\t2\t3\t1\t9\n");
+  w.text("LoadEBSD.ang", "a.ang",
+         "# MaterialName a\n# Symmetry 43\n# GRID: SqrGrid#\n# NOTES: Start\n# a\n# NOTES: End\n"
+         "# COLUMN_HEADERS: x, y, Phase index, CI, IQ, phi1, PHI, phi2\n"
+         "# COLUMN_UNITS: nm, nm, , , , degrees, degrees, degrees\n"
+         "5 7 1 1 9 1 1 1\n5 8 1 1 9 2 1 1\n6 8 1 1 9 2 1 1\n");
   w.text("LoadParticles.json", "a.json",
          "{\"box\":[1,2,3],\"shape\":[0,1],\"class\":[0,0],\"position\":[[0.5,0.5,0.5],[1,2,3]],"
          "\"orientation\":[[1,0,0,0],[0,0.6,0,0.8]],\"scale\":[1,1e-3],\"size\":[1,2],"

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/text_input.h"
 
 namespace terrazzo {
 
@@ -38,13 +39,35 @@ CellReader::CellReader(std::string_view text, std::string file, CellFormat forma
     : text_(text), file_(std::move(file)), format_(std::move(format)) {
   if (text_.starts_with("\xef\xbb\xbf")) at_ = 3;
   skip_empty();
-  const std::string_view first = text_.substr(at_, text_.find('\n', at_) - at_);
-  separator_ = format_.separators.back();
-  for (const char c : format_.separators)
-    if (first.find(c) != std::string_view::npos) {
-      separator_ = c;
-      break;
+  // Excel names the separator in a line of its own.
+  const std::string_view first = text_.substr(at_, line_end(text_, at_) - at_);
+  if (first.size() == 5 && first.starts_with("sep=")) {
+    separator_ = first[4];
+    at_ += first.size();
+    skip_empty();
+  } else {
+    separator_ = find_separator();
+  }
+}
+
+char CellReader::find_separator() const {
+  char contained = '\0';  // the first separator that the header contains
+  for (const char separator : format_.separators) {
+    CellReader trial = *this;
+    trial.separator_ = separator;
+    CellRow header, row;
+    try {
+      trial.next(header);
+      if (header.cells.size() < 2) continue;
+      if (!contained) contained = separator;
+      const std::size_t cells = trial.next(row) ? row.cells.size() : header.cells.size();
+      if (cells == header.cells.size() || cells == header.cells.size() + 1) return separator;
+      // "Area (µm²)" above single numbers is one column.
+      if (separator == ' ' && cells == 1 && contained == ' ') contained = '\0';
+    } catch (const Error&) {  // a quotation mark is not closed
     }
+  }
+  return contained;
 }
 
 bool CellReader::next(CellRow& row) {
@@ -53,11 +76,11 @@ bool CellReader::next(CellRow& row) {
   row.line = next_line_;
   const bool blanks = separator_ == ' ';
   row.cells.emplace_back();
-  for (; at_ < text_.size() && text_[at_] != '\n'; ++at_) {
+  for (; at_ < text_.size() && text_[at_] != '\n' && text_[at_] != '\r'; ++at_) {
     const char c = text_[at_];
     CellRow::Cell& last = row.cells.back();
     const auto empty = [&] { return !last.quoted && trimmed_cell(last.text).empty(); };
-    if (c == separator_ || (blanks && c == '\t')) {
+    if (separator_ && (c == separator_ || (blanks && c == '\t'))) {
       if (!(blanks && empty())) row.cells.emplace_back();
     } else if (c == '"' && empty()) {
       read_quoted(last, row.line);
@@ -69,8 +92,19 @@ bool CellReader::next(CellRow& row) {
     if (!c.quoted) c.text = trimmed_cell(c.text);
   if (blanks && row.cells.size() > 1 && row.cells.back().text.empty() && !row.cells.back().quoted)
     row.cells.pop_back();
+  if (!separator_) require_one_cell(row);
   skip_empty();
   return true;
+}
+
+// Where the header has one column, what looks like a further cell is a mistake in the row.
+void CellReader::require_one_cell(const CellRow& row) const {
+  const CellRow::Cell& cell = row.cells[0];
+  if (cell.quoted || cell_number(cell.text, true)) return;
+  for (const char separator : format_.separators)
+    if (separator != ' ')
+      if (const auto n = std::count(cell.text.begin(), cell.text.end(), separator); n > 0)
+        malformed(row.line, fmt::format("{} cells; 1 are expected", n + 1));
 }
 
 void CellReader::require_cells(const CellRow& row, std::size_t count) const {
@@ -90,7 +124,9 @@ void CellReader::malformed(int line, const std::string& what) const {
 void CellReader::read_quoted(CellRow::Cell& cell, int line) {
   cell = {"", true};
   for (++at_; at_ < text_.size(); ++at_) {
-    if (text_[at_] == '\n') ++next_line_;
+    // CR LF counts once, at its LF.
+    const bool carriage = text_[at_] == '\r' && !(at_ + 1 < text_.size() && text_[at_ + 1] == '\n');
+    if (text_[at_] == '\n' || carriage) ++next_line_;
     if (text_[at_] != '"')
       cell.text += text_[at_];
     else if (at_ + 1 < text_.size() && text_[at_ + 1] == '"')
@@ -101,11 +137,14 @@ void CellReader::read_quoted(CellRow::Cell& cell, int line) {
   malformed(line, "a quotation mark is not closed");
 }
 
-// Moves from the end of a line to the next that has cells.
+// Moves from the start of the text or the end of a line to the next line that has cells.
 void CellReader::skip_empty() {
   while (at_ < text_.size()) {
-    if (text_[at_] == '\n') ++next_line_, ++at_;
-    const auto end = std::min(text_.find('\n', at_), text_.size());
+    if (text_[at_] == '\n' || text_[at_] == '\r') {
+      ++next_line_;
+      at_ = after_line_end(text_, at_);
+    }
+    const auto end = line_end(text_, at_);
     const std::string_view line = trimmed_cell(text_.substr(at_, end - at_));
     if (!line.empty() && !(format_.comments && line[0] == '#')) return;
     at_ = end;

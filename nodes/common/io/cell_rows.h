@@ -18,14 +18,17 @@ struct CellRow {
 };
 
 struct CellFormat {
-  // Possible separators. The first of them that the first row contains separates its cells and those of all
-  // other rows; if it contains none of them, the last one does. A blank means any run of blanks and tabs.
+  // Possible separators. The first of them that divides the first row, and the second one into as many cells
+  // (or one more, for a column without a name), separates the cells of all rows. If there is none, it is the
+  // first that the first row contains outside of quotes, or else the table has one column. A blank means any
+  // run of blanks and tabs. A first line such as "sep=;" names the separator instead.
   std::string_view separators = "\t;,";
   bool comments = false;           // skip lines that begin with #
   std::string parameter = "path";  // which parameter named the file, for errors
 };
 
-// Reads the rows of a text one after the other. Empty lines and a byte order mark are skipped. Cells in
+// Reads the rows of a text one after the other. Lines end with LF, CR LF, or CR. Empty lines and a byte order
+// mark are skipped. Cells in
 // double quotes may contain separators, ends of lines and, doubled, quotes (RFC 4180); other cells are
 // trimmed.
 class CellReader {
@@ -33,7 +36,7 @@ class CellReader {
   // The text must outlive the reader. `file` is used in messages only.
   CellReader(std::string_view text, std::string file, CellFormat = {});
 
-  char separator() const { return separator_; }
+  char separator() const { return separator_; }  // 0: the table has one column
   // Returns false at the end. Throws Error "malformed-row" if a quotation mark is not closed.
   bool next(CellRow&);
   // Throws Error "malformed-row" unless the row has this many cells.
@@ -44,6 +47,8 @@ class CellReader {
   [[noreturn]] void malformed(int line, const std::string& what) const;
 
  private:
+  char find_separator() const;
+  void require_one_cell(const CellRow&) const;
   void read_quoted(CellRow::Cell&, int line);
   void skip_empty();
 
@@ -52,7 +57,7 @@ class CellReader {
   CellFormat format_;
   std::size_t at_ = 0;
   int next_line_ = 1;
-  char separator_ = ',';
+  char separator_ = '\0';
 };
 
 // Without blanks, tabs and carriage returns at both ends.

@@ -11,7 +11,7 @@ namespace terrazzo::strokes {
 namespace {
 
 std::string_view trimmed(std::string_view s) {
-  const auto from = s.find_first_not_of(" \t\n"), to = s.find_last_not_of(" \t\n");
+  const auto from = s.find_first_not_of(" \t\r\n"), to = s.find_last_not_of(" \t\r\n");
   return from == std::string_view::npos ? std::string_view() : s.substr(from, to - from + 1);
 }
 
@@ -50,7 +50,7 @@ Stroke read_stroke(const std::string& text) {
   for (const auto outline : split(std::string_view(text).substr(colon + 1), ';')) {
     auto& part = s.parts.emplace_back();
     for (const auto point : split(outline, ',')) {
-      const auto gap = point.find_first_of(" \t");
+      const auto gap = point.find_first_of(" \t\r\n");
       Vec2 p;
       if (gap == std::string_view::npos || !number(point.substr(0, gap), p.x()) ||
           !number(trimmed(point.substr(gap)), p.y()))

@@ -132,7 +132,9 @@ def _sizes_html(self):
         for i in range(len(entry.N_V)):
             rows.append((entry.shape, entry.cls, self.class_edges[i], self.class_edges[i + 1], entry.N_V[i],
                          entry.low[i], entry.high[i]))
-    return table_html(("shape", "class", "from mm", "to mm", "N_V mm⁻³", "low", "high"), rows)
+    # Without a volume fraction, densities are relative.
+    density = "N_V mm⁻³" if self.volume_fraction > 0 else "N_V relative"
+    return table_html(("shape", "class", "from mm", "to mm", density, "low", "high"), rows)
 
 
 def _numbers(values):

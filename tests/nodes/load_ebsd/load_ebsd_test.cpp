@@ -135,6 +135,25 @@ std::string hexagonal(int odd, int even, int rows) {
   return out;
 }
 
+// As files and in other encodings.
+TEST(LoadEBSD, EncodingsAndLineEndsDoNotMatter) {
+  const auto m = test::sample_map({{CubicHigh}}, 3, 5);
+  const auto grains = [](const std::string& bytes) {
+    const auto run = test::run_node("LoadEBSD", {}, {{"path", saved("a", bytes)}});
+    return run.output<Labels>("labels").ids;
+  };
+  for (const std::string& text : {test::as_ang(m), test::as_ctf(m)}) {
+    const auto expected = grains(text);
+    std::string wide = "\xff\xfe", carriage = text;
+    for (const char c : text) wide += {c, '\0'};
+    std::erase(carriage, '\n' == text[text.find_first_of("\r\n")] ? '\r' : '\n');
+    std::replace(carriage.begin(), carriage.end(), '\n', '\r');
+    EXPECT_EQ(grains("\xef\xbb\xbf" + text), expected);
+    EXPECT_EQ(grains(wide), expected);
+    EXPECT_EQ(grains(carriage), expected);
+  }
+}
+
 TEST(LoadEBSD, HexagonalGridsBecomePixels) {
   const EbsdMap map = read_ang(hexagonal(21, 20, 30), "h.ang");
   EXPECT_EQ(map.height, 30);
@@ -166,20 +185,20 @@ TEST(LoadEBSD, DamagedFilesAreErrors) {
   EXPECT_EQ(code(ctf), "");
   const std::string row = " 0.0 0.0 8";  // of the first point
   for (const auto& text :
-       {std::string(), std::string("# nothing\n"), replaced(ang, "# GRID: SqrGrid", "#"),
+       {std::string(), std::string("# nothing\n"), std::string("1 2 3 0 0 1 1 1\n"),
         replaced(ang, "NROWS: 56", "NROWS: 57"), replaced(ang, "NROWS: 56", "NROWS: 0"),
-        replaced(ang, "XSTEP: 0.5", "XSTEP: 0.0"), replaced(ang, "XSTEP: 0.5", "XSTEP: -0.5"),
-        replaced(ang, "YSTEP: 0.5", "YSTEP: 70.5"), replaced(ang, "NCOLS_ODD: 64", "NCOLS_ODD: 999999999"),
+        replaced(ang, "XSTEP: 0.5", "XSTEP: 0.0"), replaced(ang, "NCOLS_ODD: 64", "NCOLS_ODD: 999999999"),
         replaced(ang, "Symmetry              62", "Symmetry 99"), replaced(ang, "# Phase 2", "# Phase 0"),
         ang.substr(0, ang.size() / 2 / 10 * 10 + ang.substr(ang.size() / 2 / 10 * 10).find('\n') + 1),
         replaced(ctf, "Grid", "Interactive"), replaced(ctf, "Euler2", "Eule2"),
-        replaced(ctf, "Phase\tX", "Phse\tX"), replaced(ctf, "YCells\t56", "YCells\t60"),
-        ctf.substr(0, ctf.find("Phases"))})
+        replaced(ctf, "Phase\tX", "Phse\tX"), replaced(ctf, "Phase\tX", "Phase\tx"),
+        replaced(ctf, "YCells\t56", "YCells\t60"), ctf.substr(0, ctf.find("Phases"))})
     EXPECT_EQ(code(text), "unreadable-file") << text.substr(0, 400);
   for (const auto& text :
        {replaced(ang, row, " 0.0 nan 8"), replaced(ang, row, " 0.0 x 8"), replaced(ang, row, " 0.0"),
         replaced(ang, "\n12.5664", "\n90"), replaced(ang, " 0.9 1\n", " 0.9 7\n"),
         replaced(ang, " 0.9 1\n", " 0.9 1.5\n"), ang + "0 0 0 0 0 1 1 1\n",
+        replaced(ang, "XSTEP: 0.5", "XSTEP: -0.5"), replaced(ang, "YSTEP: 0.5", "YSTEP: 70.5"),
         replaced(ang, "GRID: SqrGrid", "GRID: Cubic"), replaced(ang, "NROWS: 56", "NROWS: -1"),
         replaced(ctf, "XCells\t64", "XCells\tmany"), replaced(ctf, "Phases\t2", "Phases\t0"),
         replaced(ctf, "Phases\t2", "Phases\t3"), replaced(ctf, "Phase 1\t11", "Phase 1\t12"),

@@ -42,7 +42,7 @@ TEST(LoadProfiles, TheWaysThatProgramsWrite) {
   EXPECT_EQ(areas(read("\xef\xbb\xbfLabel;AREA [mm²]\nthe first, a;1,5\nb;20\n")),
             expected);  // decimal commas
   EXPECT_EQ(areas(read("# made by hand\n1.5\n\n20\n")), expected);
-  EXPECT_EQ(areas(read("name, Area (µm2)\n\"x, y\",1.5\nb,2e1\n")), expected);
+  EXPECT_EQ(areas(read("name, Area (mm2)\n\"x, y\",1.5\nb,2e1\n")), expected);
   EXPECT_EQ(areas(read("area mm²,x\n1.5,0\n20,0\n")), expected);
 }
 

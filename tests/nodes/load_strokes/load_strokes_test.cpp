@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <locale>
 
 #include "nodes/load_strokes/stroke_files.h"
 #include "nodes/load_strokes/svg_path.h"
@@ -118,6 +119,37 @@ TEST(LoadStrokes, YamlAndScale) {
   EXPECT_EQ(s.strokes[0].parts[0][1], Vec2(6, 8));
   EXPECT_TRUE(s.strokes[1].area);
   EXPECT_EQ(s.strokes[2].parts[0][0], Vec2(10, 12));
+}
+
+const char* const kYaml = "strokes:\n  - {radius: 2.5, points: [[1.25, 2], [3, 1.250]]}\n  - \"3: 5 6\"\n";
+
+TEST(LoadStrokes, LinesMayEndWithACarriageReturn) {
+  for (const std::string end : {"\r", "\r\n"}) {
+    std::string text;
+    for (const char c : std::string(kYaml)) text += c == '\n' ? end : std::string(1, c);
+    const Strokes s = read_yaml(file_of(text, ".yaml"));
+    ASSERT_EQ(s.strokes.size(), 2u);
+    EXPECT_EQ(s.strokes[0].parts[0][1], Vec2(3, 1.25));
+  }
+  const Strokes s = svg("<polyline\rpoints='1.5,2\r3,4'\rstroke='red'/>");
+  EXPECT_EQ(s.strokes[0].parts[0], (std::vector<Vec2>{{1.5, 2}, {3, 4}}));
+}
+
+// "1.250" is 1250 where points group digits.
+class GermanNumbers : public std::numpunct<char> {
+  char do_decimal_point() const override { return ','; }
+  char do_thousands_sep() const override { return '.'; }
+  std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(LoadStrokes, TheLocaleOfTheProgramDoesNotMatter) {
+  struct Changed {
+    std::locale before = std::locale::global(std::locale(std::locale(), new GermanNumbers));
+    ~Changed() { std::locale::global(before); }
+  } changed;
+  EXPECT_EQ(read_yaml(file_of(kYaml, ".yaml")).strokes[0].parts[0][1], Vec2(3, 1.25));
+  const Strokes s = svg("<polyline points='1.250,2 3,4.5' stroke='red' transform='translate(0.5 1.5)'/>");
+  EXPECT_EQ(s.strokes[0].parts[0], (std::vector<Vec2>{{1.75, 3.5}, {3.5, 6}}));
 }
 
 TEST(LoadStrokes, BadFilesAreRefused) {

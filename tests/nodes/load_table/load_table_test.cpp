@@ -78,12 +78,53 @@ TEST(LoadTable, WrongJsonIsNamed) {
   EXPECT_EQ(code("{\"columns\":[\"a\"],\"rows\":[1]}"), "bad-table");
 }
 
-TEST(LoadTable, InvalidTextIsReplacedWithAWarning) {
+Table loaded(const std::string& bytes) {
+  const auto file = test::temporary_folder() / "a.csv";
+  std::ofstream(file, std::ios::binary) << bytes;
+  return test::run_node("LoadTable", {}, {{"path", file.string()}}).output<Table>("table");
+}
+
+TEST(LoadTable, EncodingsAndLineEndsDoNotMatter) {
+  const Table expected = read_csv("Fläche,b\n1.5,é\n", "t.csv");
+  EXPECT_EQ(test::bytes_of(loaded("Fläche,b\r1.5,é\r")), test::bytes_of(expected));
+  EXPECT_EQ(test::bytes_of(loaded("\xef\xbb\xbf"
+                                  "Fläche,b\r\n1.5,é\r\n")),
+            test::bytes_of(expected));
+  EXPECT_EQ(test::bytes_of(loaded("Fl\xe4"
+                                  "che,b\n1.5,\xe9\n")),
+            test::bytes_of(expected));
+  std::string wide = "\xff\xfe";
+  for (const char16_t c : std::u16string(u"Fläche,b\n1.5,é\n"))
+    wide += {static_cast<char>(c & 0xff), static_cast<char>(c >> 8)};
+  EXPECT_EQ(test::bytes_of(loaded(wide)), test::bytes_of(expected));
+}
+
+TEST(LoadTable, OneColumnMayHaveDecimalCommas) {
+  const auto rows = [](const std::string& text) { return read_csv(text, "t.csv").rows; };
+  EXPECT_EQ(rows("Area (µm²)\n1,5\n-20\n"), (std::vector<Row>{{1.5}, {-20.0}}));
+  EXPECT_EQ(test::code_of([&] { rows("place\nOslo, Norway\n"); }), "malformed-row");
+  EXPECT_EQ(test::code_of([&] { rows("x\n1;2\n"); }), "malformed-row");
+}
+
+TEST(LoadTable, InvalidTextIsReadAsWindows1252WithAWarning) {
   const auto file = test::temporary_folder() / "a.csv";
   std::ofstream(file) << "x\n\xff\n";
   const auto run = test::run_node("LoadTable", {}, {{"path", file.string()}});
-  EXPECT_EQ(run.output<Table>("table").rows[0][0], Cell("\xef\xbf\xbd"));
+  EXPECT_EQ(run.output<Table>("table").rows[0][0], Cell("ÿ"));
   EXPECT_EQ(run.warnings.size(), 1u);
+}
+
+TEST(LoadTable, ReadsTheReportedFiles) {
+  const auto data = test::shared_data();
+  if (data.empty()) GTEST_SKIP() << "no shared data";
+  const auto run = test::run_node("LoadTable", {}, {{"path", (data / "reports/utf16.csv").string()}});
+  const Table& table = run.output<Table>("table");
+  EXPECT_EQ(table.columns, std::vector<std::string>{"area"});
+  EXPECT_EQ(table.rows.size(), 400u);
+  EXPECT_EQ(table.rows[0][0], Cell(3.118547));
+  const auto areas =
+      test::run_node("LoadTable", {}, {{"path", (data / "reports/header_um2_one_column.csv").string()}});
+  EXPECT_EQ(areas.output<Table>("table").columns, std::vector<std::string>{"Area (µm²)"});
 }
 
 }  // namespace

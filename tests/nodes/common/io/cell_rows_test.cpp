@@ -38,6 +38,30 @@ TEST(CellRows, BlanksSeparateWhereAsked) {
   EXPECT_EQ(rows_of("\"a b\" \"\"\n", format), (Rows{"1:\"a b\"|\"\""}));
 }
 
+// "Area (µm²)" is one column where rows have one number, and two where they have two.
+TEST(CellRows, RowsTellWhetherBlanksInTheHeaderSeparate) {
+  const CellFormat format{.separators = "\t;, "};
+  EXPECT_EQ(rows_of("Area (µm²)\n1.5\n2\n", format), (Rows{"1:Area (µm²)", "2:1.5", "3:2"}));
+  EXPECT_EQ(rows_of("Area (µm²)\n1,5\n2\n", format), (Rows{"1:Area (µm²)", "2:1,5", "3:2"}));
+  EXPECT_EQ(rows_of("Area Mean\n1 2\n", format), (Rows{"1:Area|Mean", "2:1|2"}));
+  EXPECT_EQ(rows_of("Area Mean\n1 2 3\n", format), (Rows{"1:Area|Mean", "2:1|2|3"}));  // a number of the row
+}
+
+TEST(CellRows, TheSeparatorDividesHeaderAndRowsAlike) {
+  EXPECT_EQ(rows_of("a;b,c\n1,2\n"), (Rows{"1:a;b|c", "2:1|2"}));
+  EXPECT_EQ(rows_of("\"Area; µm²\",Mean\n1,2\n"), (Rows{"1:\"Area; µm²\"|Mean", "2:1|2"}));
+  EXPECT_EQ(rows_of("\"Area, µm²\"\n1,5\n"), (Rows{"1:\"Area, µm²\"", "2:1,5"}));
+  EXPECT_EQ(rows_of("sep=;\na,b;c\n1;2\n"), (Rows{"2:a,b|c", "3:1|2"}));
+}
+
+TEST(CellRows, LinesEndInThreeWays) {
+  const Rows expected{"1:a|b", "3:1|2", "4:\"x\n\"|3", "6:4|5"};
+  EXPECT_EQ(rows_of("a,b\n\n1,2\n\"x\n\",3\n4,5\n"), expected);
+  EXPECT_EQ(rows_of("a,b\r\r1,2\r\"x\n\",3\r4,5"), expected);
+  EXPECT_EQ(rows_of("a,b\r\n\r\n1,2\r\n\"x\n\",3\r\n4,5\r\n"), expected);
+  EXPECT_EQ(rows_of("a\n\"x\r\ny\rz\"\nb\n"), (Rows{"1:a", "2:\"x\r\ny\rz\"", "5:b"}));
+}
+
 TEST(CellRows, QuotesMayContainEverything) {
   EXPECT_EQ(rows_of("x,y\n\"a,\n\"\"b\"\"\" ,c\nd,\"\"\n"), (Rows{"1:x|y", "2:\"a,\n\"b\"\"|c", "4:d|\"\""}));
   EXPECT_EQ(rows_of("5\" pipe,2\n"), (Rows{"1:5\" pipe|2"}));  // quotes count only at the start of a cell
