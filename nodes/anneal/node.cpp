@@ -25,10 +25,9 @@ void compute(Context& c) {
 
   PackResult r = pack_particles(distribution, shapes, c.optional<Particles>("start"), o, c.work());
   for (const auto& note : r.notes) c.warn(note);
-  c.metric("particles", static_cast<double>(r.particles.count()));
-  c.metric("packing_fraction", volume_fraction(shapes, r.particles));
+  report_population(c, r.particles, volume_fraction(shapes, r.particles), r.requested_fraction,
+                    r.left_out_fraction, r.shrink < 1 || r.dropped > 0);
   c.metric("void_fraction", void_fraction(shapes, r.particles));
-  c.metric("requested_fraction", r.requested_fraction);
   c.metric("max_penetration", r.max_penetration);
   c.metric("box_x", r.particles.box[0]);
   c.metric("box_y", r.particles.box[1]);
@@ -61,7 +60,7 @@ namespace terrazzo {
 
 NodeType anneal_node() {
   using namespace anneal;
-  NodeType type("Anneal", 9);
+  NodeType type("Anneal", 10);
   type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "

@@ -2,6 +2,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/data/opaque_volume.h"
+#include "nodes/measure3d/pieces.h"
 #include "nodes/measure3d/report.h"
 #include "nodes/measure3d/surfaces.h"
 #include "runtime/context.h"
@@ -43,11 +44,39 @@ void check_box(const Raster& raster, const Particles& particles) {
       "connect the volume that was made from these particles");
 }
 
-void measure_voxels(Context& c, const Raster& raster, const Particles* particles, bool labels, Findings& f) {
+// Says which labels are phases, and marks their pieces.
+void report_phases(Context& c, const Phases& phases, Findings& f) {
+  std::size_t spanning = 0;
+  for (Body& b : f.bodies) {
+    if (b.index < phases.first) continue;
+    const auto piece = static_cast<std::size_t>(b.index - phases.first);
+    b.cls = phases.label_of[piece];
+    if (phases.spans[piece]) b.cut = true, ++spanning;
+  }
+  const std::size_t count = phases.labels.size(), shown = std::min<std::size_t>(count, 5);
+  std::string names =
+      fmt::format("{}", fmt::join(phases.labels.begin(), phases.labels.begin() + shown, ", "));
+  if (count > shown) names += fmt::format(" and {} more", count - shown);
+  std::string text = fmt::format(
+      "{} of the labels mark{} a phase instead of a particle ({}): no connected piece has half of the "
+      "label's "
+      "voxels, or one reaches across the whole box. The {} connected pieces are measured as particles, with "
+      "the label as their class",
+      count, count == 1 ? "s" : "", names, phases.label_of.size());
+  if (spanning > 0)
+    text += fmt::format("; the {} that reach{} across the box {} left out of means and distributions",
+                        spanning, spanning == 1 ? "es" : "", spanning == 1 ? "is" : "are");
+  c.warn(text + ". If the lowest label is the binder, set `threshold` above it.");
+}
+
+void measure_voxels(Context& c, Raster& raster, const Particles* particles, bool labels, Findings& f) {
   f.volume = static_cast<double>(raster.count()) * raster.voxel_volume();
+  Phases phases;
+  if (labels) phases = split_phases(raster, c.work().quiet());
   VoxelSurfaces surfaces = voxel_surfaces(raster, c.work().part(0.45, 0.55));
   if (labels) {
     f.bodies = bodies_of(raster, particles, c.work().part(0.55, 0.6));
+    if (!phases.labels.empty()) report_phases(c, phases, f);
     f.touches = std::move(surfaces.touches);
   }
   f.voxel_fraction = raster.fraction();
@@ -57,7 +86,7 @@ void measure_voxels(Context& c, const Raster& raster, const Particles* particles
 }
 
 // Particles of the phase, or all solid ones if the phase is the binder, that are not cut by the border.
-void choose_bodies(Context& c, Phase phase, Findings& f) {
+void choose_bodies(Context& c, Phase phase, bool tiles, Findings& f) {
   std::size_t cut = 0, voids = 0;
   for (const Body& b : f.bodies) {
     f.counted.push_back(b.is_void == (phase == Phase::Voids) && !b.cut);
@@ -65,7 +94,7 @@ void choose_bodies(Context& c, Phase phase, Findings& f) {
   }
   if (phase == Phase::Voids && voids == 0)
     throw Error("no-particles", "none of the particles is a void", "set phase: particles").parameter("phase");
-  if (cut > 0)
+  if (cut > 0 && !tiles)
     c.warn(
         fmt::format("{} of {} particles touch the border of a volume that does not tile: they are listed, "
                     "but left out of means "
@@ -79,17 +108,19 @@ void compute(Context& c) {
   const auto* volume = c.optional<Volume>("volume");
   const Phase phase = c.choice<Phase>("phase");
   Findings f;
+  bool tiles = true;
   if (particles) measure_meshes(c, *particles, f);
   if (volume) {
-    const Raster raster = read_raster(*volume, c.text("grid"), particles, phase,
-                                      c.optional_number("threshold"), c.memory(), c.work().part(0.4, 0.45));
+    Raster raster = read_raster(*volume, c.text("grid"), particles, phase, c.optional_number("threshold"),
+                                c.memory(), c.work().part(0.4, 0.45));
+    tiles = raster.box.periodic;
     if (particles) check_box(raster, *particles);
     measure_voxels(c, raster, particles, !particles && !raster.ids.empty(), f);
     if (raster.inside == 0 || raster.inside == raster.count())
       c.warn(fmt::format("{} voxel belongs to the phase, so correlations are constant",
                          raster.inside == 0 ? "no" : "every"));
   }
-  choose_bodies(c, phase, f);
+  choose_bodies(c, phase, tiles, f);
   count_contacts(f);
   const Table summary = summary_of(f);
   for (const auto& [row, name] :

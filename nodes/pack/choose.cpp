@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
@@ -11,7 +13,8 @@ namespace {
 
 constexpr double kNoBinder = 0.97;  // volume fraction
 constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
-constexpr int kIterations = 1500;
+// Largest number of steps, the same times particles, and the fewest steps.
+constexpr double kIterations = 1500, kBodySteps = kIterations * 2500, kFewest = 200;
 constexpr double kEquiaxed = 0.6;  // least axis ratio
 constexpr std::size_t kFew = 5;    // profiles
 
@@ -29,8 +32,8 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
                      const Particles* start, const packing::PackOptions& options, const Work& work) {
   packing::PopulationOptions any = options.population;
   any.fills_space = true;
-  const double fraction =
-      packing::populate(distribution, shapes, nullptr, any, work.quiet()).requested_fraction;
+  const packing::Population population = packing::populate(distribution, shapes, nullptr, any, work.quiet());
+  const double fraction = population.target_fraction;
   Choice choice;
   if (fraction >= kNoBinder) {
     choice.method = Method::Laguerre;
@@ -42,7 +45,8 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
   }
   if (fraction < kDense) try {
       packing::PackOptions pack = options;
-      pack.iterations = kIterations;
+      pack.iterations = static_cast<int>(
+          std::clamp(kBodySteps / static_cast<double>(population.particles.count()), kFewest, kIterations));
       pack.hopeless = 0;  // if a sample jams, all do, or after long
       choice.packed = packing::pack_particles(distribution, shapes, start, pack, work);
       choice.method = Method::Anneal;

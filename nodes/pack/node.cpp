@@ -22,9 +22,8 @@ void output_packed(Context& c, const SizeDistribution& distribution, const Shape
   for (std::size_t i = 0; i < r.particles.count(); ++i)
     wanted.push_back(shapes.shapes[r.particles.shape[i]].volume *
                      std::pow(r.particles.scale[i] / r.shrink, 3));
-  c.metric("particles", static_cast<double>(r.particles.count()));
-  c.metric("packing_fraction", volume_fraction(shapes, r.particles));
-  c.metric("requested_fraction", r.requested_fraction);
+  report_population(c, r.particles, volume_fraction(shapes, r.particles), r.requested_fraction,
+                    r.left_out_fraction, r.shrink < 1 || r.dropped > 0);
   c.metric("box_x", r.particles.box[0]);
   c.metric("box_y", r.particles.box[1]);
   c.metric("box_z", r.particles.box[2]);
@@ -92,7 +91,7 @@ namespace terrazzo {
 
 NodeType pack_node() {
   using namespace pack;
-  NodeType type("Pack", 6);
+  NodeType type("Pack", 7);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "

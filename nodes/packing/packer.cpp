@@ -224,6 +224,7 @@ PackResult Packer::run() {
   result_.size_class = population_.size_class;
   result_.expected = population_.expected;
   result_.requested_fraction = population_.requested_fraction;
+  result_.left_out_fraction = population_.left_out_fraction;
   result_.steps = budget_.used;
   result_.max_penetration = audit_.worst;
   result_.shrink = goal_ * packing_.shrink;

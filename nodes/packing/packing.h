@@ -35,11 +35,12 @@ struct PackResult {
   std::vector<int> size_class;   // of each particle
   std::vector<double> expected;  // number of particles requested in each class
   double requested_fraction = 0;
-  double max_penetration = 0;  // from the audit, relative to the smaller particle's size
-  double reachable = 0;        // volume fraction that the estimate expected to reach; 0 without an estimate
-  double coordination = 0;     // mean number of neighbors within 1 % of the smaller particle's size
-  double shrink = 1;           // all particles were scaled by this factor
-  std::size_t kept = 0;        // number of particles kept from `start`
+  double left_out_fraction = 0;  // the part of it that is left to the binder; see Population
+  double max_penetration = 0;    // from the audit, relative to the smaller particle's size
+  double reachable = 0;          // volume fraction that the estimate expected to reach; 0 without an estimate
+  double coordination = 0;       // mean number of neighbors within 1 % of the smaller particle's size
+  double shrink = 1;             // all particles were scaled by this factor
+  std::size_t kept = 0;          // number of particles kept from `start`
   std::size_t dropped = 0;
   double dropped_volume = 0;       // mm³
   int iterations = 0;              // of all bodies

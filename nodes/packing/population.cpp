@@ -16,6 +16,7 @@ namespace terrazzo::packing {
 namespace {
 
 constexpr std::uint64_t kSizes = 0x73697a6573, kShapes = 0x736861706573, kOrder = 0x6f72646572;
+constexpr double kRoomy = 3;  // edge of a box that shows many large particles, in the size of the largest
 
 struct Cell {
   int entry, cls;      // entry of the distribution, size class
@@ -103,35 +104,63 @@ void largest(const SizeDistribution& d, const Shapes& shapes, double& size, doub
     }
 }
 
-Vec3 choose_box(const PopulationOptions& o, double density, double size, double diameter, Population& out) {
-  if (!o.edges.empty()) {
-    if (o.edges.size() > 3) throw Error("bad-size", "a box has at most three edges", "").parameter("size");
-    const Vec3 box(o.edges[0], o.edges[o.edges.size() == 3 ? 1 : 0], o.edges.back());
-    if (!box.allFinite() || !(box.minCoeff() > 0))
-      throw Error("bad-size", "the box edges must be positive numbers", "").parameter("size");
-    if (diameter + o.binder_gap >= box.minCoeff())
-      throw Error("box-too-small",
-                  fmt::format("a particle of size {:.4g} mm has an extent of {:.4g} mm, which does not fit "
-                              "the box edge of {:.4g} mm: it would touch its own periodic image",
-                              size, diameter, box.minCoeff()),
-                  fmt::format("make the box at least {:.4g} mm, preferably {:.4g} mm",
-                              1.05 * diameter + o.binder_gap, 3 * size))
-          .parameter("size");
-    return box;
+Vec3 given_box(const PopulationOptions& o, double size, double diameter) {
+  if (o.edges.size() > 3) throw Error("bad-size", "a box has at most three edges", "").parameter("size");
+  const Vec3 box(o.edges[0], o.edges[o.edges.size() == 3 ? 1 : 0], o.edges.back());
+  if (!box.allFinite() || !(box.minCoeff() > 0))
+    throw Error("bad-size", "the box edges must be positive numbers", "").parameter("size");
+  if (diameter + o.binder_gap >= box.minCoeff())
+    throw Error("box-too-small",
+                fmt::format("a particle of size {:.4g} mm has an extent of {:.4g} mm, which does not fit "
+                            "the box edge of {:.4g} mm: it would touch its own periodic image",
+                            size, diameter, box.minCoeff()),
+                fmt::format("make the box at least {:.4g} mm, preferably {:.4g} mm",
+                            1.05 * diameter + o.binder_gap, kRoomy * size))
+        .parameter("size");
+  return box;
+}
+
+// The edge of a cube for about `count` particles. Large particles need a larger box, which may hold up to
+// most_enlarged() particles. `least`: the smallest edge at which the largest particle fits.
+double automatic_edge(const PopulationOptions& o, double density, double size, double diameter, double least,
+                      Population& out) {
+  const double edge = std::cbrt(static_cast<double>(o.count) / density);
+  const double wanted = std::max(kRoomy * size, 1.2 * diameter + o.binder_gap);
+  if (edge >= wanted) return edge;
+  const double capped = std::cbrt(most_enlarged(o) / density);
+  const double chosen = std::max({edge, std::min(wanted, capped), std::min(wanted, least)});
+  if (chosen < wanted)
+    out.notes.push_back(fmt::format(
+        "the box is only {:.2f} times the largest particle; a larger one would need {:.3g} particles",
+        chosen / size, density * wanted * wanted * wanted));
+  return chosen;
+}
+
+double sum_of_densities(const std::vector<Cell>& cells) {
+  double sum = 0;
+  for (const Cell& c : cells) sum += c.density;
+  return sum;
+}
+
+// Leaves the smallest size classes to the binder until the smallest box in which the largest particle fits
+// holds no more than `count` or kMostEnlarged particles. A class is left out as a whole; the largest stays.
+void leave_out_smallest(std::vector<Cell>& cells, const SizeDistribution& d, const PopulationOptions& o,
+                        double least, Population& out) {
+  const double most = std::max(static_cast<double>(o.count), kMostEnlarged), volume = least * least * least;
+  const double before = sum_of_densities(cells);
+  while (sum_of_densities(cells) * volume > most && cells.front().cls > cells.back().cls) {
+    const int cls = cells.back().cls;
+    for (; cells.back().cls == cls; cells.pop_back())
+      out.left_out_fraction += cells.back().density * cells.back().mean_volume;
+    out.left_out_size = d.class_edges[static_cast<std::size_t>(cls) + 1];
   }
-  double edge = std::cbrt(static_cast<double>(o.count) / density);
-  const double wanted = std::max(3 * size, 1.2 * diameter + o.binder_gap);
-  if (edge < wanted) {
-    // Large particles require a larger box, unless that needs too many small ones.
-    const double capped = std::cbrt(10.0 * static_cast<double>(o.count) / density);
-    edge = std::max({edge, std::min(wanted, capped),
-                     std::min(wanted, std::max(1.5 * size, 1.1 * diameter + o.binder_gap))});
-    if (edge < wanted)
-      out.notes.push_back(fmt::format(
-          "the box is only {:.2f} times the largest particle; a larger one would need {:.3g} particles",
-          edge / size, density * wanted * wanted * wanted));
-  }
-  return Vec3::Constant(edge);
+  if (out.left_out_fraction > 0)
+    out.notes.push_back(fmt::format(
+        "particles smaller than {:.4g} mm, {:.3g} of the volume, are left to the binder: a box in which the "
+        "largest particle fits would hold {:.3g} particles with them, {:.3g} without; to keep them, set "
+        "`count` to {:.3g} or more",
+        out.left_out_size, out.left_out_fraction, before * volume, sum_of_densities(cells) * volume,
+        std::ceil(before * volume)));
 }
 
 // Rounds the running sum of the expected counts, shifted by `phase`.
@@ -218,6 +247,11 @@ void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const
 
 }  // namespace
 
+double most_enlarged(const PopulationOptions& o) {
+  const auto count = static_cast<double>(o.count);
+  return std::max(count, std::min(10 * count, kMostEnlarged));
+}
+
 Population populate(const SizeDistribution& d, const Shapes& shapes, const Particles* start,
                     const PopulationOptions& o, const Work& work) {
   check(d, shapes);
@@ -263,7 +297,16 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
 
   double size, diameter;
   largest(d, shapes, size, diameter);
-  const Vec3 box = choose_box(o, density, size, diameter, out);
+  Vec3 box;
+  if (o.edges.empty()) {
+    const double least = std::max(1.5 * size, 1.1 * diameter + o.binder_gap);
+    leave_out_smallest(cells, d, o, least, out);
+    density = sum_of_densities(cells);
+    box = Vec3::Constant(automatic_edge(o, density, size, diameter, least, out));
+  } else {
+    box = given_box(o, size, diameter);
+  }
+  out.target_fraction = out.requested_fraction - out.left_out_fraction;
   const double volume = box.prod(), expected = density * volume;
   // Exactly `most` particles are allowed despite the rounding of their box.
   if (expected > static_cast<double>(o.most) + 0.5)
@@ -275,7 +318,7 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
         "make the box smaller, or leave out the smallest classes")
         .parameter("size");
 
-  const double target = out.requested_fraction * volume;
+  const double target = out.target_fraction * volume;
   double best_phase = 0.5, least = 1e300;
   for (int k = 0; k < 32; ++k) {
     const double phase = (k + 0.5) / 32;

@@ -27,6 +27,11 @@ struct PopulationOptions {
   std::uint64_t seed = 1;
 };
 
+// An automatic box is made larger than for `count` particles, so that it shows many of the largest ones, as
+// long as it holds at most this many particles in all and at most ten times `count`.
+inline constexpr double kMostEnlarged = 4000;
+double most_enlarged(const PopulationOptions&);
+
 struct Population {
   // Scale and size of all particles; positions only of the kept ones. Kept particles are first, then the
   // others by decreasing size.
@@ -35,6 +40,9 @@ struct Population {
   double start_shrink = 1;        // factor by which the kept ones were smaller in `start`; see shrunk_start.h
   std::vector<int> size_class;    // of each particle
   double requested_fraction = 0;  // Σ N_V·V
+  double left_out_fraction = 0;   // the part of it in size classes that are left to the binder
+  double left_out_size = 0;       // mm: they are smaller than this
+  double target_fraction = 0;     // the rest: what the particles are to fill
   double fraction = 0;            // volume fraction of the particles
   std::vector<double> expected;   // number of particles of each size class in this box, not rounded
   std::vector<std::string> notes;  // warnings for the user

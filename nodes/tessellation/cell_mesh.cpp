@@ -4,6 +4,12 @@
 #include <cmath>
 
 namespace terrazzo::tessellation {
+namespace {
+
+constexpr std::size_t kFewPlanes = 60;
+constexpr double kNothing = 1e-6;  // share of the largest term
+
+}  // namespace
 
 Mesh cell_mesh(const ConvexCell& cell) {
   double extent = 0;
@@ -40,16 +46,19 @@ Mesh cell_mesh(const ConvexCell& cell) {
 void round_edges(Mesh& mesh, const std::vector<Plane>& planes, const Vec3& center, double roundness) {
   if (!(roundness > 0)) return;
   const double power = 3 / roundness;
+  // Of many planes, those that add next to nothing to the sum are left out: they would take most of the time.
+  const double least = planes.size() > kFewPlanes ? std::pow(kNothing, 1 / power) : 0;
+  std::vector<double> shares(planes.size());
   for (Vec3& v : mesh.vertices) {
     const Vec3 r = v - center;
     double largest = 0, sum = 0;
-    for (const Plane& p : planes)
-      largest = std::max(largest, p.normal.dot(r) / (p.offset - p.normal.dot(center)));
-    if (!(largest > 0)) continue;
-    for (const Plane& p : planes) {
-      const double h = p.normal.dot(r) / (p.offset - p.normal.dot(center));
-      if (h > 0) sum += std::pow(h / largest, power);
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+      shares[k] = planes[k].normal.dot(r) / (planes[k].offset - planes[k].normal.dot(center));
+      largest = std::max(largest, shares[k]);
     }
+    if (!(largest > 0)) continue;
+    for (const double h : shares)
+      if (h > least * largest) sum += std::pow(h / largest, power);
     v = center + r / (largest * std::pow(sum, 1 / power));
   }
 }

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "nodes/tessellation/effort.h"
+#include "nodes/tessellation/growth_shapes.h"
 #include "runtime/work.h"
 
 namespace terrazzo::tessellation {
@@ -25,7 +28,9 @@ struct Grown {
 // between each pair of neighbors limits both: contacts become flat, and no two particles have a point in
 // common. Planes move towards the particle that needs to grow less. A particle's own scale is where its
 // growth begins; shapes that are not star-shaped about their centroid are cut along rays from it.
-Grown grow(const Shapes& shapes, const Particles& packed, const std::vector<double>& volume,
-           const GrowOptions& options, const Work& work = {});
+// Planes stop moving once the effort is spent.
+// `shapes` were prepared for these particles.
+Grown grow(const GrowthShapes& shapes, const Particles& packed, const std::vector<double>& volume,
+           const GrowOptions& options, Effort& effort, const Work& work = {});
 
 }  // namespace terrazzo::tessellation

@@ -26,13 +26,23 @@ constexpr double kWhole = 1e-6;       // volume fractions closer to 1 than this 
 constexpr double kEdges = 0.15;       // longest edge of a rounded mesh, in grain diameters
 constexpr double kRoughEdges = 0.13;  // the same of a rough one, in mean grain diameters
 
+constexpr int kDoublings = 8;
+constexpr double kWidest = 0.4;  // of automatic gaps, in the smaller radius
+// Effort of a plane's share in a norm, and of moving a face inward.
+constexpr double kPowers = 8, kShrink = 500;
+
 double diameter_of(double volume) { return std::cbrt(6 / std::numbers::pi * volume); }
 
 class Laguerre {
  public:
-  Laguerre(const Vec3& box, const std::vector<double>& volume, const LaguerreOptions& options,
+  Laguerre(const Vec3& box, const std::vector<double>& volume, const LaguerreOptions& options, Effort& effort,
            const Work& work)
-      : box_(box), wanted_(volume), options_(options), work_(work), roundness_(options.roundness) {
+      : box_(box),
+        wanted_(volume),
+        options_(options),
+        effort_(effort),
+        work_(work),
+        roundness_(options.roundness) {
     stretch_ = options.stretch / std::cbrt(options.stretch.prod());
     total_ = std::accumulate(volume.begin(), volume.end(), 0.0);
   }
@@ -42,6 +52,7 @@ class Laguerre {
   Vec3 box_, stretch_;
   const std::vector<double>& wanted_;
   const LaguerreOptions& options_;
+  Effort& effort_;
   const Work& work_;
   double total_ = 0;
   double roundness_;
@@ -75,8 +86,12 @@ void Laguerre::make_cells(const Work& work) {
 }
 
 double Laguerre::gap_of(std::size_t i, const Plane& plane, double gap) const {
-  if (options_.gap_variation == 0 || plane.neighbor < 0) return gap;
+  if (plane.neighbor < 0) return gap;
   const auto j = static_cast<std::size_t>(plane.neighbor);
+  // A gap that is chosen leaves small grains most of their size.
+  if (!options_.gap)
+    gap = std::min(gap, kWidest * std::cbrt(0.75 / std::numbers::pi * std::min(wanted_[i], wanted_[j])));
+  if (options_.gap_variation == 0) return gap;
   const std::uint64_t low = std::min(i, j), high = std::max(i, j);
   return gap * (1 + options_.gap_variation * Random(mix64(options_.seed) ^ low, kGaps, high).uniform(-1, 1));
 }
@@ -100,11 +115,16 @@ Mesh Laguerre::solid(const ConvexCell& cell, double longest_edge) const {
 void Laguerre::measure_rounding(double gap, const Work& work) {
   rounding_.assign(cells_.size(), 1);
   if (roundness_ == 0) return;
+  std::vector<double> tests(cells_.size(), 0);
   work.parallel(cells_.size(), 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (const ConvexCell c = shrunk(i, gap); c.volume > 0)
-        rounding_[i] = mesh_volume(solid(c, kEdges * diameter_of(c.volume))) / c.volume;
+      if (const ConvexCell c = shrunk(i, gap); c.volume > 0) {
+        const Mesh mesh = solid(c, kEdges * diameter_of(c.volume));
+        rounding_[i] = mesh_volume(mesh) / c.volume;
+        tests[i] = kPowers * static_cast<double>(mesh.vertices.size() * c.faces.size());
+      }
   });
+  effort_.used += std::accumulate(tests.begin(), tests.end(), 0.0);
 }
 
 std::vector<double> Laguerre::volumes(double gap, const Work& work) const {
@@ -112,6 +132,7 @@ std::vector<double> Laguerre::volumes(double gap, const Work& work) const {
   work.parallel(v.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) v[i] = rounding_[i] * shrunk(i, gap).volume;
   });
+  for (const ConvexCell& c : cells_) effort_.used += kShrink * static_cast<double>(c.faces.size());
   return v;
 }
 
@@ -143,7 +164,10 @@ double Laguerre::fitting_gap(const Work& work) const {
   double low = 0, above = excess(0);
   if (above <= 0) return 0;
   double high = 0.2 * std::cbrt(box_.prod() / static_cast<double>(cells_.size())), below = excess(high);
-  while (below > 0) low = high, above = below, high *= 2, below = excess(high);
+  for (int k = 0; below > 0; ++k) {
+    if (k == kDoublings) return high;  // all gaps are as wide as the grains let them be
+    low = high, above = below, high *= 2, below = excess(high);
+  }
   for (int k = 0; k < 40 && above > 1e-6 * total_ && -below > 1e-6 * total_; ++k) {
     // The volume is nearly a cubic of the gap, so the secant is good; a share of bisection keeps both ends
     // moving.
@@ -162,7 +186,7 @@ Grains Laguerre::run() {
   std::vector<double> cell_volume = wanted_;
   seeds_ = sphere_seeds(even_box, cell_volume, options_.seed, options_.seed_fraction, work_.part(0, 0.1));
   out.iterations =
-      fit_round_cells(seeds_, cell_volume, options_.tolerance, options_.rounds, work_.part(0.1, 0.6))
+      fit_round_cells(seeds_, cell_volume, options_.tolerance, options_.rounds, effort_, work_.part(0.1, 0.6))
           .iterations;
   const Work enlarging = work_.part(0.6, 0.8);
   for (int round = 0;; ++round) {
@@ -183,17 +207,18 @@ Grains Laguerre::run() {
       const double taken = std::cbrt(cell_volume[i]) - std::cbrt(out.volume[i]);
       cell_volume[i] = std::pow(std::cbrt(factor * wanted_[i]) + taken, 3);
     }
-    if (lost == n || (lost > 0 && round == kEnlargements))
+    const int last = effort_.spent() ? round : kEnlargements;
+    if (lost == n || (lost > 0 && round == last))
       throw Error(
           "gap-too-wide",
           fmt::format("{} of {} grains are thinner than the gap of {:.4g} mm", lost, n, out.gap),
           "lower `gap` or gap_variation, raise the volume fraction, or leave out the smallest classes")
           .parameter("gap");
-    if (!shrinks() || out.worst <= options_.tolerance || round == kEnlargements) break;
+    if (!shrinks() || out.worst <= options_.tolerance || round == last) break;
     enlarging.progress(static_cast<double>(round) / kEnlargements,
                        fmt::format("volumes within {:.2g}", out.worst));
     out.iterations +=
-        fit_volumes(seeds_, cell_volume, 0.2 * options_.tolerance, enlarging.quiet()).iterations;
+        fit_volumes(seeds_, cell_volume, 0.2 * options_.tolerance, effort_, enlarging.quiet()).iterations;
   }
   for (const ConvexCell& c : cells_)
     out.faces += static_cast<double>(c.faces.size()) / static_cast<double>(n);
@@ -220,8 +245,8 @@ Grains Laguerre::run() {
 }  // namespace
 
 Grains laguerre_grains(const Vec3& box, const std::vector<double>& volume, const LaguerreOptions& options,
-                       const Work& work) {
-  return Laguerre(box, volume, options, work).run();
+                       Effort& effort, const Work& work) {
+  return Laguerre(box, volume, options, effort, work).run();
 }
 
 }  // namespace terrazzo::tessellation

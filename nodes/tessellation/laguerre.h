@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/shapes.h"
+#include "nodes/tessellation/effort.h"
 #include "runtime/work.h"
 
 namespace terrazzo::tessellation {
@@ -41,7 +42,8 @@ struct Grains {
 // also where grains are rounded or have gaps, because their cells are enlarged in turn; only if these leave
 // too little, all grains are smaller by one factor. Throws Error "not-converged", and "gap-too-wide" if a
 // grain is thinner than the gap.
+// Once the effort is spent, volumes are only as exact as Grains::worst says.
 Grains laguerre_grains(const Vec3& box, const std::vector<double>& volume, const LaguerreOptions& options,
-                       const Work& work = {});
+                       Effort& effort, const Work& work = {});
 
 }  // namespace terrazzo::tessellation

@@ -20,6 +20,7 @@ constexpr int kSteps = 200;
 constexpr double kShortest = 1e-7;  // step length at which the search along a direction gives up
 constexpr double kCoarse = 0.03;    // tolerance between rounds
 constexpr double kSolve = 1e-6;     // of the linear solver
+constexpr double kPerFace = 1000;   // effort of a diagram and a step, for each side of a face
 
 // The direction that would make all volumes right if they were linear in the weights.
 VectorXd newton_direction(const CellSizes& c, const VectorXd& missing) {
@@ -44,8 +45,8 @@ double smallest(const std::vector<double>& v) { return *std::min_element(v.begin
 
 class Fit {
  public:
-  Fit(Seeds& seeds, const std::vector<double>& volume, const Work& work)
-      : seeds_(seeds), work_(work), wanted_(static_cast<Eigen::Index>(volume.size())) {
+  Fit(Seeds& seeds, const std::vector<double>& volume, Effort& effort, const Work& work)
+      : seeds_(seeds), effort_(effort), work_(work), wanted_(static_cast<Eigen::Index>(volume.size())) {
     const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
     for (std::size_t i = 0; i < volume.size(); ++i) wanted_[i] = volume[i] / sum * seeds.box.prod();
   }
@@ -54,6 +55,7 @@ class Fit {
 
  private:
   Seeds& seeds_;
+  Effort& effort_;
   const Work& work_;
   VectorXd wanted_;
   CellSizes now_;
@@ -62,7 +64,14 @@ class Fit {
     return wanted_ - Eigen::Map<const VectorXd>(c.volume.data(), wanted_.size());
   }
   bool step(double floor);
+  CellSizes sizes();
 };
+
+CellSizes Fit::sizes() {
+  CellSizes c = cell_sizes(seeds_, work_.quiet());
+  effort_.used += kPerFace * static_cast<double>(c.couplings.size());
+  return c;
+}
 
 // Moves along Newton's direction as far as no cell becomes smaller than `floor` and the error decreases.
 bool Fit::step(double floor) {
@@ -70,7 +79,7 @@ bool Fit::step(double floor) {
   const std::vector<double> start = seeds_.weight;
   for (double length = 1; length > kShortest; length /= 2) {
     for (std::size_t i = 0; i < start.size(); ++i) seeds_.weight[i] = start[i] + length * direction[i];
-    CellSizes next = cell_sizes(seeds_, work_.quiet());
+    CellSizes next = sizes();
     if (next.empty == 0 && smallest(next.volume) >= floor &&
         missing(next).norm() <= (1 - 0.1 * length) * missing_now.norm()) {
       now_ = std::move(next);
@@ -83,10 +92,10 @@ bool Fit::step(double floor) {
 
 VolumeFit Fit::run(double tolerance) {
   VolumeFit out;
-  now_ = cell_sizes(seeds_, work_.quiet());
+  now_ = sizes();
   if (now_.empty > 0) {
     std::fill(seeds_.weight.begin(), seeds_.weight.end(), 0.0);
-    now_ = cell_sizes(seeds_, work_.quiet());
+    now_ = sizes();
   }
   if (now_.empty > 0)
     throw Error("not-converged", fmt::format("{} seeds share their position with another", now_.empty),
@@ -94,7 +103,7 @@ VolumeFit Fit::run(double tolerance) {
   const double floor = 0.5 * std::min(wanted_.minCoeff(), smallest(now_.volume));
   for (;; ++out.iterations) {
     out.worst = missing(now_).cwiseQuotient(wanted_).cwiseAbs().maxCoeff();
-    if (out.worst <= tolerance) return out;
+    if (out.worst <= tolerance || effort_.spent()) return out;
     work_.progress(std::clamp(1 - std::log(out.worst / tolerance) / std::log(1e6), 0.0, 1.0),
                    fmt::format("volumes within {:.2g}", out.worst));
     if (out.iterations == kSteps || !step(floor))
@@ -107,17 +116,18 @@ VolumeFit Fit::run(double tolerance) {
 
 }  // namespace
 
-VolumeFit fit_volumes(Seeds& seeds, const std::vector<double>& volume, double tolerance, const Work& work) {
+VolumeFit fit_volumes(Seeds& seeds, const std::vector<double>& volume, double tolerance, Effort& effort,
+                      const Work& work) {
   if (seeds.count() == 0) return {};
-  return Fit(seeds, volume, work).run(tolerance);
+  return Fit(seeds, volume, effort, work).run(tolerance);
 }
 
 VolumeFit fit_round_cells(Seeds& seeds, const std::vector<double>& volume, double tolerance, int rounds,
-                          const Work& work) {
+                          Effort& effort, const Work& work) {
   int iterations = 0;
-  for (int k = 0; k < rounds; ++k) {
+  for (int k = 0; k < rounds && !effort.spent(); ++k) {
     const Work part = work.part(static_cast<double>(k) / (rounds + 1), (k + 1.0) / (rounds + 1));
-    iterations += fit_volumes(seeds, volume, std::max(tolerance, kCoarse), part).iterations;
+    iterations += fit_volumes(seeds, volume, std::max(tolerance, kCoarse), effort, part).iterations;
     const CellSizes cells = cell_sizes(seeds, part.quiet());
     for (std::size_t i = 0; i < seeds.count(); ++i) {
       Vec3& p = seeds.position[i];
@@ -125,7 +135,7 @@ VolumeFit fit_round_cells(Seeds& seeds, const std::vector<double>& volume, doubl
     }
   }
   VolumeFit out =
-      fit_volumes(seeds, volume, tolerance, work.part(static_cast<double>(rounds) / (rounds + 1), 1));
+      fit_volumes(seeds, volume, tolerance, effort, work.part(static_cast<double>(rounds) / (rounds + 1), 1));
   out.iterations += iterations;
   return out;
 }

@@ -1,6 +1,7 @@
 // Power diagrams whose cells have given volumes.
 #pragma once
 
+#include "nodes/tessellation/effort.h"
 #include "nodes/tessellation/power_diagram.h"
 
 namespace terrazzo::tessellation {
@@ -14,13 +15,13 @@ struct VolumeFit {
 // transport (Kitagawa, Mérigot, Thibert 2019; Bourne, Kok, Roper, Spanjer 2020). `volume`: positive, in mm³,
 // one per seed; they are scaled to fill the box. Ends when no cell is off by a fraction of more than
 // `tolerance`. Starts from the given weights, or from equal ones if those leave a cell empty. Throws Error
-// "not-converged" if the steps end before that.
-VolumeFit fit_volumes(Seeds& seeds, const std::vector<double>& volume, double tolerance,
+// "not-converged" if the steps end before that, but not if the effort is spent; see VolumeFit::worst.
+VolumeFit fit_volumes(Seeds& seeds, const std::vector<double>& volume, double tolerance, Effort& effort,
                       const Work& work = {});
 
 // `rounds` times, moves every seed to the centroid of its cell and fits the volumes again: cells become
 // rounder (Lloyd's algorithm). Intermediate diagrams are fitted coarsely.
 VolumeFit fit_round_cells(Seeds& seeds, const std::vector<double>& volume, double tolerance, int rounds,
-                          const Work& work = {});
+                          Effort& effort, const Work& work = {});
 
 }  // namespace terrazzo::tessellation

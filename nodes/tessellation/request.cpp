@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/io/particles_json.h"
 #include "nodes/packing/request.h"
+#include "nodes/packing/statistics.h"
 #include "nodes/tessellation/corner_roundness.h"
 #include "nodes/tessellation/joints.h"
 
@@ -69,7 +71,7 @@ void check_fill(const NodeParameters& p) {
         .parameter("stretch");
 }
 
-FillOptions read_fill(const Context& c, Method method) {
+FillOptions read_fill(Context& c, Method method) {
   FillOptions o;
   o.method = method;
   o.population = packing::read_population(c);
@@ -90,21 +92,27 @@ FillOptions read_fill(const Context& c, Method method) {
   o.corrections = static_cast<int>(c.integer("corrections"));
   o.axes = c.choice<CrystalAxes>("crystal_axes");
   o.spread = c.number("fiber_spread");
+  o.interrupted = [&c](const Particles& particles, const Shapes& shapes, bool grown) {
+    const double fraction = packing::volume_fraction(shapes, particles);
+    c.save_interrupted(
+        ".json",
+        fmt::format("the {} so far ({} particles, volume fraction {:.3f})", grown ? "result" : "packing",
+                    particles.count(), fraction),
+        "to use it, load it with LoadParticles and LoadShapes",
+        [&](const std::filesystem::path& file) { write_packing_json(file, particles, shapes); });
+  };
   return o;
 }
 
 void output_fill(Context& c, const SizeDistribution& distribution, FillResult r) {
   for (const auto& note : r.notes) c.warn(note);
-  if (r.fraction < 0.995 * r.requested_fraction)
-    c.warn(fmt::format("the particles fill {:.3f} of the box; {:.3f} was requested", r.fraction,
-                       r.requested_fraction));
+  packing::report_population(c, r.particles, r.fraction, r.requested_fraction, r.left_out_fraction,
+                             /*explained=*/false);
   if (r.worst > 0.05)
     c.warn(fmt::format("the volume of one particle is off by {:.0f} %: its neighbors leave it no room",
                        100 * r.worst));
-  c.metric("particles", static_cast<double>(r.particles.count()));
-  c.metric("packing_fraction", r.fraction);
-  c.metric("requested_fraction", r.requested_fraction);
   c.metric("worst_volume_error", r.worst);
+  c.metric("effort", r.effort);
   c.metric("box_x", r.particles.box[0]);
   c.metric("box_y", r.particles.box[1]);
   c.metric("box_z", r.particles.box[2]);

@@ -9,7 +9,8 @@ namespace terrazzo::tessellation {
 
 // Declares everything except the method and the parameters of the population.
 NodeType& declare_fill(NodeType&);
-FillOptions read_fill(const Context&, Method method);
+// If the filling is canceled, what it has reached is saved with Context::save_interrupted.
+FillOptions read_fill(Context&, Method method);
 // Throws Error "bad-stretch" unless `stretch` has one or three values.
 void check_fill(const NodeParameters&);
 // Sets metrics, warnings, and the outputs `particles`, `shapes`, `table` and `figure`.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -81,31 +82,83 @@ class Json {
 void add_color(std::string& text, const Vec3f& c) { add_row(text, double(c[0]), double(c[1]), double(c[2])); }
 void add_vector(std::string& text, const Vec3& v) { add_row(text, v[0], v[1], v[2]); }
 
-}  // namespace
-
-void write_particles_json(const std::filesystem::path& path, const Particles& p) {
+void write_particles(std::ostream& out, const Particles& p) {
   const std::size_t n = p.count();
   std::vector<std::size_t> voids;
   for (std::size_t i = 0; i < n; ++i)
     if (p.is_void(i)) voids.push_back(i);
+  Json j(out);
+  j.field("box", [&](std::string& text) { add_vector(text, p.box); });
+  j.field("count", [&](std::string& text) { add_number(text, n); });
+  j.list("shape", p.shape);
+  j.list("class", p.cls);
+  j.list("position", n, [&](std::string& text, std::size_t i) { add_vector(text, p.position[i]); });
+  j.list("orientation", n, [&](std::string& text, std::size_t i) {
+    const Quat& q = p.orientation[i];
+    add_row(text, q.w(), q.x(), q.y(), q.z());
+  });
+  j.list("scale", p.scale);
+  j.list("size", p.size);
+  j.list("color", n, [&](std::string& text, std::size_t i) { add_color(text, p.color[i]); });
+  j.field("binder_color", [&](std::string& text) { add_color(text, p.binder_color); });
+  j.list("voids", voids);
+  j.end();
+}
+
+void add_shape(std::string& text, const Shape& s) {
+  text +=
+      "{\"name\": " + nlohmann::json(s.name).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  const auto number = [&](const char* name, auto v) {
+    text += std::string(", \"") + name + "\": ";
+    add_number(text, v);
+  };
+  number("probability", s.probability), number("class", static_cast<std::int32_t>(s.cls));
+  number("volume", s.volume), number("surface_area", s.surface_area);
+  number("mean_caliper", s.mean_caliper), number("max_section_area", s.max_section_area);
+  text += std::string(", \"smooth\": ") + (s.smooth ? "true" : "false") + ", \"mesh\": {\"vertices\": [";
+  for (std::size_t k = 0; k < s.mesh.vertices.size(); ++k) {
+    if (k > 0) text += ',';
+    add_vector(text, s.mesh.vertices[k]);
+  }
+  text += "], \"triangles\": [";
+  for (std::size_t k = 0; k < s.mesh.triangles.size(); ++k) {
+    if (k > 0) text += ',';
+    add_row(text, s.mesh.triangles[k][0], s.mesh.triangles[k][1], s.mesh.triangles[k][2]);
+  }
+  text += "]}}";
+}
+
+void write_shapes(std::ostream& out, const Shapes& shapes) {
+  constexpr std::size_t kAtOnce = 256;
+  out << "{\n\"shapes\": [";
+  for (std::size_t at = 0; at < shapes.shapes.size(); at += kAtOnce) {
+    std::vector<std::string> texts(std::min(kAtOnce, shapes.shapes.size() - at));
+    Work().parallel(texts.size(), 8, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        texts[i] = at + i > 0 ? ",\n" : "\n";
+        add_shape(texts[i], shapes.shapes[at + i]);
+      }
+    });
+    for (const std::string& text : texts) out << text;
+  }
+  out << "]\n}";
+}
+
+}  // namespace
+
+void write_particles_json(const std::filesystem::path& path, const Particles& p) {
+  CheckedFile file(path);
+  file.guard([&](std::ostream& out) { write_particles(out, p); });
+}
+
+void write_packing_json(const std::filesystem::path& path, const Particles& p, const Shapes& shapes) {
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
-    Json j(out);
-    j.field("box", [&](std::string& text) { add_vector(text, p.box); });
-    j.field("count", [&](std::string& text) { add_number(text, n); });
-    j.list("shape", p.shape);
-    j.list("class", p.cls);
-    j.list("position", n, [&](std::string& text, std::size_t i) { add_vector(text, p.position[i]); });
-    j.list("orientation", n, [&](std::string& text, std::size_t i) {
-      const Quat& q = p.orientation[i];
-      add_row(text, q.w(), q.x(), q.y(), q.z());
-    });
-    j.list("scale", p.scale);
-    j.list("size", p.size);
-    j.list("color", n, [&](std::string& text, std::size_t i) { add_color(text, p.color[i]); });
-    j.field("binder_color", [&](std::string& text) { add_color(text, p.binder_color); });
-    j.list("voids", voids);
-    j.end();
+    out << "{\n\"particles\": ";
+    write_particles(out, p);
+    out << ",\n\"shapes\": ";
+    write_shapes(out, shapes);
+    out << "\n}\n";
   });
 }
 

@@ -114,7 +114,8 @@ TEST(PrescribedVolumes, AreMetForAnySizes) {
     std::vector<double> volume;
     for (std::size_t i = 0; i < s.count(); ++i) volume.push_back(std::exp(1.2 * r.normal()));
     const double total = std::accumulate(volume.begin(), volume.end(), 0.0);
-    const VolumeFit fit = fit_volumes(s, volume, 1e-6);
+    Effort effort;
+    const VolumeFit fit = fit_volumes(s, volume, 1e-6, effort);
     EXPECT_LE(fit.worst, 1e-6);
     const auto cells = power_diagram(s);
     for (std::size_t i = 0; i < cells.size(); ++i)
@@ -125,7 +126,8 @@ TEST(PrescribedVolumes, AreMetForAnySizes) {
 TEST(PrescribedVolumes, CentroidsMakeCellsRounder) {
   const auto sphericity = [](int rounds) {
     Seeds s = random_seeds(Vec3::Constant(4), 120, 3);
-    fit_round_cells(s, std::vector<double>(120, 1.0), 1e-3, rounds);
+    Effort effort;
+    fit_round_cells(s, std::vector<double>(120, 1.0), 1e-3, rounds, effort);
     double mean = 0;
     for (const ConvexCell& c : power_diagram(s)) {
       double area = 0;
@@ -142,7 +144,8 @@ TEST(PrescribedVolumes, CentroidsMakeCellsRounder) {
 TEST(PrescribedVolumes, EqualSeedsAreAnError) {
   Seeds s = random_seeds(Vec3::Ones(), 4, 1);
   s.position[1] = s.position[0];
-  EXPECT_EQ(test::code_of([&] { fit_volumes(s, {1, 1, 1, 1}, 1e-3); }), "not-converged");
+  Effort effort;
+  EXPECT_EQ(test::code_of([&] { fit_volumes(s, {1, 1, 1, 1}, 1e-3, effort); }), "not-converged");
 }
 
 TEST(CellMesh, RoundedCellsStayInside) {

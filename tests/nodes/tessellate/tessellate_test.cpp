@@ -73,12 +73,13 @@ TEST(Tessellate, LaguerreRoundsEdgesAsFarAsJointsLeaveRoom) {
   std::vector<double> volume;
   for (int k = 0; k < 60; ++k) volume.push_back(0.8 * 1000 / 60 * (1 + 0.4 * std::sin(k)));
   tessellation::LaguerreOptions options;
-  const auto sharp = tessellation::laguerre_grains(box, volume, options);
+  tessellation::Effort effort;
+  const auto sharp = tessellation::laguerre_grains(box, volume, options, effort);
   const double total = std::accumulate(volume.begin(), volume.end(), 0.0);
   options.least_gap = 0.5;
   for (const double wanted : {0.05, 0.9}) {
     options.roundness = wanted;
-    const auto grains = tessellation::laguerre_grains(box, volume, options);
+    const auto grains = tessellation::laguerre_grains(box, volume, options, effort);
     EXPECT_LE(grains.roundness, wanted);
     EXPECT_GT(grains.gap, 0.45 * sharp.gap);
     EXPECT_LT(grains.gap, sharp.gap);
@@ -89,7 +90,7 @@ TEST(Tessellate, LaguerreRoundsEdgesAsFarAsJointsLeaveRoom) {
       EXPECT_LT(grains.gap, 0.6 * sharp.gap) << "as round as possible";
   }
   options.least_gap = 0, options.roundness = 0.9;
-  EXPECT_EQ(tessellation::laguerre_grains(box, volume, options).roundness, 0.9);
+  EXPECT_EQ(tessellation::laguerre_grains(box, volume, options, effort).roundness, 0.9);
 }
 
 TEST(Tessellate, RoundedAndRoughGrainsDoNotOverlap) {
