@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 
-#include "nodes/common/geometry/components.h"
 #include "nodes/segment/attempt.h"
 #include "nodes/segment/faint_bodies.h"
 #include "nodes/segment/joined_bodies.h"
@@ -14,39 +13,6 @@
 
 namespace terrazzo::segment {
 namespace {
-
-// Objects that the network recognizes, unless they are so small or so doubtful that they may be a mistake: an
-// overlooked ruler shows, but particles that are left out by mistake do not.
-void ignore_objects(const std::vector<float>& not_material, int section, const Image& image,
-                    IgnoredPixels& ignored, std::vector<FoundObject>& objects) {
-  constexpr double kSure = 0.85;
-  std::vector<std::int32_t> found;
-  for (const float v : not_material) found.push_back(v > 0.5f);
-  const Components parts = connected_components(found, image.width, image.height, true);
-  std::vector<double> certainty(parts.count(), 0);
-  for (std::size_t i = 0; i < found.size(); ++i)
-    if (const auto k = parts.ids[i]; k > 0)
-      certainty[k - 1] += not_material[i] / static_cast<double>(parts.sizes[k - 1]);
-  std::vector<FoundObject> boxes(parts.count(), {section, image.width, image.height, -1, -1, 0});
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      if (const auto k = parts.ids[static_cast<std::size_t>(y) * image.width + x]; k > 0) {
-        FoundObject& b = boxes[k - 1];
-        b.left = std::min(b.left, x), b.right = std::max(b.right, x);
-        b.top = std::min(b.top, y), b.bottom = std::max(b.bottom, y);
-        ++b.pixels;
-      }
-  const auto smallest =
-      std::max<std::int64_t>(200, static_cast<std::int64_t>(image.width) * image.height / 1000);
-  const std::size_t before = objects.size();
-  const auto counts = [&](std::size_t k) { return boxes[k].pixels >= smallest && certainty[k] >= kSure; };
-  for (std::size_t k = 0; k < boxes.size(); ++k)
-    if (counts(k)) objects.push_back(boxes[k]);
-  if (objects.size() == before) return;
-  ignored.resize(image.pixels.size(), 0);
-  for (std::size_t i = 0; i < parts.ids.size(); ++i)
-    if (const auto k = parts.ids[i]; k > 0 && counts(k - 1)) ignored[image.index(0, 0, section) + i] = 1;
-}
 
 // What color separates in one section, and what the network says of it.
 struct Bodies {
@@ -120,6 +86,21 @@ NetworkView::Found choose_from_both(const NetworkView& view, std::vector<Instanc
   return found;
 }
 
+// The photograph with cover_ignored() in all sections; empty if nothing is ignored.
+Image without_ignored(const Image& photo, const IgnoredPixels& ignored) {
+  if (ignored.empty()) return {};
+  Image out = photo;
+  for (int i = 0; i < photo.sections; ++i) cover_ignored(out, i, ignored);
+  return out;
+}
+
+bool mostly_ignored(const Instance& in, const IgnoredPixels& ignored, std::size_t first) {
+  if (ignored.empty()) return false;
+  const auto n =
+      std::count_if(in.pixels.begin(), in.pixels.end(), [&](auto i) { return ignored[first + i] != 0; });
+  return 2 * n > static_cast<std::ptrdiff_t>(in.pixels.size());
+}
+
 }  // namespace
 
 Finding find_in_whole(const Image& photo, const SegmentOptions& options, const Settled* settled,
@@ -141,14 +122,16 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   std::optional<Network> own;
   const Network* given = options.network;
   if (network && !given) given = &own.emplace(built_in_model());
-  if (network) s.network_scale = options.network_scale > 0 ? options.network_scale : network_scale_of(photo);
+  const Image covered = without_ignored(photo, ignored);
+  const Image& seen = ignored.empty() ? photo : covered;  // by the network, which may find more to ignore
+  if (network) s.network_scale = options.network_scale > 0 ? options.network_scale : network_scale_of(seen);
   // The maps of a stack can exceed its memory many times over, so those of large stacks are made again when
   // needed.
   const bool keep = photo.pixels.size() <= (16u << 20);
   std::vector<std::shared_ptr<const NetworkView>> views(sections);
   const auto view_of = [&](int i, const Work& part) {
     if (views[i]) return views[i];
-    auto view = std::make_shared<const NetworkView>(photo, i, s.network_scale, *given, part);
+    auto view = std::make_shared<const NetworkView>(seen, i, s.network_scale, *given, part);
     if (keep) views[i] = view;
     return std::shared_ptr<const NetworkView>(view);
   };
@@ -163,15 +146,22 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
   if (s.method == Method::Auto && options.split.min_area < 0)
     candidates.min_area = std::min(how.min_area, kSmallestBody);
   std::vector<std::vector<Instance>> instances(sections);  // kept for Auto like the views
+  const auto find_instances = [&](int i, const NetworkView& view) {
+    auto all = view.instances(candidates, work.quiet());
+    std::erase_if(all, [&](const Instance& in) { return mostly_ignored(in, ignored, photo.index(0, 0, i)); });
+    return all;
+  };
   const auto instances_of = [&](int i) {
-    return instances[i].empty() ? view_of(i, work.quiet())->instances(candidates, work.quiet())
-                                : instances[i];
+    return instances[i].empty() ? find_instances(i, *view_of(i, work.quiet())) : instances[i];
   };
   Attempt by_network;
   if (network)
     for (int i = 0; i < sections; ++i) {
       const auto view = view_of(i, work.part(0.4 * i / sections, 0.4 * (i + 1) / sections));
-      auto all = view->instances(candidates, work.quiet());
+      // Without a binder the network takes plain grains for charts.
+      if (options.find_objects && !fills)
+        add_objects_of_network(view->not_material(), i, photo, ignored, s.not_material);
+      auto all = find_instances(i, *view);
       NetworkView::Found chosen = view->choose(all, how, work.quiet());
       if (!fills) {
         const UndecidedPixels undecided = view->undecided(chosen.particles.labels);
@@ -179,15 +169,9 @@ Finding find_in_whole(const Image& photo, const SegmentOptions& options, const S
       }
       by_network.add_chosen(std::move(chosen));
       if (keep && s.method == Method::Auto) instances[i] = std::move(all);
-      // Without a binder the network takes plain grains for charts.
-      if (!fills) ignore_objects(view->not_material(), i, photo, ignored, s.not_material);
     }
-  Image covered;
-  if (!ignored.empty()) {
-    covered = photo;
-    for (int i = 0; i < sections; ++i) cover_ignored(covered, i, ignored);
-  }
-  const Image& image = ignored.empty() ? photo : covered;
+  const Image covered_now = s.not_material.empty() ? Image() : without_ignored(photo, ignored);
+  const Image& image = s.not_material.empty() ? seen : covered_now;
 
   std::vector<Bodies> by_color;  // of each section
   std::vector<bool> distinct;

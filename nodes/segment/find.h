@@ -12,7 +12,7 @@ struct Finding {
   std::vector<float> coverage;     // of each pixel of the stack
   std::vector<double> confidence;  // of label k at k − 1
   UndecidedPixels undecided;       // of Method::Network
-  IgnoredPixels ignored;           // those of the options and the objects that the network found
+  IgnoredPixels ignored;           // those of the options and of the objects that the network found
 };
 
 // What is settled already when a part of a larger picture is segmented.

@@ -77,6 +77,18 @@ std::string scale_of(const FoundObject& o) {
       m.length, m.uncertainty, 1 / m.length, 100 * m.uncertainty / m.length);
 }
 
+// What was found, where, and what to do about it.
+std::string place_of(const FoundObject& o, int sections) {
+  const char* what = o.kind == FoundObject::Kind::Caption ? "show a caption"
+                     : o.kind == FoundObject::Kind::Ruler ? "show a ruler"
+                                                          : "look like a ruler, frame or text";
+  return fmt::format(
+      "columns {} to {}, rows {} to {}{} {} and are ignored; if they show material, set find_objects to "
+      "false, "
+      "and use ignore to say what is not material",
+      o.left, o.right, o.top, o.bottom, sections > 1 ? fmt::format(" of section {}", o.section) : "", what);
+}
+
 void compute(Context& c) {
   SegmentOptions options;
   options.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
@@ -88,6 +100,7 @@ void compute(Context& c) {
   options.network_scale = c.optional_number("network_scale").value_or(0);
   options.min_confidence = c.number("min_confidence");
   options.delight = c.text("delight") == "on";
+  options.find_objects = c.boolean("find_objects");
   options.seed = c.seed();
   options.memory = c.memory();
 
@@ -152,13 +165,7 @@ void compute(Context& c) {
         100 * undecided));
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
-  for (const FoundObject& o : s.not_material)
-    c.warn(
-        "columns " + std::to_string(o.left) + " to " + std::to_string(o.right) + ", rows " +
-        std::to_string(o.top) + " to " + std::to_string(o.bottom) +
-        (image.sections > 1 ? " of section " + std::to_string(o.section) : "") +
-        " look like a ruler, frame or text and are ignored; use ignore to say what is not material yourself" +
-        scale_of(o));
+  for (const FoundObject& o : s.not_material) c.warn(place_of(o, image.sections) + scale_of(o));
   c.output("delit", s.delit.pixels.empty() ? image : std::move(s.delit));
   c.output("confidence", confidence_picture(image, s));
   c.output("unobserved", unobserved(s));
@@ -170,7 +177,7 @@ void compute(Context& c) {
 }  // namespace
 
 NodeType segment_node() {
-  return NodeType("Segment", 15)
+  return NodeType("Segment", 16)
       .doc_(
           "Finds the particles of a section in its photograph and measures each profile: divides the image "
           "into patches of uniform color, decides which of them are binder, and splits touching particles.")
@@ -209,7 +216,7 @@ NodeType segment_node() {
               .doc_("Color of the binder. darkest, lightest: the cluster that is the binder. auto: "
                     "the binder that leaves the most convex particles. none: there is no binder, as in "
                     "granite and metals; the particles that the network or scribbles find grow until "
-                    "they meet. Rulers and text are then not recognized; use ignore."))
+                    "they meet. The network then recognizes no rulers and text; use ignore."))
       .parameter(Parameter::number("split", 0.5)
                      .range(0, 1)
                      .doc_("Strength of splitting touching particles. 0: never. 1: at every neck."))
@@ -258,6 +265,12 @@ NodeType segment_node() {
                   "polygon, from the upper left corner, y down. They are not observed: densities refer to "
                   "the "
                   "rest, and profiles that they cut have no weight."))
+      .parameter(
+          Parameter::boolean("find_objects", true)
+              .doc_(
+                  "Ignores captions, text, scale bars and rulers that are found, and what the network takes "
+                  "for a ruler, frame or text; warnings name their places. false: only ignore, mask and "
+                  "not_material_strokes say what shows no material."))
       .parameter(
           Parameter::choice("delight", "off", {"on", "off"})
               .word_was("auto", "off")

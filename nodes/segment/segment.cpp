@@ -74,21 +74,29 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
   }
 }
 
+void measure_scales(const Image& photo, Segmentation& s) {
+  for (FoundObject& o : s.not_material)
+    o.scale = find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, s.ignored);
+}
+
 }  // namespace
 
-Segmentation segment(const Image& photo, const SegmentOptions& options, const Work& work) {
+Segmentation segment(const Image& photo, const SegmentOptions& given, const Work& work) {
   check_image(photo);
   const bool tiled = needs_tiles(photo);
   const auto pixels = static_cast<double>(photo.pixels.size());
-  require_memory(tiled ? kBytesTiled * pixels + kBytesOfTile : kBytesWhole * pixels, options.memory,
+  require_memory(tiled ? kBytesTiled * pixels + kBytesOfTile : kBytesWhole * pixels, given.memory,
                  "the segmentation of " + std::to_string(photo.width) + " × " + std::to_string(photo.height) +
                      " pixels");
+  SegmentOptions options = given;
+  std::vector<FoundObject> objects;
+  if (options.find_objects) objects = find_objects(photo, options.ignored, work.quiet());
   Finding found =
       tiled ? find_in_tiles(photo, options, work.part(0, 0.9)) : find_in_whole(photo, options, nullptr, work);
   Segmentation s = std::move(found.result);
   s.ignored = std::move(found.ignored), s.undecided = std::move(found.undecided);
-  for (FoundObject& o : s.not_material)
-    o.scale = find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, s.ignored);
+  s.not_material.insert(s.not_material.begin(), objects.begin(), objects.end());
+  measure_scales(photo, s);
   drop_labels(s, found.confidence, options.min_confidence);
   if (s.labels.classes.empty())
     throw Error(
@@ -128,6 +136,8 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   s.labels.classes = std::move(classes);
   std::vector<double> confidence(s.labels.classes.size(), 1.0);
   s.ignored = options.ignored;
+  if (options.find_objects) s.not_material = find_objects(image, s.ignored, work.quiet());
+  measure_scales(image, s);
   drop_labels(s, confidence, 0);
   if (s.labels.classes.empty()) throw Error("no-particles", "the labels contain no particles");
   std::vector<float> coverage;
@@ -138,7 +148,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
         smooth_coverage({first, first + static_cast<std::ptrdiff_t>(size)}, image.width, image.height, work);
     coverage.insert(coverage.end(), share.begin(), share.end());
   }
-  if (options.delight) s.delit = delight(image, s.labels, options.ignored, work);
+  if (options.delight) s.delit = delight(image, s.labels, s.ignored, work);
   s.profiles =
       measure_profiles(options.delight ? s.delit : image, s.labels, coverage, s.ignored, s.undecided, work);
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);

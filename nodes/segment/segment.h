@@ -12,8 +12,8 @@
 #include "nodes/segment/figure_ground.h"
 #include "nodes/segment/ignored.h"
 #include "nodes/segment/network.h"
+#include "nodes/segment/objects.h"
 #include "nodes/segment/particles.h"
-#include "nodes/segment/ruler.h"
 #include "nodes/segment/scribbles.h"
 
 namespace terrazzo::segment {
@@ -30,24 +30,17 @@ struct SegmentOptions {
   Scribbles scribbles;        // needed by Method::Scribbles, which Method::Auto chooses if there are any
   double min_confidence = 0;  // particles below it are dropped
   IgnoredPixels ignored;
-  int color_classes = 1;  // 0: automatic
-  bool delight = false;   // whether colors are measured without the photograph's light (delight.h)
+  bool find_objects = true;  // whether captions and rulers are found and ignored
+  int color_classes = 1;     // 0: automatic
+  bool delight = false;      // whether colors are measured without the photograph's light (delight.h)
   std::uint64_t seed = 1;
   std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
-};
-
-// A ruler, frame or caption, in pixels from the upper left corner of a section.
-struct FoundObject {
-  int section = 0;
-  int left = 0, top = 0, right = 0, bottom = 0;  // first and last column and row
-  std::int64_t pixels = 0;
-  std::optional<ScaleMark> scale = {};
 };
 
 struct Segmentation {
   Labels labels;
   Profiles profiles;
-  IgnoredPixels ignored;      // of the options and of objects that the network found
+  IgnoredPixels ignored;      // of the options and of the objects that were found
   UndecidedPixels undecided;  // without a label, and not ignored
   Image delit;    // the photograph without its light; empty if colors were measured in the photograph
   Ground ground;  // empty if labels were given
@@ -62,7 +55,7 @@ struct Segmentation {
     double clusters = 0, network = 0, both = 0;
   } reliability;
   std::int64_t unlikely = 0;              // particles dropped for their confidence
-  std::vector<FoundObject> not_material;  // found by the network, and ignored since
+  std::vector<FoundObject> not_material;  // found and ignored
 };
 
 // Pictures of more than 4096² pixels are segmented in tiles (tiles.h). Throws Error "empty-image",
