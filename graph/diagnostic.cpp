@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "graph/utf8.h"
+
 namespace terrazzo {
 
 std::string Place::text() const {
@@ -12,13 +14,14 @@ std::string Place::text() const {
 }
 
 std::string Diagnostic::text() const {
-  std::string out = place.text();
+  std::string out = escape_line(place.text());
   if (!out.empty()) out += ": ";
   out += severity == Severity::Error ? "error: " : severity == Severity::Warning ? "warning: " : "note: ";
-  if (!node.empty()) out += node + (parameter.empty() ? "" : "." + parameter) + ": ";
-  out += message;
-  if (!hint.empty()) out += " (" + hint + ")";
-  for (const auto& p : through) out += "\n  in the graph used at " + p.text();
+  if (!node.empty()) out += escape_line(node + (parameter.empty() ? "" : "." + parameter)) + ": ";
+  out += printable(message, std::string::npos);
+  // May have several lines: where a node in Python failed.
+  if (!hint.empty()) out += " (" + escape_controls(hint) + ")";
+  for (const auto& p : through) out += "\n  in the graph used at " + escape_line(p.text());
   return out;
 }
 

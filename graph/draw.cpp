@@ -53,6 +53,28 @@ Drawing drawing_of(const Graph& g) {
   return out;
 }
 
+// In quotes.
+std::string dot_text(const std::string& text) {
+  std::string out;
+  for (const char c : escape_line(text)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+// Mermaid labels are HTML in quotes; #quot; and #35; are its own escapes.
+std::string mermaid_text(const std::string& text) {
+  std::string out;
+  for (const char c : escape_line(text))
+    out += c == '"'   ? "#quot;"
+           : c == '#' ? "#35;"
+           : c == '<' ? "&lt;"
+           : c == '>' ? "&gt;"
+                      : std::string(1, c);
+  return out;
+}
+
 }  // namespace
 
 std::string draw_dot(const Graph& graph) {
@@ -60,7 +82,7 @@ std::string draw_dot(const Graph& graph) {
   std::string out =
       "digraph terrazzo {\n  rankdir=LR;\n  node [shape=box, style=rounded, fontname=\"sans-serif\"];\n";
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
-    out += fmt::format("  n{} [label=\"{}\\n{}\"];\n", i, g.nodes[i].title, g.nodes[i].type);
+    out += fmt::format("  n{} [label=\"{}\\n{}\"];\n", i, dot_text(g.nodes[i].title), g.nodes[i].type);
   for (const auto& w : g.wires)
     out += fmt::format("  n{} -> n{} [label=\"{}\"];\n", w.from, w.to,
                        w.output == w.input ? w.output : w.output + " → " + w.input);
@@ -71,7 +93,7 @@ std::string draw_mermaid(const Graph& graph) {
   const Drawing g = drawing_of(graph);
   std::string out = "flowchart LR\n";
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
-    out += fmt::format("  n{}[\"{}<br/><i>{}</i>\"]\n", i, g.nodes[i].title, g.nodes[i].type);
+    out += fmt::format("  n{}[\"{}<br/><i>{}</i>\"]\n", i, mermaid_text(g.nodes[i].title), g.nodes[i].type);
   for (const auto& w : g.wires)
     out += fmt::format("  n{} -->|{}| n{}\n", w.from,
                        w.output == w.input ? w.output : w.output + " → " + w.input, w.to);

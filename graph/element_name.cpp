@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "graph/utf8.h"
+
 namespace terrazzo {
 namespace {
 
@@ -59,8 +61,8 @@ std::string written_node(const std::string& reference) {
 }
 
 bool is_node_name(const std::string& name) {
-  return !name.empty() && name.find(' ') == std::string::npos && find_port_dot(name) == std::string::npos &&
-         without_elements(name).find('.') == std::string::npos;
+  return !name.empty() && name.find(' ') == std::string::npos && escape_line(name) == name &&
+         find_port_dot(name) == std::string::npos && without_elements(name).find('.') == std::string::npos;
 }
 
 }  // namespace terrazzo

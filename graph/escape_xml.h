@@ -4,11 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include "graph/utf8.h"
+
 namespace terrazzo {
 
 inline std::string escape_xml(std::string_view text) {
   std::string out;
-  for (const char c : text) switch (c) {
+  for (const char c : escape_controls(text)) switch (c) {
       case '&':
         out += "&amp;";
         break;

@@ -16,7 +16,7 @@ Given Linker::from_command_line(const std::string& text, const std::string& what
   try {
     g.written = read_written(text);
   } catch (const Error& e) {
-    fail("bad-value", e.diagnostic().message, g.place);
+    fail("bad-value", e.diagnostic().message, g.place, e.diagnostic().hint);
   }
   return g;
 }

@@ -8,6 +8,7 @@
 
 #include "graph/nearest.h"
 #include "graph/output_path.h"
+#include "graph/utf8.h"
 
 namespace terrazzo {
 
@@ -243,6 +244,8 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
     case ParameterKind::OutputPath:
       if (word.empty()) return why = "the path is empty", std::nullopt;
       if (word.find('\0') != std::string::npos) return why = "the path contains a zero byte", std::nullopt;
+      if (p.kind == ParameterKind::OutputPath && escape_line(word) != word)
+        return why = "the name of an output file contains control characters", std::nullopt;
       if (p.kind == ParameterKind::OutputPath && leaves_folder(word))
         return why = fmt::format(
                    "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)",

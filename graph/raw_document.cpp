@@ -4,13 +4,16 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <set>
 
 #include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "graph/utf8.h"
+#include "graph/yaml_mistakes.h"
 
 namespace terrazzo {
 namespace {
@@ -22,6 +25,7 @@ class DocumentReader {
   }
 
   RawDocument read(const std::string& text) {
+    text_ = text;
     if (const auto bad = find_invalid_utf8(text); bad != std::string::npos) {
       fail("not-utf8", fmt::format("the byte 0x{:02x} is not UTF-8", static_cast<unsigned char>(text[bad])),
            place(text, bad), "save the file as UTF-8");
@@ -35,7 +39,7 @@ class DocumentReader {
     try {
       root = YAML::Load(text);
     } catch (const YAML::Exception& e) {
-      fail("yaml", e.msg, place(e.mark));
+      fail_to_parse(e);
       return std::move(doc_);
     }
     if (!root.IsMap()) {
@@ -89,6 +93,14 @@ class DocumentReader {
   void fail(std::string code, std::string message, Place at, std::string hint = {}) {
     found_.push_back(
         {Severity::Error, std::move(code), std::move(message), std::move(hint), std::move(at), {}, {}});
+  }
+
+  void fail_to_parse(const YAML::Exception& e) {
+    const Place at = place(e.mark);
+    if (const auto mistake = yaml_mistake(text_, std::max(1, at.line)))
+      fail("yaml", mistake->message, place(text_, mistake->at), mistake->hint);
+    else
+      fail("yaml", e.msg, at);
   }
 
   // Every value except the first follows a separator, so this bounds the number of nodes that the parser
@@ -158,7 +170,7 @@ class DocumentReader {
                                 : fmt::format("this program reads version {}", graph_format));
   }
 
-  bool read_value(const YAML::Node& v, RawValue& out, const std::string& what) {
+  bool read_value(const YAML::Node& v, RawValue& out, const std::string& what, const YAML::Node& key) {
     out.place = place(v.Mark());
     if (v.IsScalar()) {
       out.written = {false, {v.Scalar()}, {}};
@@ -173,7 +185,17 @@ class DocumentReader {
       }
       return true;
     }
-    fail("bad-value", fmt::format("'{}' must be a value or a list of values", what), out.place);
+    // Finding the line takes a while, so not for thousands of values.
+    constexpr std::size_t kMostSearches = 100;
+    const int line = key.Mark().line + 1;
+    const auto items = v.IsSequence() ? static_cast<int>(v.size()) : 0;
+    std::optional<YamlMistake> mistake;
+    if (found_.size() < kMostSearches) mistake = commented_color(text_, line, line + items);
+    if (mistake)
+      fail("yaml", mistake->message, place(text_, mistake->at), mistake->hint);
+    else
+      fail("bad-value", fmt::format("'{}' must be a value or a list of values", what),
+           v.IsNull() ? place(key.Mark()) : out.place);
     return false;
   }
 
@@ -189,14 +211,16 @@ class DocumentReader {
     p.place = place(key.Mark());
     bool has_type = false;
     const auto number = [&](const YAML::Node& n, double& out) {
-      try {
-        out = n.as<double>();
-      } catch (const YAML::Exception&) {
+      // Not with yaml-cpp, which reads numbers in the locale of the program.
+      const std::string text = n.IsScalar() ? n.Scalar() : "";
+      const char *const begin = text.data() + text.starts_with('+'), *const end = text.data() + text.size();
+      const auto [at, error] = std::from_chars(begin, end, out);
+      if (error != std::errc() || at != end || begin == end)
         fail("bad-value", "min and max must be numbers", place(n.Mark()));
-      }
     };
     each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"},
-             "parameter '" + name + "'", [&](const std::string& k, const YAML::Node&, const YAML::Node& n) {
+             "parameter '" + name + "'",
+             [&](const std::string& k, const YAML::Node& nk, const YAML::Node& n) {
                RawValue list;
                if (k == "type") {
                  has_type = true;
@@ -213,7 +237,7 @@ class DocumentReader {
                         place(n.Mark()), fmt::format("use one of {}", fmt::join(names, ", ")));
                  }
                } else if (k == "default") {
-                 read_value(n, p.value, name);
+                 read_value(n, p.value, name, nk);
                } else if (k == "doc" && n.IsScalar()) {
                  p.declaration.doc = n.Scalar();
                } else if (k == "unit" && n.IsScalar()) {
@@ -222,9 +246,9 @@ class DocumentReader {
                  number(n, p.declaration.min);
                } else if (k == "max") {
                  number(n, p.declaration.max);
-               } else if (k == "choices" && read_value(n, list, k)) {
+               } else if (k == "choices" && read_value(n, list, k, nk)) {
                  p.declaration.choices = list.written.items;
-               } else if (k == "keywords" && read_value(n, list, k)) {
+               } else if (k == "keywords" && read_value(n, list, k, nk)) {
                  p.declaration.keywords = list.written.items;
                }
              });
@@ -238,7 +262,9 @@ class DocumentReader {
     node.place = node.kind_place = place(key.Mark());
     if (!is_node_name(name))
       fail("bad-name",
-           fmt::format("'{}' is not a valid node name: it must not be empty or contain dots or spaces", name),
+           fmt::format("'{}' is not a valid node name: it must not be empty or contain dots, spaces or "
+                       "control characters",
+                       name),
            node.place);
     each_key(
         v, {"type", "graph", "bypass", "each", "params", "inputs", "doc"}, "node '" + name + "'",
@@ -250,7 +276,7 @@ class DocumentReader {
             auto& values = k == "params" ? node.params : node.each;
             each_key(n, {}, k + " of '" + name + "'", [&](const auto& pname, const auto& pk, const auto& pv) {
               RawValue value;
-              if (read_value(pv, value, pname)) {
+              if (read_value(pv, value, pname, pk)) {
                 if (value.place.line <= 0) value.place = place(pk.Mark());
                 values.push_back({pname, std::move(value)});
               }
@@ -289,6 +315,7 @@ class DocumentReader {
   }
 
   RawDocument doc_;
+  std::string text_;
   Diagnostics& found_;
   std::size_t values_ = 0;  // read so far
 };
@@ -300,6 +327,9 @@ RawDocument read_document(const std::string& text, const std::filesystem::path& 
 }
 
 WrittenValue read_written(const std::string& text) {
+  // A list with a color that YAML takes for a comment does not end.
+  const bool comment = text.starts_with('[') && text.find('#') != std::string::npos;
+  const std::string hint = comment ? "put colors in quotes: [\"#c0b8a8\"]" : "";
   try {
     // YAML would treat a leading # as a comment, but colors start with one.
     const YAML::Node v = !text.empty() && text[0] == '#' ? YAML::Node(text) : YAML::Load(text);
@@ -315,7 +345,7 @@ WrittenValue read_written(const std::string& text) {
     if (v.IsNull()) return {false, {text}, {}};
   } catch (const YAML::Exception&) {
   }
-  throw Error("bad-value", "'" + text + "' is not a value or a list of values");
+  throw Error("bad-value", "'" + text + "' is not a value or a list of values", hint);
 }
 
 }  // namespace terrazzo

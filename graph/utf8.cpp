@@ -1,6 +1,50 @@
 #include "graph/utf8.h"
 
+#include <fmt/format.h>
+
+#include <cstdint>
+
 namespace terrazzo {
+namespace {
+
+// The code point of one valid character.
+std::uint32_t code_point(std::string_view character) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(character[i]); };
+  std::uint32_t out = character.size() == 1 ? byte(0) : byte(0) & (0xffu >> (character.size() + 1));
+  for (std::size_t i = 1; i < character.size(); ++i) out = out << 6 | (byte(i) & 0x3fu);
+  return out;
+}
+
+bool steers(std::uint32_t c) {
+  return c < 0x20 || (c >= 0x7f && c < 0xa0) || (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+}
+
+bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
+
+// The first character of `text` as it is shown; `length`: its length.
+std::string shown(std::string_view text, std::size_t& length) {
+  length = utf8_length(text.substr(0, 4));
+  if (length == 0) return length = 1, "\xef\xbf\xbd";
+  const std::uint32_t c = code_point(text.substr(0, length));
+  return steers(c) ? fmt::format("\\u{:04x}", c) : std::string(text.substr(0, length));
+}
+
+std::string escaped(std::string_view text, bool keep_lines) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const bool line = text[at] == '\n' || text[at] == '\t' || text.substr(at, 2) == "\r\n";
+    if ((text[at] >= ' ' && text[at] < 0x7f) || (line && keep_lines)) {
+      out += text[at++];
+      continue;
+    }
+    std::size_t length = 0;
+    out += shown(text.substr(at), length);
+    at += length;
+  }
+  return out;
+}
+
+}  // namespace
 
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -35,6 +79,30 @@ std::string valid_utf8(std::string text) {
   for (; bad != std::string::npos; from = bad + 1, bad = find_invalid_utf8(text, from))
     out.append(text, from, bad - from).append("\xef\xbf\xbd");
   return out.append(text, from);
+}
+
+std::string escape_controls(std::string_view text) { return escaped(text, true); }
+
+std::string escape_line(std::string_view text) { return escaped(text, false); }
+
+std::string printable(std::string_view text, std::size_t longest) {
+  std::string out;
+  bool blank = false;
+  for (std::size_t at = 0; at < text.size();) {
+    if (is_blank(text[at])) {
+      blank = !out.empty();
+      ++at;
+      continue;
+    }
+    std::size_t length = 0;
+    const std::string next = shown(text.substr(at), length);
+    if (out.size() + blank + next.size() > longest) return out + "...";
+    if (blank) out += ' ';
+    blank = false;
+    out += next;
+    at += length;
+  }
+  return out;
 }
 
 }  // namespace terrazzo

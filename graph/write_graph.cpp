@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <functional>
+
 #include "graph/raw_document.h"
 
 namespace terrazzo {
@@ -36,10 +38,9 @@ ParameterValue relative(const std::string& path, const std::filesystem::path& ba
   return out.empty() ? path : out.string();
 }
 
-}  // namespace
-
-std::string write_graph(const Graph& graph, const std::vector<bool>& which,
-                        const std::filesystem::path& base) {
+// `path_text`: how an input path is written.
+std::string write(const Graph& graph, const std::vector<bool>& which,
+                  const std::function<ParameterValue(const std::string&)>& path_text) {
   const auto wanted = [&](int i) { return which.empty() || which[static_cast<std::size_t>(i)]; };
   const auto reference = [&](const Wire& w) {
     return graph.nodes[static_cast<std::size_t>(w.node)].path + "." + w.port;
@@ -72,10 +73,7 @@ std::string write_graph(const Graph& graph, const std::vector<bool>& which,
       for (const auto& [name, p] : node.parameters) {
         out << YAML::Key << name << YAML::Value;
         const bool path = node.type->find_parameter(name)->kind == ParameterKind::InputPath;
-        if (path && !base.empty())
-          emit(out, relative(std::get<std::string>(p.value), base));
-        else
-          emit(out, p.value);
+        emit(out, path ? path_text(std::get<std::string>(p.value)) : p.value);
       }
       out << YAML::EndMap;
     }
@@ -92,6 +90,19 @@ std::string write_graph(const Graph& graph, const std::vector<bool>& which,
   if (any) out << YAML::EndMap;
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
+}
+
+}  // namespace
+
+std::string write_graph(const Graph& graph, const std::vector<bool>& which,
+                        const std::filesystem::path& base) {
+  return write(graph, which,
+               [&](const std::string& path) { return base.empty() ? path : relative(path, base); });
+}
+
+std::string write_graph_without_folders(const Graph& graph, const std::vector<bool>& which) {
+  return write(graph, which,
+               [](const std::string& path) { return std::filesystem::path(path).filename().string(); });
 }
 
 }  // namespace terrazzo

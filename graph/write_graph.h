@@ -12,5 +12,7 @@ namespace terrazzo {
 // the same nodes with the same paths. Input paths are written relative to `base`, or absolute if it is empty.
 std::string write_graph(const Graph&, const std::vector<bool>& which = {},
                         const std::filesystem::path& base = {});
+// The same with the names of the input files alone.
+std::string write_graph_without_folders(const Graph&, const std::vector<bool>& which);
 
 }  // namespace terrazzo

@@ -1,6 +1,6 @@
 #include "graph/yaml_text.h"
 
-#include <fmt/format.h>
+#include "graph/utf8.h"
 
 namespace terrazzo {
 namespace {
@@ -18,7 +18,7 @@ bool is_plain(const std::string& s) {
     // Control characters, and the first byte of those beyond ASCII, of the separators and of the byte order
     // mark, which YAML does not allow in plain words.
     if (c < 0x20 || c == 0x7f || c == 0xc2 || c == 0xef) return false;
-    if (c == 0xe2 && i + 1 < s.size() && static_cast<unsigned char>(s[i + 1]) == 0x80) return false;
+    if (c == 0xe2 && i + 1 < s.size() && (static_cast<unsigned char>(s[i + 1]) & 0xfe) == 0x80) return false;
     if (std::string(",[]{}").find(s[i]) != std::string::npos) return false;
     if (s[i] == ':' && s[i + 1] == ' ') return false;
     if (s[i] == '#' && s[i - 1] == ' ') return false;
@@ -30,20 +30,18 @@ bool is_plain(const std::string& s) {
 
 std::string yaml_word(const std::string& s) {
   if (is_plain(s)) return s;
-  std::string out = "\"";
+  std::string quoted = "\"";
   for (const char c : s) {
     if (c == '"' || c == '\\')
-      out += '\\', out += c;
+      quoted += '\\', quoted += c;
     else if (c == '\n')
-      out += "\\n";
+      quoted += "\\n";
     else if (c == '\t')
-      out += "\\t";
-    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+      quoted += "\\t";
     else
-      out += c;
+      quoted += c;
   }
-  return out + "\"";
+  return escape_line(quoted) + "\"";
 }
 
 std::string yaml_list(const std::vector<std::string>& list) {

@@ -19,9 +19,11 @@ std::string file_provenance(const Graph& graph, int node, const RunResult& resul
     if (!upstream[k]) continue;
     all["keys"][graph.nodes[k].path] = result.nodes[k].key.text();
     for (const auto& f : result.nodes[k].read)
-      all["files"].push_back({{"name", fs::path(f.path).filename().string()}, {"content", f.content.text()}});
+      all["files"].push_back({{"node", graph.nodes[k].path},
+                              {"name", fs::path(f.path).filename().string()},
+                              {"content", f.content.text()}});
   }
-  all["document"] = write_graph(graph, upstream, options.output_folder);
+  all["document"] = write_graph_without_folders(graph, upstream);
   return json_text(all);
 }
 

@@ -12,7 +12,7 @@ extern const char* const program_version;  // "0.2.0", from CMakeLists.txt
 
 // A JSON object with program, graph, overrides, node type versions and parameters. For each file, the
 // evaluator adds the action keys of the upstream nodes ("keys"), their input files ("files") and a graph that
-// makes the file ("document").
+// makes the file ("document"). Input files are named without their folders.
 std::string provenance(const Graph&, const Overrides&);
 
 }  // namespace terrazzo

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "graph/utf8.h"
+
 namespace terrazzo::exporting {
 namespace {
 
@@ -14,7 +16,8 @@ class Lines {
   void number(double v) { cell(fmt::format("{}", v)); }
   void number(float v) { cell(fmt::format("{}", v)); }
   void integer(std::int64_t v) { cell(fmt::format("{}", v)); }
-  void word(const std::string& s) {
+  void word(const std::string& text) {
+    const std::string s = escape_controls(text);
     if (s.find_first_of(",\"\r\n") == std::string::npos) return cell(s);
     std::string quoted = "\"";
     for (const char c : s) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "graph/utf8.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/texture/color.h"
 #include "runtime/codec.h"
@@ -16,7 +17,8 @@ std::string obj(const Shapes& shapes) {
   std::string out = "# Terrazzo, mm\n";
   std::size_t first = 1;
   for (const Shape& s : shapes.shapes) {
-    out += fmt::format("o {}\n", s.name.empty() ? "shape" : s.name);
+    const std::string name = printable(s.name, std::string::npos);
+    out += fmt::format("o {}\n", name.empty() ? "shape" : name);
     for (std::size_t i = 0; i < s.mesh.vertices.size(); ++i) {
       const Vec3& v = s.mesh.vertices[i];
       out += fmt::format("v {} {} {}", v.x(), v.y(), v.z());

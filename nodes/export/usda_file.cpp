@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "graph/utf8.h"
 #include "nodes/common/geometry/render_mesh.h"
 #include "nodes/common/geometry/voxel_source.h"
 #include "nodes/common/io/checked_file.h"
@@ -17,12 +18,10 @@ namespace {
 // A string literal.
 std::string usda_text(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) {
+  for (const char c : escape_controls(text)) {
     if (c == '"' || c == '\\') out += '\\';
     if (c == '\n')
       out += "\\n";
-    else if (static_cast<unsigned char>(c) < 32)
-      out += ' ';
     else
       out += c;
   }

@@ -363,8 +363,7 @@ class SceneReader {
       if (!v.allFinite()) bad(fmt::format("{}: vertex {} is not finite", what, i));
       const Vec3 m = place * v;
       // y up to z up
-      soup_.vertices.push_back(
-          Vec3(Vec3f((kMillimeters * Vec3(m.x(), -m.z(), m.y())).cast<float>()).cast<double>()));
+      soup_.vertices.push_back(kMillimeters * Vec3(m.x(), -m.z(), m.y()));
     }
     const bool mirrored = place.linear().determinant() < 0;
     for (const auto& t : triangles) {

@@ -20,9 +20,21 @@ void require_corners(std::size_t f, std::size_t corners) {
                 "remove lines and points from the mesh");
 }
 
+std::string lowercase(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return out;
+}
+
+Words::Words(std::string_view text) : rest_(text) {
+  const auto end = text.find_first_of("\r\n");
+  if (end != std::string_view::npos && text[end] == '\r' && text.substr(end + 1, 1) != "\n") line_end_ = '\r';
+}
+
 bool Words::next_line(char comment) {
   if (rest_.empty()) return false;
-  const auto end = rest_.find('\n');
+  const auto end = rest_.find(line_end_);
   line_ = rest_.substr(0, end);
   rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
   if (comment != '\0') line_ = line_.substr(0, line_.find(comment));
@@ -31,7 +43,7 @@ bool Words::next_line(char comment) {
 }
 
 std::string_view Words::word() {
-  constexpr std::string_view blanks = " \t\r\v\f";
+  constexpr std::string_view blanks = " \t\r\n\v\f";
   const auto first = line_.find_first_not_of(blanks);
   if (first == std::string_view::npos) return line_ = {};
   const auto length = line_.substr(first).find_first_of(blanks);
@@ -57,7 +69,7 @@ double coordinate(std::string_view word, int line) {
     return 0;  // underflow
   if (error != std::errc() || !whole || !(std::abs(v) <= std::numeric_limits<float>::max()))
     damaged(fmt::format("line {}: \"{}\" is not a number", line, printable(word)));
-  return static_cast<float>(v);
+  return v;
 }
 
 std::uint64_t count(std::string_view word, std::uint64_t most, int line, const char* what) {

@@ -15,10 +15,14 @@ namespace terrazzo::load_mesh {
 // Throws Error "bad-mesh" if face `f` has fewer than three corners.
 void require_corners(std::size_t f, std::size_t corners);
 
-// Iterates over text by lines and words. A word never spans two lines.
+// The text in lowercase, ASCII letters only.
+std::string lowercase(std::string_view);
+
+// Iterates over text by lines and words. A word never spans two lines. The first line's end tells how lines
+// end: with \n or \r\n, or with \r alone.
 class Words {
  public:
-  explicit Words(std::string_view text) : rest_(text) {}
+  explicit Words(std::string_view text);
 
   // Advances to the next line; returns false at the end of the text. `comment` is the character that starts a
   // comment ('\0': none).
@@ -34,11 +38,12 @@ class Words {
 
  private:
   std::string_view rest_, line_;
+  char line_end_ = '\n';
   int number_ = 0;
 };
 
-// A finite number in the range of single precision, rounded to it. Otherwise throws: "line 7: "nan" is not a
-// number".
+// A finite number in the range of single precision, with all its digits. Otherwise throws: "line 7: "nan" is
+// not a number".
 double coordinate(std::string_view word, int line);
 // A whole number ≥ 0. Throws for anything else and for numbers above `most`. `what` names the number in the
 // message.

@@ -52,7 +52,7 @@ PolygonSoup read_obj(std::string_view text) {
       Vec3 p;
       for (int k = 0; k < 3; ++k) p[k] = coordinate(found[k + 1], words.line());
       soup.vertices.push_back(p);
-    } else if (found[0] == "f") {
+    } else if (found[0] == "f" || found[0] == "fo") {  // "fo" is the old form of "f"
       std::vector<int> polygon;
       for (std::size_t k = 1; k < found.size(); ++k)
         polygon.push_back(corner(found[k], soup.vertices.size(), words.line()));

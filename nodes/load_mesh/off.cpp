@@ -5,23 +5,48 @@
 
 namespace terrazzo::load_mesh {
 
+namespace {
+
+// What the header says: "[ST][C][N][4][n]OFF". Geomview also reads files without a header.
+struct OffHeader {
+  std::uint64_t vertices;
+  std::size_t numbers;  // of a vertex, without its color
+};
+
+OffHeader read_off_header(Words& words, std::uint64_t most) {
+  std::string_view word = words.word_anywhere('#');
+  OffHeader out{0, 3};
+  if (!word.empty() && word.find_first_not_of("0123456789") != std::string_view::npos) {
+    std::string_view letters = word;
+    const auto take = [&](std::string_view prefix) {
+      const bool there = letters.starts_with(prefix);
+      if (there) letters.remove_prefix(prefix.size());
+      return there;
+    };
+    if (take("ST")) out.numbers += 2;
+    take("C");
+    if (take("N")) out.numbers += 3;
+    if (take("4") || take("n"))
+      damaged("its vertices do not have three coordinates (" + printable(word) + ")");
+    if (lowercase(letters) != "off") damaged("does not begin as an OFF file");
+    word = words.word_anywhere('#');
+    if (word == "BINARY")
+      throw Error("unreadable-mesh", "binary OFF is not supported", "save it as ASCII OFF or as PLY");
+  }
+  out.vertices = count(word, most, words.line(), "the number of vertices");
+  return out;
+}
+
+}  // namespace
+
 // Geomview's format: a header such as "OFF", "COFF" or "NOFF", the counts, then one vertex or face per line.
 // Everything after the three coordinates or the corners (normals, colors) is ignored.
 PolygonSoup read_off(std::string_view text) {
   Words words(text);
-  const std::string header(words.word_anywhere('#'));
-  if (!header.ends_with("OFF")) damaged("does not begin as an OFF file");
-  if (header.find_first_of("4n") != std::string::npos)
-    damaged("its vertices do not have three coordinates (" + printable(header) + ")");
-  const std::string_view first = words.word_anywhere('#');
-  if (first == "BINARY")
-    throw Error("unreadable-mesh", "binary OFF is not supported", "save it as ASCII OFF or as PLY");
-  const std::uint64_t vertices = count(first, text.size(), words.line(), "the number of vertices");
+  const auto [vertices, numbers] = read_off_header(words, text.size());
   const std::uint64_t faces =
       count(words.word_anywhere('#'), text.size(), words.line(), "the number of faces");
 
-  const std::size_t numbers =
-      3 + (header.find('N') != std::string::npos ? 3 : 0) + (header.find("ST") != std::string::npos ? 2 : 0);
   PolygonSoup soup;
   while (soup.vertices.size() < vertices || soup.polygons.size() < faces) {
     if (!words.next_line('#'))

@@ -13,14 +13,16 @@
 namespace terrazzo::load_mesh {
 namespace {
 
-enum class Type { I8, U8, I16, U16, I32, U32, F32, F64 };
+enum class Type { I8, U8, I16, U16, I32, U32, I64, U64, F32, F64 };
 
 std::optional<Type> type_named(std::string_view name) {
+  // The 64-bit integers are not in the format's description; meshio writes them.
   static const std::map<std::string_view, Type> types = {
       {"char", Type::I8},   {"uchar", Type::U8},   {"short", Type::I16},   {"ushort", Type::U16},
       {"int", Type::I32},   {"uint", Type::U32},   {"float", Type::F32},   {"double", Type::F64},
       {"int8", Type::I8},   {"uint8", Type::U8},   {"int16", Type::I16},   {"uint16", Type::U16},
-      {"int32", Type::I32}, {"uint32", Type::U32}, {"float32", Type::F32}, {"float64", Type::F64}};
+      {"int32", Type::I32}, {"uint32", Type::U32}, {"float32", Type::F32}, {"float64", Type::F64},
+      {"int64", Type::I64}, {"uint64", Type::U64}};
   const auto it = types.find(name);
   if (it == types.end()) return {};
   return it->second;
@@ -77,7 +79,7 @@ Header read_header(Words& words, std::size_t size) {
       std::string_view type = words.word();
       if (type == "list") {
         p.length = type_named(words.word());
-        if (!p.length || *p.length == Type::F32 || *p.length == Type::F64) not_understood();
+        if (!p.length) not_understood();
         type = words.word();
       }
       const auto known = type_named(type);
@@ -98,10 +100,7 @@ class Numbers {
   Numbers(Format format, Words& words) : format_(format), words_(words), bytes_(words.rest()) {}
 
   double next(Type type) {
-    if (format_ == Format::Ascii) {
-      const std::string_view w = words_.word_anywhere();
-      return coordinate_or_whole(w, type);
-    }
+    if (format_ == Format::Ascii) return of_word(words_.word_anywhere(), type);
     switch (type) {
       case Type::I8:
         return take<std::int8_t>();
@@ -115,6 +114,10 @@ class Numbers {
         return take<std::int32_t>();
       case Type::U32:
         return take<std::uint32_t>();
+      case Type::I64:
+        return static_cast<double>(take<std::int64_t>());
+      case Type::U64:
+        return static_cast<double>(take<std::uint64_t>());
       case Type::F32:
         return take<float>();
       case Type::F64:
@@ -123,8 +126,27 @@ class Numbers {
     return 0;
   }
 
+  // The number of values of a list, 1 for other properties.
+  std::uint64_t values(const Property& p) {
+    if (!p.length) return 1;
+    const double n = next(*p.length);
+    if (!(n >= 0 && n < 0x1p53 && n == std::floor(n)))
+      damaged(fmt::format("the list '{}' has the length {}", printable(p.name), n));
+    return static_cast<std::uint64_t>(n);
+  }
+
+  // Skips a property that has no meaning here; in a text it may be anything, such as "nan".
+  void skip(const Property& p) {
+    for (std::uint64_t left = values(p); left > 0; --left) {
+      if (format_ == Format::Ascii)
+        words_.word_anywhere();
+      else
+        next(p.type);
+    }
+  }
+
  private:
-  double coordinate_or_whole(std::string_view word, Type type) {
+  double of_word(std::string_view word, Type type) const {
     if (type == Type::F32 || type == Type::F64) return coordinate(word, words_.line());
     const bool negative = word.starts_with('-');
     const auto n = count(word.substr(negative ? 1 : 0), 4294967295u, words_.line(), "a whole number");
@@ -158,45 +180,64 @@ void read_vertices(const Element& element, Numbers& numbers, PolygonSoup& soup) 
   if (element.count > 0 && !(has[0] && has[1] && has[2])) damaged("the vertices lack x, y or z");
   for (std::uint64_t i = 0; i < element.count; ++i) {
     Vec3 point = Vec3::Zero();
-    for (std::size_t k = 0; k < element.properties.size(); ++k) {
-      const Property& p = element.properties[k];
-      if (p.length) {
-        for (double n = numbers.next(*p.length); n > 0; --n) numbers.next(p.type);
-      } else {
-        const double v = numbers.next(p.type);
-        if (axis[k] >= 0) point[axis[k]] = static_cast<float>(v);
-      }
-    }
+    for (std::size_t k = 0; k < element.properties.size(); ++k)
+      if (axis[k] < 0)
+        numbers.skip(element.properties[k]);
+      else
+        point[axis[k]] = numbers.next(element.properties[k].type);
     soup.vertices.push_back(point);
   }
 }
 
+// The vertices of element `i` in its property vertex_indices, not below `least`.
+std::vector<int> read_indices(const Element& element, std::uint64_t i, int least, Numbers& numbers) {
+  std::vector<int> out;
+  bool found = false;
+  for (const Property& p : element.properties) {
+    if (found || !p.length || (p.name != "vertex_indices" && p.name != "vertex_index")) {
+      numbers.skip(p);
+      continue;
+    }
+    found = true;
+    for (std::uint64_t left = numbers.values(p); left > 0; --left) {
+      const double v = numbers.next(p.type);
+      if (!(v >= least && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
+        throw Error("bad-mesh", fmt::format("{} {} refers to vertex {}", element.name, i, v),
+                    "the file is damaged: export it again");
+      out.push_back(static_cast<int>(v));
+    }
+  }
+  if (!found) damaged(fmt::format("the element '{}' lacks the list vertex_indices", element.name));
+  return out;
+}
+
 void read_faces(const Element& element, Numbers& numbers, PolygonSoup& soup) {
   for (std::uint64_t i = 0; i < element.count; ++i) {
-    bool found = false;
-    for (const Property& p : element.properties) {
-      if (!p.length) {
-        numbers.next(p.type);
+    auto polygon = read_indices(element, i, 0, numbers);
+    require_corners(i, polygon.size());
+    soup.polygons.push_back(std::move(polygon));
+  }
+}
+
+// Each vertex of a strip after the second makes a triangle with the two before it; every other triangle is
+// turned. −1 begins a new strip.
+void read_strips(const Element& element, Numbers& numbers, PolygonSoup& soup) {
+  for (std::uint64_t i = 0; i < element.count; ++i) {
+    const auto strip = read_indices(element, i, -1, numbers);
+    std::size_t start = 0;
+    for (std::size_t k = 0; k < strip.size(); ++k) {
+      if (strip[k] < 0) {
+        start = k + 1;
         continue;
       }
-      const bool corners = !found && (p.name == "vertex_indices" || p.name == "vertex_index");
-      const double n = numbers.next(*p.length);
-      if (n < 0) damaged(fmt::format("face {} has {} corners", i, n));
-      std::vector<int> polygon;
-      for (double k = 0; k < n; ++k) {
-        const double v = numbers.next(p.type);
-        if (!corners) continue;
-        if (!(v >= 0 && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
-          throw Error("bad-mesh", fmt::format("face {} refers to vertex {}", i, v),
-                      "the file is damaged: export it again");
-        polygon.push_back(static_cast<int>(v));
-      }
-      if (!corners) continue;
-      require_corners(i, polygon.size());
-      soup.polygons.push_back(std::move(polygon));
-      found = true;
+      if (k < start + 2) continue;
+      int a = strip[k - 2], b = strip[k - 1];
+      const int c = strip[k];
+      // Strips repeat vertices in order to turn; such triangles have no area.
+      if (a == b || b == c || c == a) continue;
+      if ((k - start) % 2 == 1) std::swap(a, b);
+      soup.polygons.push_back({a, b, c});
     }
-    if (!found) damaged("the faces lack vertex_indices");
   }
 }
 
@@ -212,10 +253,11 @@ PolygonSoup read_ply(std::string_view bytes) {
       read_vertices(element, numbers, soup);
     } else if (element.name == "face") {
       read_faces(element, numbers, soup);
+    } else if (element.name == "tristrips") {
+      read_strips(element, numbers, soup);
     } else if (!element.properties.empty()) {
       for (std::uint64_t i = 0; i < element.count; ++i)
-        for (const Property& p : element.properties)
-          for (double n = p.length ? numbers.next(*p.length) : 1; n > 0; --n) numbers.next(p.type);
+        for (const Property& p : element.properties) numbers.skip(p);
     }
   }
   return soup;

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "graph/diagnostic.h"
 #include "nodes/load_mesh/formats.h"
+#include "nodes/load_mesh/mesh_text.h"
 
 namespace terrazzo::load_mesh {
 namespace {
@@ -17,12 +16,10 @@ constexpr double kBytesPerByte = 30;
 using MeshReader = PolygonSoup (*)(std::string_view, const Reading&);
 
 MeshReader format_of(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); });
+  const std::string extension = lowercase(path.extension().string());
   if (extension == ".obj") return [](std::string_view text, const Reading&) { return read_obj(text); };
   if (extension == ".ply") return [](std::string_view text, const Reading&) { return read_ply(text); };
-  if (extension == ".stl") return [](std::string_view text, const Reading&) { return read_stl(text); };
+  if (extension == ".stl") return read_stl;
   if (extension == ".off") return [](std::string_view text, const Reading&) { return read_off(text); };
   if (extension == ".glb" || extension == ".gltf") return read_gltf;
   throw Error("unknown-format",
@@ -30,10 +27,14 @@ MeshReader format_of(const std::filesystem::path& path) {
               "use an .obj, .ply, .stl, .off, .glb or .gltf file");
 }
 
-PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, const std::string& content,
+PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, std::string_view content,
                        const Reading& reading) {
+  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+  if (content.starts_with(byte_order_mark)) content.remove_prefix(byte_order_mark.size());
+  Reading named = reading;
+  named.warn = [&](const std::string& message) { reading.warn(path.filename().string() + ": " + message); };
   try {
-    return format(content, reading);
+    return format(content, named);
   } catch (const Error& e) {
     throw Error(e.diagnostic().code, path.filename().string() + ": " + e.diagnostic().message,
                 e.diagnostic().hint);

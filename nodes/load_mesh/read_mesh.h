@@ -10,7 +10,7 @@
 namespace terrazzo::load_mesh {
 
 struct PolygonSoup {
-  std::vector<Vec3> vertices;              // in the file's unit (glTF: mm), rounded to single precision
+  std::vector<Vec3> vertices;              // in the file's unit (glTF: mm), with all digits of the file
   std::vector<std::vector<int>> polygons;  // at least three indices each
 };
 

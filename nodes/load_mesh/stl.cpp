@@ -30,18 +30,16 @@ class Corners {
 
 constexpr std::size_t kHeader = 84, kTriangle = 50;
 
-std::uint32_t promised(std::string_view bytes) {
-  std::uint32_t n = 0;
-  if (bytes.size() >= kHeader) std::memcpy(&n, bytes.data() + 80, sizeof n);
-  return n;
-}
-
-PolygonSoup read_binary(std::string_view bytes) {
+PolygonSoup read_binary(std::string_view bytes, const Reading& reading) {
   if (bytes.size() < kHeader) damaged("is not an STL file");
-  const std::uint32_t n = promised(bytes);
-  if ((bytes.size() - kHeader) / kTriangle < n)
-    damaged(fmt::format("its header says {} triangles, but the file ends after {}", n,
-                        (bytes.size() - kHeader) / kTriangle));
+  std::uint32_t n = 0;
+  std::memcpy(&n, bytes.data() + 80, sizeof n);
+  const std::size_t body = bytes.size() - kHeader;
+  if (body / kTriangle < n || n == 0)
+    damaged(fmt::format("its header says {} triangles, but the file holds {}", n, body / kTriangle));
+  if (body > kTriangle * n)
+    reading.warn(fmt::format("its header says {} triangles; the {} bytes behind them are ignored", n,
+                             body - kTriangle * n));
   PolygonSoup soup;
   Corners corner(soup);
   for (std::size_t t = 0; t < n; ++t) {
@@ -60,47 +58,77 @@ PolygonSoup read_binary(std::string_view bytes) {
   return soup;
 }
 
-PolygonSoup read_ascii(std::string_view text) {
-  PolygonSoup soup;
-  Corners corner(soup);
-  Words words(text);
-  std::vector<int> polygon;
-  bool open = false, ended = false;
-  while (words.next_line()) {
-    const std::string_view w = words.word();
-    if (w == "solid") {
-      ended = false;
-    } else if (w == "vertex") {
-      Vec3 p;
-      for (int k = 0; k < 3; ++k) p[k] = coordinate(words.word(), words.line());
-      polygon.push_back(corner(p));
-    } else if (w == "facet" || w == "endfacet") {
-      if (open == (w == "facet")) damaged(fmt::format("line {}: a facet is not closed", words.line()));
-      open = !open;
-      if (!open) {
-        require_corners(soup.polygons.size(), polygon.size());
-        soup.polygons.push_back(std::move(polygon));
-      }
-      polygon.clear();
-    } else if (w == "endsolid") {
-      ended = !open;
-    } else if (!w.empty() && w != "outer" && w != "endloop") {
-      damaged(fmt::format("line {}: unknown keyword \"{}\"", words.line(), printable(w)));
-    }
+// The words of an ASCII file in any case and on any number of lines. The normals are ignored; some writers
+// leave them out.
+class AsciiReader {
+ public:
+  explicit AsciiReader(std::string_view text) : words_(text) {}
+
+  PolygonSoup read() {
+    while (words_.next_line() && words_.word().empty()) {
+    }  // up to the line of "solid" and any name
+    while (words_.next_line())
+      for (std::string_view w = words_.word(); !w.empty(); w = words_.word())
+        if (!take(w)) break;
+    if (!ended_) damaged("the file ends without \"endsolid\"");
+    return std::move(soup_);
   }
-  if (!ended) damaged("the file ends without \"endsolid\"");
-  return soup;
+
+ private:
+  // Reads what the keyword begins. Returns false if the rest of the line is a name or a normal.
+  bool take(std::string_view w) {
+    std::string key = lowercase(w);
+    if (key == "end") key += lowercase(words_.word());  // "end solid"
+    if (key == "solid" || key == "endsolid") {
+      ended_ = key == "endsolid" && !open_;
+      return false;
+    }
+    if (key == "facet" || key == "endfacet") {
+      facet(key == "facet");
+    } else if (key == "normal") {
+      for (int k = 0; k < 3; ++k) words_.word();
+    } else if (key == "vertex") {
+      Vec3 p;
+      for (int k = 0; k < 3; ++k) p[k] = coordinate(words_.word(), words_.line());
+      polygon_.push_back(corner_(p));
+    } else if (key == "color") {
+      return false;
+    } else if (key != "outer" && key != "loop" && key != "endloop") {
+      damaged(fmt::format("line {}: unknown keyword \"{}\"", words_.line(), printable(w)));
+    }
+    return true;
+  }
+
+  void facet(bool opens) {
+    if (open_ == opens) damaged(fmt::format("line {}: a facet is not closed", words_.line()));
+    open_ = opens;
+    if (!open_) {
+      require_corners(soup_.polygons.size(), polygon_.size());
+      soup_.polygons.push_back(std::move(polygon_));
+    }
+    polygon_.clear();
+  }
+
+  Words words_;
+  PolygonSoup soup_;
+  Corners corner_{soup_};
+  std::vector<int> polygon_;
+  bool open_ = false, ended_ = false;
+};
+
+// Binary files may also begin with "solid", but only they contain bytes of zero: in the count of triangles,
+// up to 16 million, and in the two bytes behind each triangle.
+bool is_text(std::string_view bytes) {
+  const auto first = bytes.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && lowercase(bytes.substr(first, 5)) == "solid" &&
+         bytes.find('\0') == std::string_view::npos;
 }
 
 }  // namespace
 
-// Binary files may also begin with "solid", so check the file size first.
-PolygonSoup read_stl(std::string_view bytes) {
-  const auto first = bytes.find_first_not_of(" \t\r\n");
-  const bool solid = first != std::string_view::npos && bytes.substr(first).starts_with("solid");
-  const bool fits =
-      bytes.size() >= kHeader && bytes.size() == kHeader + kTriangle * std::size_t{promised(bytes)};
-  return solid && !fits ? read_ascii(bytes) : read_binary(bytes);
+PolygonSoup read_stl(std::string_view bytes, const Reading& reading) {
+  if (!is_text(bytes)) return read_binary(bytes, reading);
+  return AsciiReader(bytes).read();
 }
 
 }  // namespace terrazzo::load_mesh

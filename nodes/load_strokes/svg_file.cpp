@@ -21,14 +21,14 @@ Error bad(const std::string& what) {
   return Error("bad-strokes-file", what, "save the drawing as plain SVG with paths in pixels");
 }
 
-// Takes the number at the start of a text, after blanks. The locale does not matter.
+// Takes the number at the start of the text, behind blanks and commas. Nothing if there is none.
 std::optional<double> take_number(std::string_view& text) {
-  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
-  const std::string_view number = text.substr(text.starts_with('+') ? 1 : 0);
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n,"), text.size()));
+  const std::string_view digits = text.substr(text.starts_with('+') ? 1 : 0);
   double v = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), v);
-  if (error != std::errc()) return std::nullopt;
-  text = number.substr(static_cast<std::size_t>(end - number.data()));
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  if (error != std::errc() || !std::isfinite(v)) return {};
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return v;
 }
 
@@ -38,16 +38,13 @@ double length(std::string_view text, double none) {
   const auto v = take_number(text);
   static const std::map<std::string_view, double> units = {
       {"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
-  const auto it = units.find(text);
-  return !v || it == units.end() || !std::isfinite(*v) ? none : *v * it->second;
+  const auto unit = units.find(text.substr(0, text.find_last_not_of(" \t\r\n") + 1));
+  return !v || unit == units.end() ? none : *v * unit->second;
 }
 
-// Up to the first text that is no number.
-std::vector<double> numbers(std::string text) {
-  for (char& c : text)
-    if (c == ',') c = ' ';
+std::vector<double> numbers(std::string_view text) {
   std::vector<double> out;
-  for (std::string_view rest = text; const auto v = take_number(rest);) out.push_back(*v);
+  while (const auto v = take_number(text)) out.push_back(*v);
   return out;
 }
 

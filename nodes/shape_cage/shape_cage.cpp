@@ -6,9 +6,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <memory>
-#include <sstream>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/aabb_tree.h"
@@ -155,11 +156,18 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
 }
 
 Move parse_move(const std::string& text) {
-  std::istringstream in(text);
   Move m;
-  std::string rest;
-  if (!(in >> m.vertex >> m.by.x() >> m.by.y() >> m.by.z()) || in >> rest || m.vertex < 0 ||
-      !m.by.allFinite())
+  const char *at = text.data(), *const end = at + text.size();
+  const auto take = [&](auto& number) {
+    while (at != end && std::isspace(static_cast<unsigned char>(*at))) ++at;
+    if (at != end && *at == '+') ++at;
+    const auto [next, error] = std::from_chars(at, end, number);
+    at = next;
+    return error == std::errc() && (at == end || std::isspace(static_cast<unsigned char>(*at)));
+  };
+  const bool read = take(m.vertex) && take(m.by.x()) && take(m.by.y()) && take(m.by.z());
+  while (at != end && std::isspace(static_cast<unsigned char>(*at))) ++at;
+  if (!read || at != end || m.vertex < 0 || !m.by.allFinite())
     throw Error("bad-move", fmt::format("'{}' is not a move", text),
                 "write a vertex and how far it moves along x, y and z in mm, for example \"12 0.5 0 -1\"")
         .parameter("moves");

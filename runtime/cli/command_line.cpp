@@ -4,6 +4,7 @@
 
 #include "runtime/cli/commands.h"
 #include "runtime/cli/complete.h"
+#include "runtime/cli/output.h"
 #include "runtime/cli/placeholders.h"
 #include "runtime/provenance.h"
 
@@ -57,7 +58,9 @@ void add_run_options(CLI::App& app, GraphOptions& o) {
 
 }  // namespace cli
 
-int run_command_line(int argc, char** argv, const Program& program) {
+namespace {
+
+int run_command(int argc, char** argv, const Program& program) {
   CLI::App app{"Terrazzo: reconstructs tileable 3D materials from photographs of cut surfaces", "terrazzo"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("terrazzo ") + program_version);
@@ -101,6 +104,13 @@ int run_command_line(int argc, char** argv, const Program& program) {
     return cli::node_failed;
   }
   return exit_code;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv, const Program& program) {
+  cli::Output output;
+  return output.finish(run_command(argc, argv, program));
 }
 
 }  // namespace terrazzo

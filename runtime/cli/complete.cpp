@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "graph/utf8.h"
 #include "runtime/cli/complete_value.h"
 #include "runtime/cli/declared.h"
 #include "runtime/cli/default_graph.h"
@@ -99,18 +100,15 @@ std::vector<std::string> candidates(const CLI::App& app, const Program& program,
   return typed.options_ended ? out : option_names(typed);
 }
 
-// Shells read one candidate per line, and terminals obey control characters.
-bool printable(const std::string& text) {
-  return std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; });
-}
-
 }  // namespace
 
 std::vector<std::string> complete(const CLI::App& app, const Program& program,
                                   const std::vector<std::string>& words) {
   if (words.empty()) return {};
   auto found = candidates(app, program, words);
-  std::erase_if(found, [&](const std::string& c) { return !c.starts_with(words.back()) || !printable(c); });
+  // Shells read one candidate per line, and an escaped one would name something else.
+  std::erase_if(found,
+                [&](const std::string& c) { return !c.starts_with(words.back()) || escape_line(c) != c; });
   return found;
 }
 

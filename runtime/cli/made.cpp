@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -18,11 +19,15 @@ using nlohmann::json;
 namespace {
 
 Made made_from_report(const json& report) {
-  Made made{report.at("document"), {}, {}};
+  Made made{report.at("document"), {}, {}, {}};
   for (const auto& node : report.at("nodes")) {
     made.keys[node.at("name")] = node.at("key");
     if (node.contains("reads"))
-      for (const auto& f : node.at("reads")) made.contents.insert(f.at("content"));
+      for (const auto& f : node.at("reads")) {
+        made.contents.insert(f.at("content"));
+        made.contents_of[node.at("name")].insert(f.at("content"));
+        made.places.push_back(f.at("path").get<std::string>());
+      }
   }
   return made;
 }
@@ -61,10 +66,15 @@ Made provenance_of(const fs::path& file, std::string (*read_provenance)(const fs
       if (const json j = json_in(file); j.is_object() && j.contains("document")) return made_from_report(j);
     const std::string inside = read_provenance ? read_provenance(file) : "";
     if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
-      Made made{j.at("document"), {}, {}};
+      Made made{j.at("document"), {}, {}, {}};
       for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
       if (j.contains("files"))
-        for (const auto& f : j.at("files")) made.contents.insert(f.at("content"));
+        for (const auto& f : j.at("files")) {
+          made.contents.insert(f.at("content"));
+          if (f.contains("node")) made.contents_of[f.at("node")].insert(f.at("content"));
+        }
+      // The file itself tells no folders, but the report beside it may.
+      if (const auto beside = made_by_report_beside(file)) made.places = beside->places;
       return made;
     }
     if (const auto made = made_by_report_beside(file)) return *made;
@@ -98,6 +108,52 @@ bool granted(const fs::path& file, const std::vector<std::string>& folders) {
 
 bool is_from_command_line(const SetParameter& p) { return p.place.file.starts_with("command line"); }
 
+// Finds the input files of a document. Provenance in a file names them without folders, a report with paths
+// relative to the original output folder, which is the file's folder or one above it.
+class InputSearch {
+ public:
+  // `granted`: folders that the user allows to read.
+  InputSearch(const fs::path& folder, const std::vector<std::string>& granted, const Made& made)
+      : start_(folder), made_(made) {
+    fs::path up = folder;
+    for (int k = 0; k < 4; ++k, up = up.parent_path()) folders_.push_back(up);
+    for (const auto& g : granted) folders_.push_back(fs::absolute(g).lexically_normal());
+  }
+
+  // The first place where all files are those that the node read. If there is none, the first with any files,
+  // or else `path` itself, which is absolute.
+  fs::path find(const GraphNode& node, const fs::path& path) const {
+    const auto known = made_.contents_of.find(node.path);
+    const auto& originals = known != made_.contents_of.end() ? known->second : made_.contents;
+    const fs::path relative = path.lexically_relative(start_);
+    std::vector<fs::path> places;
+    for (const fs::path& folder : folders_) places.push_back((folder / relative).lexically_normal());
+    for (const fs::path& folder : folders_) places.push_back(folder / path.filename());
+    for (const fs::path& file : made_.places)
+      if (file.filename() == path.filename()) places.push_back(file);
+    std::optional<fs::path> any;
+    for (const fs::path& place : places) {
+      const auto files = expand_glob(place);
+      if (files.empty()) continue;
+      if (!any) any = place;
+      const auto is_original = [&](const fs::path& file) {
+        for (const auto& f : files_opened(*node.type, file))
+          if (const auto content = hashes_.hash(f); content && !originals.contains(content->text()))
+            return false;
+        return true;
+      };
+      if (std::all_of(files.begin(), files.end(), is_original)) return place;
+    }
+    return any.value_or(path);
+  }
+
+ private:
+  fs::path start_;
+  std::vector<fs::path> folders_;
+  const Made& made_;
+  mutable FileHashes hashes_;
+};
+
 }  // namespace
 
 Made how_made(const fs::path& file, std::string (*read_provenance)(const fs::path&)) {
@@ -107,22 +163,17 @@ Made how_made(const fs::path& file, std::string (*read_provenance)(const fs::pat
 }
 
 Graph open_made(const Registry& registry, const Made& made, const fs::path& file, const Overrides& overrides,
-                Diagnostics& found) {
-  fs::path folder = fs::absolute(file).lexically_normal().parent_path();
-  Graph first;
-  for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    Diagnostics here;
-    Graph graph = load_graph_text(made.document, folder / "document.yaml", registry, overrides, here);
-    bool complete = true;
-    for (const auto& node : graph.nodes)
-      for (const auto& p : node.type->parameters)
-        if (const auto it = node.parameters.find(p.name);
-            p.kind == ParameterKind::InputPath && it != node.parameters.end())
-          complete = complete && !expand_glob(std::get<std::string>(it->second.value)).empty();
-    if (up == 0) first = graph, found = here;
-    if (complete) return found = here, graph;
-  }
-  return first;
+                const std::vector<std::string>& folders, Diagnostics& found) {
+  const fs::path document = fs::absolute(file).lexically_normal().parent_path() / "document.yaml";
+  Graph graph = load_graph_text(made.document, document, registry, overrides, found);
+  const InputSearch search(document.parent_path(), folders, made);
+  for (auto& node : graph.nodes)
+    for (const auto& p : node.type->parameters)
+      if (const auto it = node.parameters.find(p.name); p.kind == ParameterKind::InputPath &&
+                                                        it != node.parameters.end() &&
+                                                        !is_from_command_line(it->second))
+        it->second.value = search.find(node, std::get<std::string>(it->second.value)).string();
+  return graph;
 }
 
 std::vector<MadeRead> reads_of(const Graph& graph, const Made& made,

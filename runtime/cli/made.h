@@ -14,9 +14,11 @@ namespace terrazzo::cli {
 
 // The provenance of a file.
 struct Made {
-  std::string document;                     // the graph that makes the file, as YAML
-  std::map<std::string, std::string> keys;  // action keys by node
-  std::set<std::string> contents;           // content hashes of the input files
+  std::string document;                                      // the graph that makes the file, as YAML
+  std::map<std::string, std::string> keys;                   // action keys by node
+  std::set<std::string> contents;                            // content hashes of the input files
+  std::map<std::string, std::set<std::string>> contents_of;  // the same by node
+  std::vector<std::filesystem::path> places = {};            // where a report says that they were
 };
 
 // Reads the provenance in the file, or in a report.json beside it. `read_provenance` reads that of a format;
@@ -25,10 +27,10 @@ struct Made {
 Made how_made(const std::filesystem::path& file,
               std::string (*read_provenance)(const std::filesystem::path&));
 
-// The graph. Input paths in the document are relative to the original output folder, which is the file's
-// folder or one above it.
+// The graph. Searches the input files by name and content: in the file's folder and three above it, in
+// `folders`, and where a report beside the file says that they were.
 Graph open_made(const Registry&, const Made&, const std::filesystem::path& file, const Overrides&,
-                Diagnostics& found);
+                const std::vector<std::string>& folders, Diagnostics& found);
 
 // A file that the graph would read. The provenance may come from a stranger, so a graph may read only files
 // whose content it names, and those in folders that the user grants or that the user set.

@@ -32,7 +32,7 @@ std::string manual_description() {
 std::string manual_end() {
   return ".SH EXIT STATUS\n" + entry(std::to_string(done), "The command is done.") +
          entry(std::to_string(node_failed),
-               "A node failed, a file could not be written, or the cache is damaged.") +
+               "A node failed, a file or the output could not be written, or the cache is damaged.") +
          entry(std::to_string(wrong_usage), "The graph or the command line is wrong.") +
          entry(std::to_string(interrupted), "The command was interrupted. Finished nodes are cached.") +
          ".SH ENVIRONMENT\n" +

@@ -7,7 +7,14 @@
 #include <cmath>
 #include <iostream>
 
+#include "runtime/cli/output.h"
+
 namespace terrazzo::cli {
+namespace {
+
+constexpr const char* kClearLine = "\r\x1b[K";
+
+}  // namespace
 
 ProgressLine::ProgressLine(Session& session, const std::vector<int>& targets, bool quiet, const Graph* graph)
     : kept_(session.graph()),
@@ -95,12 +102,13 @@ void ProgressLine::draw(bool now) {
     if (!at.note.empty()) text += " " + at.note;
   }
   if (text.size() > 110) text.resize(110);
-  std::cerr << "\r\x1b[K" << text << std::flush;
+  write_codes(std::cerr, kClearLine);
+  std::cerr << text << std::flush;
   drawn_ = true;
 }
 
 void ProgressLine::clear() {
-  if (drawn_) std::cerr << "\r\x1b[K" << std::flush;
+  if (drawn_) write_codes(std::cerr, kClearLine);
   drawn_ = false;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "graph/utf8.h"
 #include "graph/write_graph.h"
 #include "runtime/json_text.h"
 
@@ -114,14 +115,14 @@ void print_stacks(std::ostream& out, const Graph& graph, const RunResult& run) {
 namespace {
 
 std::string cell_text(const json& v) {
-  if (v.is_string()) return v.get<std::string>();
+  if (v.is_string()) return escape_line(v.get<std::string>());
   if (v.is_number_float()) return fmt::format("{:.5g}", v.get<double>());
   return json_text(v);
 }
 
 std::string table_text(const json& table) {
   std::vector<std::vector<std::string>> cells(1);
-  for (const auto& c : table.at("columns")) cells[0].push_back(c.get<std::string>());
+  for (const auto& c : table.at("columns")) cells[0].push_back(cell_text(c));
   for (const auto& row : table.at("rows")) {
     cells.emplace_back();
     for (const auto& v : row) cells.back().push_back(cell_text(v));

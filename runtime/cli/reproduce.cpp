@@ -9,6 +9,7 @@
 
 #include "graph/output_path.h"
 #include "graph/raw_document.h"
+#include "graph/utf8.h"
 #include "graph/write_graph.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/made.h"
@@ -47,8 +48,17 @@ void compare_keys(const Graph& graph, const RunResult& result, const Made& made)
 // Prints the files that the graph would read. False if it may not read some of them.
 bool show_reads(const Graph& graph, const Made& made, const ReproduceCommand& o) {
   bool all = true;
+  for (const auto& node : graph.nodes)
+    for (const auto& p : node.type->parameters)
+      if (const auto it = node.parameters.find(p.name);
+          p.kind == ParameterKind::InputPath && it != node.parameters.end())
+        if (const fs::path path = std::get<std::string>(it->second.value); expand_glob(path).empty())
+          std::cout << fmt::format(
+              "  reads  {}, which was not found (--set {}.{}=FILE names it, --allow-read FOLDER its "
+              "folder)\n",
+              escape_line(path.filename().string()), node.path, p.name);
   for (const auto& read : reads_of(graph, made, o.allow_read)) {
-    std::cout << "  reads  " << read.file.string()
+    std::cout << "  reads  " << escape_line(read.file.string())
               << (read.granted ? ""
                   : read.named ? ", the file it was made from"
                                : ", which is NOT the file it was made from")
@@ -67,7 +77,8 @@ void show_writes(const Graph& graph, const fs::path& graph_file, const Reproduce
           p.kind == ParameterKind::OutputPath && it != node.parameters.end())
         files.push_back(fs::path(o.out) / std::get<std::string>(it->second.value));
   for (const auto& f : files)
-    std::cout << "  writes " << f.string() << (fs::exists(f) ? ", replacing the existing file" : "") << '\n';
+    std::cout << "  writes " << escape_line(f.string())
+              << (fs::exists(f) ? ", replacing the existing file" : "") << '\n';
 }
 
 bool confirmed(const ReproduceCommand& o) {
@@ -85,7 +96,7 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   const Program program{with_plugins.nodes_without_plugins, with_plugins.nodes_without_plugins, nullptr};
   const Made made = how_made(o.file, program.nodes().read_provenance);
   Diagnostics found;
-  const Graph graph = open_made(program.registry(), made, o.file, overrides(o), found);
+  const Graph graph = open_made(program.registry(), made, o.file, overrides(o), o.allow_read, found);
   print(found);
   if (has_errors(found)) return wrong_usage;
   const fs::path path = fs::path(o.out) / (fs::path(o.file).stem().string() + ".yaml");
@@ -133,8 +144,8 @@ void add_reproduce(CLI::App& app, const Program& program, int& exit_code) {
   add_run_options(*command, *o);
   command
       ->add_option("--allow-read", o->allow_read,
-                   "Folder whose files the graph may read, in addition to files with the recorded content "
-                   "(repeatable)")
+                   "Folder whose files the graph may read, in addition to files with the recorded content; "
+                   "it is also searched for them (repeatable)")
       ->type_name(placeholder::folder)
       ->take_all()
       ->expected(1);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "graph/utf8.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/default_graph.h"
 #include "runtime/cli/placeholders.h"
@@ -32,7 +33,7 @@ void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResu
     const auto it = node.outputs.find(o.wire.port);
     if (it == node.outputs.end() || it->second.type != "Table") continue;
     const Value v = evaluator.value(graph, result, o.wire);
-    std::cout << '\n' << o.name << ":\n" << readable("Table", v.type().describe(v.data()));
+    std::cout << '\n' << escape_line(o.name) << ":\n" << readable("Table", v.type().describe(v.data()));
   }
 }
 

@@ -20,7 +20,7 @@ py::tuple made(const std::string& file, const std::vector<std::string>& allow_re
   register_nodes(built_in);
   const cli::Made made = cli::how_made(file, read_provenance);
   Diagnostics found;
-  const Graph graph = cli::open_made(built_in, made, file, {}, found);
+  const Graph graph = cli::open_made(built_in, made, file, {}, allow_read, found);
   if (has_errors(found)) raise(found);
   py::list reads;
   for (const auto& read : cli::reads_of(graph, made, allow_read)) {

@@ -6,6 +6,7 @@
 
 #include "graph/utf8.h"
 #include "runtime/cli/options.h"
+#include "runtime/cli/output.h"
 #include "runtime/studio/paint_server.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
@@ -35,6 +36,7 @@ int paint(const PaintOptions& o) {
   PaintServer server(painting, save, cancel);
   server.bind(o.port);
   std::cout << server.address() << std::endl;
+  cli::require_output();
   std::cerr << "Open this address in a browser to paint on " << o.image << ". The page saves to "
             << save.path().string() << ". Press Ctrl-C to stop.\n";
   serve_until(

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "runtime/cli/default_graph.h"
+#include "runtime/cli/output.h"
 #include "runtime/studio/live_graph.h"
 #include "runtime/studio/new_material.h"
 #include "runtime/studio/serve.h"
@@ -57,6 +58,7 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
   StudioServer server(live, nodes.registry, {.welcome = welcome, .live = !o.no_live});
   server.bind(o.port);
   std::cout << server.address() << std::endl;
+  cli::require_output();
   std::cerr << "Open this address in a browser to work on " << file.string() << ". Files go to " << o.out
             << ". Press Ctrl-C to stop.\n";
   if (!o.no_browser) open_browser(server.address());

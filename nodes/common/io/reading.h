@@ -1,12 +1,13 @@
-// Common to all readers of untrusted files: memory budget, warnings, and quotation of file content.
+// Common to all readers of untrusted files: memory budget and warnings. Messages quote a file's content with
+// `printable`.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <string_view>
 
+#include "graph/utf8.h"
 #include "runtime/memory.h"
 
 namespace terrazzo {
@@ -20,10 +21,6 @@ struct Reading {
 };
 // The memory budget and the warnings of a node.
 Reading reading_of(Context&);
-
-// Makes text from a file or library safe for a message: replaces invalid UTF-8 and control characters by '?',
-// collapses runs of blanks, and truncates to 200 bytes.
-std::string printable(std::string_view foreign);
 
 // The whole content of a regular file. Throws Error "too-large" if it exceeds the memory budget,
 // "unreadable-file" if it cannot be read.

@@ -7,6 +7,7 @@
 #include "nodes/load_strokes/stroke_files.h"
 #include "nodes/load_strokes/svg_path.h"
 #include "tests/support/code_of.h"
+#include "tests/support/german_locale.h"
 #include "tests/support/run_node.h"
 #include "tests/support/stored_values.h"
 
@@ -166,6 +167,20 @@ TEST(LoadStrokes, BadFilesAreRefused) {
               test::run_node("LoadStrokes", {}, {{"path", file_of("x", ".txt").string()}});
             }),
             "unknown-format");
+}
+
+TEST(LoadStrokes, DoesNotDependOnTheLocale) {
+  const auto all = [](const Strokes& s) { return test::bytes_of(s); };
+  const std::string drawing =
+      "<g transform='translate(0.5,1.5) rotate(12.5)'><polyline points='1.25,2.5 3.75-1234.5' stroke='red' "
+      "stroke-width='1.5mm'/><line x1='0.5pt' y1='.25' x2='+1.5e1' y2='2.' stroke='red'/></g>";
+  const auto yaml = file_of("strokes: [{radius: 1.5, points: [[0.25, 1234.5], [2.5, 1e-1]]}]\n", ".yaml");
+  const auto drawn = all(svg(drawing, "width='10.5' height='7.5' viewBox='0.5 0.5 21 15'")),
+             listed = all(read_yaml(yaml));
+  EXPECT_EQ(read_yaml(yaml).strokes.at(0).parts.at(0).at(0), Vec2(0.25, 1234.5));
+  const test::GermanLocale german;
+  EXPECT_EQ(all(svg(drawing, "width='10.5' height='7.5' viewBox='0.5 0.5 21 15'")), drawn);
+  EXPECT_EQ(all(read_yaml(yaml)), listed);
 }
 
 TEST(LoadStrokes, GivesWhatExportWroteToJson) {

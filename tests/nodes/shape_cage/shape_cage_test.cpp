@@ -9,6 +9,7 @@
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/table.h"
 #include "tests/support/code_of.h"
+#include "tests/support/german_locale.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -94,6 +95,16 @@ TEST(ShapeCage, ReplacesTheChosenShape) {
   EXPECT_EQ(code({{"moves", "[\"900 0 0 1\"]"}}), "bad-move");
   EXPECT_EQ(code({{"moves", "[\"0 0 1\"]"}}), "bad-move");
   EXPECT_EQ(code({{"moves", "[\"0 0 0 1 2\"]"}}), "bad-move");
+}
+
+TEST(ShapeCage, MovesDoNotDependOnTheLocale) {
+  const test::GermanLocale german;
+  const Move m = parse_move(" 1234 0.5  +1.5e0\t-2000.25 ");
+  EXPECT_EQ(m.vertex, 1234);
+  EXPECT_EQ(m.by, Vec3(0.5, 1.5, -2000.25));
+  for (const char* wrong :
+       {"", "1", "1 2 3", "1 2 3 4,5", "1 2 3 4 5", "1.5 0 0 0", "-1 0 0 0", "1 0 0 inf", "1 2 3 4x"})
+    EXPECT_EQ(test::code_of([&] { parse_move(wrong); }), "bad-move") << wrong;
 }
 
 }  // namespace
