@@ -7,6 +7,7 @@
 #include "graph/linker.h"
 #include "graph/nearest.h"
 #include "graph/node_parameters.h"
+#include "graph/output_path.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -116,17 +117,32 @@ WrittenValue Linker::rename_former_words(const GraphNode& node, const Parameter&
 }
 
 void Linker::check_output_paths() {
-  std::map<std::string, const GraphNode*> writers;  // by normal path
+  struct Writer {
+    const GraphNode* node;
+    std::string path;
+  };
+  std::map<std::string, Writer> writers;  // by normal path
   for (const GraphNode& node : graph_.nodes)
     for (const Parameter& p : node.type->parameters) {
       const auto given = node.parameters.find(p.name);
       if (p.kind != ParameterKind::OutputPath || given == node.parameters.end()) continue;
       if (bypassed_.count(node.path)) continue;
       const auto& path = std::get<std::string>(given->second.value);
-      const auto [it, first] = writers.emplace(fs::path(path).lexically_normal().generic_string(), &node);
-      if (!first)
-        fail("same-file", fmt::format("'{}' and '{}' both write '{}'", it->second->path, node.path, path),
-             given->second.place, "give each its own file name", node.path, p.name);
+      if (is_reserved_output(path))
+        fail("reserved-name", fmt::format("'{}' is the name of a file that terrazzo itself writes", path),
+             given->second.place, "choose another file name, or a folder below the output folder", node.path,
+             p.name);
+      const std::string normal = fs::path(path).lexically_normal().generic_string();
+      const auto [it, first] = writers.emplace(without_case(normal), Writer{&node, normal});
+      if (first) continue;
+      const auto& [other, written] = it->second;
+      fail("same-file",
+           written == normal
+               ? fmt::format("'{}' and '{}' both write '{}'", other->path, node.path, path)
+               : fmt::format("'{}' and '{}' write '{}' and '{}', which are one file where upper "
+                             "and lower case are the same",
+                             other->path, node.path, written, normal),
+           given->second.place, "give each its own file name", node.path, p.name);
     }
 }
 

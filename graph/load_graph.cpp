@@ -1,8 +1,7 @@
 // Loading graph files.
 #include <fmt/format.h>
 
-#include <fstream>
-
+#include "graph/input_file.h"
 #include "graph/linker.h"
 
 namespace terrazzo {
@@ -13,22 +12,15 @@ std::optional<std::string> read_graph_text(const fs::path& file, Diagnostics& fo
     found.push_back({Severity::Error, std::move(code), std::move(message), std::move(hint), {}, {}, {}});
     return std::nullopt;
   };
-  std::error_code error;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || fs::is_directory(file, error))
-    return fail("no-file", fmt::format("cannot read the graph file '{}'", file.string()), {});
-  std::string text;
-  char part[1 << 16];
-  while (in && text.size() <= max_graph_bytes) {  // the file may be an endless device
-    in.read(part, sizeof part);
-    text.append(part, static_cast<std::size_t>(in.gcount()));
-  }
-  if (in.bad()) return fail("no-file", fmt::format("cannot read the graph file '{}'", file.string()), {});
-  if (text.size() > max_graph_bytes)
+  FileText read = read_input_file(file, max_graph_bytes);
+  if (read.too_large)
     return fail("too-large",
                 fmt::format("the graph file '{}' has more than {} MiB", file.string(), max_graph_bytes >> 20),
                 "move data to separate files and refer to them in the graph");
-  return text;
+  if (!read)
+    return fail("no-file", fmt::format("cannot read the graph file '{}': {}", file.string(), read.trouble),
+                {});
+  return std::move(read.text);
 }
 
 Graph load_graph_text(const std::string& text, const fs::path& file, const Registry& registry,

@@ -8,15 +8,26 @@
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <limits>
 #include <set>
+#include <string_view>
 
 #include "graph/element_name.h"
 #include "graph/nearest.h"
+#include "graph/number_text.h"
 #include "graph/utf8.h"
 #include "graph/yaml_mistakes.h"
 
 namespace terrazzo {
 namespace {
+
+// A number as YAML writes it.
+std::optional<double> yaml_number(std::string_view text) {
+  if (text == ".inf" || text == "+.inf") return std::numeric_limits<double>::infinity();
+  if (text == "-.inf") return -std::numeric_limits<double>::infinity();
+  if (text.starts_with('+')) text.remove_prefix(1);
+  return number_in_text<double>(text);
+}
 
 class DocumentReader {
  public:
@@ -157,11 +168,7 @@ class DocumentReader {
   }
 
   void read_version(const YAML::Node& v, const YAML::Node& key) {
-    int version = 0;
-    try {
-      version = v.as<int>();
-    } catch (const YAML::Exception&) {
-    }
+    const int version = v.IsScalar() ? number_in_text<int>(v.Scalar()).value_or(0) : 0;
     if (version == graph_format) return;
     fail("format-version",
          fmt::format("format version '{}' is not supported", v.IsScalar() ? v.Scalar() : "?"),
@@ -211,11 +218,10 @@ class DocumentReader {
     p.place = place(key.Mark());
     bool has_type = false;
     const auto number = [&](const YAML::Node& n, double& out) {
-      // Not with yaml-cpp, which reads numbers in the locale of the program.
-      const std::string text = n.IsScalar() ? n.Scalar() : "";
-      const char *const begin = text.data() + text.starts_with('+'), *const end = text.data() + text.size();
-      const auto [at, error] = std::from_chars(begin, end, out);
-      if (error != std::errc() || at != end || begin == end)
+      const auto v = n.IsScalar() ? yaml_number(n.Scalar()) : std::nullopt;
+      if (v)
+        out = *v;
+      else
         fail("bad-value", "min and max must be numbers", place(n.Mark()));
     };
     each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"},

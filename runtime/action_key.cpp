@@ -1,6 +1,10 @@
 #include "runtime/action_key.h"
 
+#include <algorithm>
+
+#include "graph/input_file.h"
 #include "runtime/files.h"
+#include "runtime/memory.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -18,36 +22,53 @@ std::vector<fs::path> files_opened(const NodeType& type, const fs::path& path) {
   return files;
 }
 
-std::optional<Hash> input_content(const NodeType& type, const std::filesystem::path& path,
-                                  FileHashes& hashes) {
-  const auto hash = hashes.hash(path);
+std::optional<Hash> input_content(const NodeType& type, const std::filesystem::path& path, FileHashes& hashes,
+                                  std::uint64_t most) {
+  const auto hash = hashes.hash(path, most);
   if (!hash) return {};
   std::string text = hash->text() + path.extension().string();
   if (type.companion_files)
     for (const auto& companion : type.companion_files(path)) {
-      const auto other = hashes.hash(companion);
+      const auto other = hashes.hash(companion, most);
       text += "\n" + companion.filename().string() + "=" + (other ? other->text() : "none");
     }
   return hash_of(text);
 }
 
-InputFiles input_files(const GraphNode& node, FileHashes& hashes) {
+namespace {
+
+Error unreadable(const fs::path& path) {
+  const InputFile file(path);
+  return Error("unreadable-file",
+               "cannot read '" + path.string() + "'" +
+                   (file ? ": it kept changing while it was read" : ": " + file.trouble()));
+}
+
+}  // namespace
+
+InputFiles input_files(const GraphNode& node, FileHashes& hashes, std::uint64_t memory) {
   InputFiles out;
+  std::uint64_t most = 0;
   for (const auto& p : node.type->parameters) {
     const auto written = node.parameters.find(p.name);
     if (p.kind != ParameterKind::InputPath || written == node.parameters.end()) continue;
+    if (most == 0) most = memory > 0 ? std::min(memory, available_memory()) : available_memory();
     const std::string& pattern = std::get<std::string>(written->second.value);
     auto& paths = out.paths[p.name] = expand_glob(pattern);
     if (paths.empty())
       throw Error("no-file", "there is no file '" + pattern + "'",
                   "paths in a graph are relative to the graph file")
           .parameter(p.name);
-    for (const auto& path : paths) {
-      const auto content = input_content(*node.type, path, hashes);
-      if (!content) throw Error("unreadable-file", "cannot read '" + path.string() + "'").parameter(p.name);
-      out.hashes[p.name].push_back(*content);
-      for (const auto& f : files_opened(*node.type, path))
-        if (const auto hash = hashes.hash(f)) out.read.push_back({f.string(), *hash});
+    try {
+      for (const auto& path : paths) {
+        const auto content = input_content(*node.type, path, hashes, most);
+        if (!content) throw unreadable(path);
+        out.hashes[p.name].push_back(*content);
+        for (const auto& f : files_opened(*node.type, path))
+          if (const auto hash = hashes.hash(f, most)) out.read.push_back({f.string(), *hash});
+      }
+    } catch (Error& e) {
+      throw e.parameter(p.name);
     }
   }
   return out;

@@ -27,14 +27,18 @@ struct InputFiles {
   std::map<std::string, std::vector<Hash>> hashes;  // input_content() of each path
   std::vector<FileRecord> read;                     // every file, companions included, with its own content
 };
-// Throws Error "no-file" or "unreadable-file", with the parameter.
-InputFiles input_files(const GraphNode&, FileHashes&);
+// `memory`: the bytes that loading one file may take; 0: all available memory. A larger file is not read, not
+// even for its hash, because every reader would refuse it. Throws Error "no-file", "unreadable-file" or
+// "too-large", with the parameter.
+InputFiles input_files(const GraphNode&, FileHashes&, std::uint64_t memory = 0);
 
 // The files that a node of this type opens to read `path`: the file itself, then its companions.
 std::vector<std::filesystem::path> files_opened(const NodeType&, const std::filesystem::path& path);
 
 // A hash of everything that a node reads when it opens this file: the content, the extension (it selects the
-// format), and the content of companion files. Nothing if the file cannot be read.
-std::optional<Hash> input_content(const NodeType&, const std::filesystem::path&, FileHashes&);
+// format), and the content of companion files. Nothing if the file cannot be read. Throws Error "too-large"
+// if one of them has more than `most` bytes and its hash is not known.
+std::optional<Hash> input_content(const NodeType&, const std::filesystem::path&, FileHashes&,
+                                  std::uint64_t most);
 
 }  // namespace terrazzo

@@ -2,12 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "graph/node_type.h"
+#include "graph/number_text.h"
 #include "runtime/base64.h"
 
 namespace terrazzo {
 using nlohmann::json;
+
+bool has_outputs_of(const ActionRecord& r, const NodeType& type) {
+  return r.outputs.size() == type.outputs.size() &&
+         std::all_of(type.outputs.begin(), type.outputs.end(), [&](const Port& port) {
+           const auto it = r.outputs.find(port.name);
+           return it != r.outputs.end() && port.accepts(it->second.type);
+         });
+}
 
 namespace {
 
@@ -27,6 +38,11 @@ OutputRecord output_from(const json& j) {
     out.small = std::make_shared<const std::string>(std::move(bytes));
   }
   return out;
+}
+double metric_from(const json& j) {
+  const auto v = number_in_text<double>(j.get_ref<const std::string&>());
+  if (!v) throw Error("damaged", "a cache entry has a metric that is no number");
+  return *v;
 }
 FileRecord file_from(const json& j) {
   return {j.at("path"), Hash::parse(j.at("content").get<std::string>())};
@@ -75,7 +91,7 @@ json to_json(const ActionRecord& r) {
 ActionRecord action_record_from_json(const json& j) {
   ActionRecord r;
   for (const auto& [port, o] : j.at("outputs").items()) r.outputs[port] = output_from(o);
-  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = std::stod(v.get<std::string>());
+  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = metric_from(v);
   r.warnings = j.at("warnings").get<std::vector<std::string>>();
   for (const auto& f : j.at("files")) r.files.push_back(file_from(f));
   r.seconds = j.at("seconds");

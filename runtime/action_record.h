@@ -13,6 +13,8 @@
 
 namespace terrazzo {
 
+struct NodeType;  // graph/node_type.h
+
 // Values of at most this many encoded bytes are stored in the records of the computations that made them.
 // Such a record still fits into one block of most file systems.
 inline constexpr std::size_t small_value = 2048;
@@ -49,7 +51,11 @@ struct ActionRecord {
   std::map<std::string, std::vector<FileRecord>> input_files;  // absolute paths; content: input_content()
 };
 
-// Reading throws nlohmann::json::exception, std::exception or Error if the JSON is not a valid record.
+// Whether the record has exactly the outputs of the node type, with values of the types that they declare.
+// The record of a plugin that was changed under the same version may have others.
+bool has_outputs_of(const ActionRecord&, const NodeType&);
+
+// Reading throws nlohmann::json::exception or Error if the JSON is not a valid record.
 nlohmann::json to_json(const ActionRecord&);
 ActionRecord action_record_from_json(const nlohmann::json&);
 

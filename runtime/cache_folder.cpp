@@ -8,11 +8,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <limits>
+#include <string_view>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
+#include "graph/number_text.h"
 #include "runtime/files.h"
 
 namespace terrazzo {
@@ -68,10 +70,9 @@ bool is_upkeep(const std::string& name) {
          (name.ends_with(".TAG") && is_temporary_name(name.substr(0, name.size() - 4), "CACHEDIR"));
 }
 
-// Whether an unmarked folder contains nothing but cache files. `stranger`: the first other name, or the
-// error.
-bool holds_only_entries(const fs::path& folder, std::string& stranger) {
-  std::error_code error;
+// Whether an unmarked folder contains nothing but cache files. `stranger`: the first other name. `error`: why
+// the folder cannot be listed.
+bool holds_only_entries(const fs::path& folder, std::string& stranger, std::error_code& error) {
   for (auto it = fs::recursive_directory_iterator(folder, error);
        !error && it != fs::recursive_directory_iterator(); it.increment(error)) {
     const std::string name = it->path().filename().string();
@@ -81,8 +82,7 @@ bool holds_only_entries(const fs::path& folder, std::string& stranger) {
                                       : bool(entry_of(name)) || is_leftover(name);
     if (!ours) return stranger = it->path().lexically_relative(folder).string(), false;
   }
-  if (error) stranger = error.message();
-  return !error;
+  return true;
 }
 
 struct Clock {
@@ -113,7 +113,39 @@ void each_file_in(const fs::path& folder, const std::string& part, const Clock& 
 
 }  // namespace
 
-bool is_cache_folder(const fs::path& folder) { return read_file(folder / version_file) == version_text; }
+namespace {
+
+// The content of the mark. `none`: there is no such file.
+struct Mark {
+  bool none = false;
+  std::string trouble;  // "" if this is a cache of this version
+};
+
+Mark mark_of(const fs::path& folder) {
+  constexpr std::uint64_t longest = 4096;
+  const fs::path path = folder / version_file;
+  std::error_code error;
+  const fs::file_status there = fs::status(path, error);
+  if (there.type() == fs::file_type::not_found) return {true, "it is not marked as a cache"};
+  const FileText mark = read_input_file(path, longest);
+  if (!mark) return {false, fmt::format("cannot read '{}': {}", path.string(), mark.trouble)};
+  if (mark.text == version_text) return {};
+  const std::string_view number(mark.text.data(), mark.text.empty() ? 0 : mark.text.size() - 1);
+  if (mark.text.ends_with('\n') && number_in_text<unsigned>(number))
+    return {false, fmt::format("its mark '{}' says version {} of the cache, and this program has version 1",
+                               version_file, number)};
+  return {false, fmt::format("its mark '{}' is damaged", version_file)};
+}
+
+}  // namespace
+
+bool is_cache_folder(const fs::path& folder) { return mark_of(folder).trouble.empty(); }
+
+void require_cache_folder(const fs::path& folder) {
+  if (const Mark mark = mark_of(folder); !mark.trouble.empty())
+    throw Error("usage", fmt::format("cannot use '{}' as a cache folder: {}", folder.string(), mark.trouble),
+                "a run with --cache FOLDER creates one");
+}
 
 void open_cache_folder(const fs::path& folder) {
   const auto fail = [&](const char* code, const std::string& why, const std::string& hint) {
@@ -132,15 +164,18 @@ void open_cache_folder(const fs::path& folder) {
   if (s.st_mode & S_IWOTH)
     fail("unsafe-folder", "everybody may write to it and could change results",
          fmt::format("run chmod o-w '{}' or choose another folder", folder.string()));
-  if (const auto version = read_file(folder / version_file)) {
-    if (*version == version_text) return;
-    fail("not-a-cache", "it belongs to another version of terrazzo",
-         "choose another folder, or remove this one if you no longer use that version");
-  }
+  const Mark mark = mark_of(folder);
+  if (mark.trouble.empty()) return;
+  if (!mark.none)
+    fail("cache-unusable", mark.trouble,
+         "choose another folder with --cache, or remove that file if no other version of terrazzo uses it");
   std::string stranger;
-  if (!holds_only_entries(folder, stranger))
+  if (!holds_only_entries(folder, stranger, error))
     fail("not-a-cache", fmt::format("it contains '{}', which is not part of a cache", stranger),
          "choose a new or empty folder; cache folders contain a file named 'terrazzo-cache'");
+  if (error)
+    fail("cache-unusable", "cannot list it: " + error.message(),
+         "choose another folder with --cache, or --no-cache");
   const bool fresh = fs::is_empty(folder, error);
   try {
     if (fresh) CacheUsage(folder).set(0);
@@ -187,11 +222,12 @@ auto CacheUsage::change(Change change) const {
   if (file < 0) return change(state);
   while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
   }
-  char text[64] = {};
-  unsigned long long bytes;
-  int part;
-  if (::pread(file, text, sizeof text - 1, 0) > 0 && std::sscanf(text, "%llu %d", &bytes, &part) == 2)
-    state = {bytes, part & 255};
+  char text[64];
+  const ssize_t length = ::pread(file, text, sizeof text, 0);
+  std::string_view words(text, length > 0 ? static_cast<std::size_t>(length) : 0);
+  const auto bytes = take_number<std::uint64_t>(words);
+  const auto part = take_number<int>(words);
+  if (bytes && part) state = {*bytes, *part & 255};
   const auto result = change(state);
   const std::string line = fmt::format("{:020d} {:03d}\n", state.bytes, state.part);
   // If this fails, the sum is too small until the next collection corrects it.

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <new>
 
+#include "graph/exception_text.h"
 #include "graph/output_path.h"
 #include "graph/utf8.h"
 #include "runtime/files.h"
 #include "runtime/memory.h"
+#include "runtime/protected_files.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -25,14 +27,6 @@ fs::path confined(const fs::path& folder, const std::string& relative) {
                 "use a relative path inside it that no link redirects; --out sets the folder")
         .parameter("path");
   return path;
-}
-
-// Whether writing `to` would replace `file`. Writing replaces a link itself, not its target.
-bool same_place(const fs::path& file, const fs::path& to) {
-  std::error_code error;
-  const fs::path place = fs::weakly_canonical(to.parent_path(), error) / to.filename();
-  return place == fs::weakly_canonical(file.parent_path(), error) / file.filename() ||
-         place == fs::weakly_canonical(file, error);
 }
 
 class NodeContext : public Context {
@@ -56,12 +50,12 @@ class NodeContext : public Context {
     if (!request_.type->writes_files)
       throw Error("node-bug", request_.type->name + " writes a file but does not declare writes_files_()");
     const fs::path final = confined(request_.output_folder, relative);
-    for (const auto& input : request_.protected_files)
-      if (same_place(input, final))
-        throw Error("overwrites-input",
-                    "'" + relative + "' would overwrite '" + input.string() + "', which the graph reads",
-                    "choose another file name, or another folder with --out")
-            .parameter("path");
+    try {
+      if (request_.keep) request_.keep->require_other(final, relative);
+      if (request_.claim) request_.claim(final, relative);
+    } catch (Error& e) {
+      throw e.parameter("path");
+    }
     write_atomically(final, [&](const fs::path& temporary) {
       write(temporary);
       work_.check();  // if cancelled while writing, the existing file stays as it was
@@ -122,7 +116,7 @@ ComputeResult compute_node(ComputeRequest request) {
     throw Error("out-of-memory", "not enough memory",
                 "reduce the resolution, the size or the number of particles");
   } catch (const std::exception& e) {
-    throw Error("failed", e.what());
+    throw Error("failed", exception_text(e));
   }
 }
 

@@ -11,6 +11,8 @@
 
 namespace terrazzo {
 
+class ProtectedFiles;  // runtime/protected_files.h
+
 // What a canceled computation wants to save: the arguments of Context::save_interrupted.
 struct InterruptedWork {
   std::string extension, what, hint;
@@ -25,8 +27,11 @@ struct ComputeRequest {
   std::map<std::string, ParameterValue> parameters;  // all parameters, defaults included
   std::map<std::string, std::vector<std::filesystem::path>> files;
   std::filesystem::path output_folder;
-  std::vector<std::filesystem::path> protected_files;  // the graph's inputs, which must not be overwritten
-  std::string provenance;                              // JSON
+  std::shared_ptr<const ProtectedFiles> keep;  // must not be overwritten; null: there are none
+  // Called before a file is written, with its path and its name in messages. Throws Error "same-file" if
+  // another node of the run has written it. May be null.
+  std::function<void(const std::filesystem::path&, const std::string& shown)> claim;
+  std::string provenance;  // JSON
   Work work;
   std::function<void(const InterruptedWork&)> save_interrupted;  // null: nothing is saved
   std::uint64_t memory = 0;       // bytes that loaders may allocate; 0: all available memory

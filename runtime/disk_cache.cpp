@@ -9,6 +9,7 @@
 #include "runtime/cache_folder.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
+#include "runtime/memory.h"
 #include "runtime/store.h"
 #include "runtime/value_file.h"
 
@@ -212,7 +213,11 @@ std::optional<ComputeRequest> request_again(const ActionRecord& record, const Re
     }
   for (const auto& [name, list] : record.input_files)
     for (const auto& f : list) {
-      if (input_content(*q.type, f.path, hashes) != f.content) return {};
+      try {
+        if (input_content(*q.type, f.path, hashes, available_memory()) != f.content) return {};
+      } catch (const Error&) {  // too large for this machine
+        return {};
+      }
       q.files[name].push_back(f.path);
     }
   q.work = work;
@@ -229,8 +234,7 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     work.check();
     if (!f.name) return;
     ++out.values;
-    const auto text = read_file(f.path);
-    if (text && value_payload(*text, f.name).empty() && removed(f.path))
+    if (!is_value_of(f.path, f.name, [&] { work.check(); }) && removed(f.path))
       out.damaged.push_back(f.path.string());
   });
   SmallValues small;
@@ -241,12 +245,18 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     const auto text = read_file(f.path);
     if (!text) return;
     auto record = parse_action(*text);
-    if (!record) {
+    const NodeType* type = record ? registry.find(record->type) : nullptr;
+    if (!record || (type && type->version == record->version && !has_outputs_of(*record, *type))) {
       if (removed(f.path)) out.damaged.push_back(f.path.string());
       return;
     }
-    for (const auto& [port, o] : record->outputs)
+    bool lost = false;
+    std::error_code error;
+    for (const auto& [port, o] : record->outputs) {
       if (o.small) ++out.values, small.emplace(o.content, o);
+      lost = lost || (!o.small && !fs::exists(cache_entry(folder, "values", o.content), error));
+    }
+    out.lost += lost;
     records.push_back({hash_of(f.name.text() + std::to_string(seed)), {f.name, std::move(record)}});
   });
   std::sort(records.begin(), records.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

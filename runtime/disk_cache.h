@@ -51,10 +51,12 @@ void clear_cache(const std::filesystem::path& folder);
 
 struct Verified {
   std::uint64_t values = 0, records = 0;  // read and checked
-  std::vector<std::string> damaged;       // paths of damaged files, which were removed
-  std::uint64_t recomputed = 0;           // number of recomputed records
-  std::uint64_t passed_over = 0;          // skipped: other version, inputs gone, or writes files
-  std::vector<std::string> differing;     // "Anneal 12ab…: particles"; their records were removed
+  // Paths of files that were removed: damaged ones, and records without the outputs of their node types.
+  std::vector<std::string> damaged;
+  std::uint64_t lost = 0;              // records with values that the cache no longer has
+  std::uint64_t recomputed = 0;        // number of recomputed records
+  std::uint64_t passed_over = 0;       // skipped: other version, inputs gone, or writes files
+  std::vector<std::string> differing;  // "Anneal 12ab…: particles"; their records were removed
 };
 // Checks every entry, recomputes `sample` records chosen by `seed`, and compares the results. Throws
 // Cancelled, or the Error of a recomputed node.

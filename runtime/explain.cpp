@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cstdio>
+#include <optional>
 #include <set>
+#include <string_view>
+
+#include "graph/number_text.h"
 
 namespace terrazzo {
 namespace {
@@ -16,12 +19,23 @@ std::string at(const GraphNode& node, const std::string& parameter) {
   return it == node.parameters.end() ? "its default" : it->second.place.text();
 }
 
+// The color of "[0.5,0.25,1]".
+std::optional<std::array<double, 3>> color_in(std::string_view text) {
+  std::array<double, 3> rgb{};
+  for (double& v : rgb) {
+    if (!text.starts_with('[') && !text.starts_with(',')) return {};
+    text.remove_prefix(1);
+    const auto number = take_number<double>(text);
+    if (!number) return {};
+    v = *number;
+  }
+  return rgb;
+}
+
 // A value of a parameter as people write it: a color as "#c7bda8", a list of one as its element.
 std::string shown(const Parameter& p, const std::string& written) {
-  std::array<double, 3> rgb{};
-  if (p.kind == ParameterKind::Color &&
-      std::sscanf(written.c_str(), "[%lf,%lf,%lf]", &rgb[0], &rgb[1], &rgb[2]) == 3)
-    return color_text(rgb);
+  if (p.kind == ParameterKind::Color)
+    if (const auto rgb = color_in(written)) return color_text(*rgb);
   const bool one = written.size() > 2 && written.front() == '[' && written.find(',') == std::string::npos;
   return one ? written.substr(1, written.size() - 2) : written;
 }
@@ -134,7 +148,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     }
     InputFiles files;
     try {
-      files = input_files(node, hashes);
+      files = input_files(node, hashes, options.memory);
     } catch (const Error& e) {
       out.step = Step::Compute;
       out.reasons.push_back("it will fail: " + e.diagnostic().message);
@@ -144,7 +158,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     Tier tier;
     const auto record = store.find_action(record_key(*node.type, key, options.output_folder), tier);
     out.step = Step::Cached;
-    if (record) {
+    if (record && has_outputs_of(*record, *node.type)) {
       out.seconds = record->seconds, out.bytes = bytes_of(*record);
       for (const auto& f : record->files) {
         const auto now = hashes.hash(options.output_folder / f.path);

@@ -1,20 +1,17 @@
 #include "runtime/file_hashes.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cinttypes>
-#include <cstdio>
 #include <vector>
 
+#include "graph/input_file.h"
+#include "graph/number_text.h"
 #include "runtime/cache_folder.h"
-#include "runtime/descriptor.h"
 #include "runtime/files.h"
 #include "runtime/host_name.h"
+#include "runtime/memory.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -49,20 +46,14 @@ struct HashedState {
 std::optional<HashedState> hash_state(const fs::path& path) {
   std::vector<char> buffer(1 << 20);
   for (int attempt = 0; attempt < 5; ++attempt) {
-    const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-    struct stat before, after;
-    if (file.fd < 0 || ::fstat(file.fd, &before) != 0 || !S_ISREG(before.st_mode)) return {};
-    const FileStamp stamp = stamp_of(before);
+    InputFile file(path);
+    if (!file) return {};
+    const FileStamp stamp = stamp_of(file.status());
     const bool is_settled = settled(stamp);
     HashWriter writer;
-    while (true) {
-      const ssize_t n = ::read(file.fd, buffer.data(), buffer.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return {};
-      if (n == 0) break;
-      writer.bytes(buffer.data(), static_cast<std::size_t>(n));
-    }
-    if (::fstat(file.fd, &after) != 0) return {};
+    while (const std::size_t n = file.read(buffer.data(), buffer.size())) writer.bytes(buffer.data(), n);
+    struct stat after;
+    if (!file.trouble().empty() || ::fstat(file.descriptor(), &after) != 0) return {};
     if (stamp_of(after) == stamp) return HashedState{writer.hash(), stamp, is_settled};
   }
   return {};
@@ -86,7 +77,17 @@ std::optional<FileStamp> stamp_of(const fs::path& path) {
   return stamp_of(s);
 }
 
-std::optional<Hash> FileHashes::hash(const fs::path& path) {
+std::optional<FileHashes::Entry> FileHashes::entry_in(std::string_view line) {
+  const auto device = take_number<std::uint64_t>(line), inode = take_number<std::uint64_t>(line),
+             size = take_number<std::uint64_t>(line);
+  const auto modified = take_number<std::int64_t>(line), changed = take_number<std::int64_t>(line);
+  if (!device || !inode || !size || !modified || !changed || !line.starts_with(' ')) return {};
+  const Hash hash = Hash::parse(std::string(line.substr(1)));
+  if (!hash) return {};
+  return Entry{{*device, *inode, *size, *modified, *changed}, hash};
+}
+
+std::optional<Hash> FileHashes::hash(const fs::path& path, std::uint64_t most) {
   const auto now = stamp_of(path);
   if (!now) return {};
   const std::string name = fs::absolute(path).lexically_normal().string();
@@ -100,18 +101,14 @@ std::optional<Hash> FileHashes::hash(const fs::path& path) {
   }
   if (!memo.empty())
     if (const auto text = read_file(memo)) {
-      Entry e{};
-      char hex[33] = {};
-      const std::string line = checked_line(*text);
-      if (std::sscanf(line.c_str(), "%" SCNu64 " %" SCNu64 " %" SCNu64 " %" SCNd64 " %" SCNd64 " %32s",
-                      &e.stamp.device, &e.stamp.inode, &e.stamp.size, &e.stamp.modified, &e.stamp.changed,
-                      hex) == 6 &&
-          e.stamp == *now && (e.hash = Hash::parse(hex))) {
+      const auto e = entry_in(checked_line(*text));
+      if (e && e->stamp == *now) {
         const std::lock_guard lock(mutex_);
-        entries_[name] = e;
-        return e.hash;
+        entries_[name] = *e;
+        return e->hash;
       }
     }
+  require_memory(static_cast<double>(now->size), most, "the file '" + path.string() + "'");
   const auto state = hash_state(path);
   if (!state) return {};
   if (state->settled) {

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 
 #include "runtime/hash.h"
@@ -28,14 +30,18 @@ std::optional<FileStamp> stamp_of(const std::filesystem::path&);
 class FileHashes {
  public:
   explicit FileHashes(std::filesystem::path cache_folder = {}) : folder_(std::move(cache_folder)) {}
-  // Returns nothing if the file cannot be read or keeps changing.
-  std::optional<Hash> hash(const std::filesystem::path&);
+  // Returns nothing if the file cannot be read or keeps changing. Throws Error "too-large" if the hash is not
+  // known yet and the file has more than `most` bytes.
+  std::optional<Hash> hash(const std::filesystem::path&,
+                           std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 
  private:
   struct Entry {
     FileStamp stamp;
     Hash hash;
   };
+  // What a line of the cache says; nothing if it is damaged.
+  static std::optional<Entry> entry_in(std::string_view line);
   std::filesystem::path folder_;
   std::mutex mutex_;
   std::unordered_map<std::string, Entry> entries_;

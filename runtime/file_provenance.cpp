@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/write_graph.h"
-#include "runtime/files.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {
@@ -11,8 +11,7 @@ namespace fs = std::filesystem;
 
 std::string file_provenance(const Graph& graph, int node, const RunResult& result,
                             const RunOptions& options) {
-  nlohmann::json all =
-      options.provenance.empty() ? nlohmann::json::object() : nlohmann::json::parse(options.provenance);
+  nlohmann::json all = options.provenance.empty() ? nlohmann::json::object() : parse_json(options.provenance);
   const auto upstream = needed_nodes(graph, {node});
   all["files"] = nlohmann::json::array();
   for (std::size_t k = 0; k < upstream.size(); ++k) {
@@ -25,17 +24,6 @@ std::string file_provenance(const Graph& graph, int node, const RunResult& resul
   }
   all["document"] = write_graph_without_folders(graph, upstream);
   return json_text(all);
-}
-
-std::vector<fs::path> all_input_files(const Graph& graph) {
-  std::vector<fs::path> out{graph.file};
-  for (const auto& n : graph.nodes)
-    for (const auto& p : n.type->parameters)
-      if (const auto it = n.parameters.find(p.name);
-          p.kind == ParameterKind::InputPath && it != n.parameters.end())
-        for (const auto& path : expand_glob(std::get<std::string>(it->second.value)))
-          for (const auto& file : files_opened(*n.type, path)) out.push_back(file);
-  return out;
 }
 
 }  // namespace terrazzo

@@ -11,9 +11,11 @@
 #include <cerrno>
 #include <cstring>
 
+#include "graph/input_file.h"
 #include "runtime/descriptor.h"
 #include "runtime/host_name.h"
 #include "runtime/natural_order.h"
+#include "runtime/protected_files.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -46,19 +48,10 @@ std::vector<fs::path> expand_glob(const fs::path& pattern) {
   return found;
 }
 
-std::optional<std::string> read_file(const fs::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat s;
-  if (file.fd < 0 || ::fstat(file.fd, &s) != 0 || !S_ISREG(s.st_mode)) return {};
-  std::string out(static_cast<std::size_t>(s.st_size), '\0');
-  std::size_t got = 0;
-  while (got < out.size()) {
-    const ssize_t n = ::read(file.fd, out.data() + got, out.size() - got);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return {};
-    got += static_cast<std::size_t>(n);
-  }
-  return out;
+std::optional<std::string> read_file(const fs::path& path, std::uint64_t most) {
+  FileText file = read_input_file(path, most);
+  if (!file) return {};
+  return std::move(file.text);
 }
 
 namespace {
@@ -84,18 +77,27 @@ void sync_folder(const fs::path& folder) {
 
 }  // namespace
 
-TemporaryFile::TemporaryFile(const fs::path& folder, const std::string& stem, const std::string& extension) {
+TemporaryFile::TemporaryFile(const fs::path& folder, const std::string& stem, const std::string& extension,
+                             unsigned mode) {
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
   if (error) cannot_write(folder / (stem + extension), error.message());
   for (int attempt = 0; path_.empty(); ++attempt) {
     const fs::path candidate = folder / temporary_name(stem, extension);
-    const Descriptor made(::open(candidate.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    const Descriptor made(::open(candidate.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     if (made.fd >= 0)
       path_ = candidate;
     else if (errno != EEXIST || attempt == 100)
       cannot_write(folder / (stem + extension), std::strerror(errno));
   }
+}
+
+void require_replaceable(const fs::path& final) {
+  std::error_code error;
+  const fs::file_status there = fs::status(final, error);
+  if (fs::is_directory(there)) cannot_write(final, "it is a folder");
+  // Renaming would replace it, not write to it.
+  if (fs::exists(there) && !fs::is_regular_file(there)) cannot_write(final, "it is a device or a pipe");
 }
 
 TemporaryFile::~TemporaryFile() {
@@ -108,10 +110,8 @@ void TemporaryFile::rename_to(const fs::path& final) {
     const Descriptor file(::open(path_.c_str(), O_RDONLY | O_CLOEXEC));
     if (file.fd < 0 || ::fsync(file.fd) != 0) cannot_write(final, std::strerror(errno));
   }
+  require_replaceable(final);
   std::error_code error;
-  const fs::file_status there = fs::status(final, error);
-  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))
-    cannot_write(final, "it is a device or a pipe");  // renaming would replace it, not write to it
   fs::rename(path_, final, error);
   if (error) cannot_write(final, error.message());
   path_.clear();
@@ -139,18 +139,32 @@ void write_atomically(const fs::path& final, const std::function<void(const fs::
   file.rename_to(final);
 }
 
+void write_all(int descriptor, const std::string& text, const fs::path& final) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) cannot_write(final, std::strerror(errno));
+    done += static_cast<std::size_t>(n);
+  }
+}
+
+void write_atomically(const fs::path& final, const ProtectedFiles& keep,
+                      const std::function<void(const fs::path&)>& write) {
+  keep.require_other(final);
+  write_atomically(final, write);
+}
+
+void write_text_atomically(const fs::path& final, const ProtectedFiles& keep, const std::string& text) {
+  keep.require_other(final);
+  write_text_atomically(final, text);
+}
+
 void write_text_atomically(const fs::path& final, const std::string& text) {
   write_atomically(final, [&](const fs::path& temporary) {
-    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-    std::size_t done = 0;
-    while (file.fd >= 0 && done < text.size()) {
-      const ssize_t n = ::write(file.fd, text.data() + done, text.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) break;
-      done += static_cast<std::size_t>(n);
-    }
-    if (file.fd < 0 || done < text.size())
-      throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), std::strerror(errno)));
+    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC));
+    if (file.fd < 0) cannot_write(final, std::strerror(errno));
+    write_all(file.fd, text, final);
   });
 }
 

@@ -1,6 +1,7 @@
 // Reading whole files, and writing files atomically.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -11,6 +12,8 @@
 
 namespace terrazzo {
 
+class ProtectedFiles;  // runtime/protected_files.h
+
 // The existing files that match `pattern`, sorted. *, ? and [] match within one path component.
 std::vector<std::filesystem::path> expand_glob(const std::filesystem::path& pattern);
 
@@ -19,9 +22,10 @@ std::vector<std::filesystem::path> expand_glob(const std::filesystem::path& patt
 // choose the same one.
 class TemporaryFile {
  public:
-  // Creates the folder if necessary. Throws Error "write-failed".
+  // Creates the folder if necessary. `mode`: the permissions, from which the umask is taken away. Throws
+  // Error "write-failed".
   TemporaryFile(const std::filesystem::path& folder, const std::string& stem,
-                const std::string& extension = {});
+                const std::string& extension = {}, unsigned mode = 0666);
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -37,14 +41,29 @@ class TemporaryFile {
 // Whether TemporaryFile could have chosen this name for a file with this stem and no extension.
 bool is_temporary_name(const std::string& name, const std::string& stem);
 
-// Calls `write` with the path of a temporary file in the folder of `final`, and renames it to `final` when
-// `write` is done. On failure, any existing file at `final` is unchanged. Throws Error "write-failed", or
-// what `write` throws.
+// Throws Error "write-failed" if `final` is something that no file replaces: a folder, a device or a pipe.
+// Call it before long work whose result goes there.
+void require_replaceable(const std::filesystem::path& final);
+
+// Every file of the user is written by these functions. They call `write` with the path of a temporary file
+// in the folder of `final`, and rename it to `final` when `write` is done. On failure, any existing file at
+// `final` is unchanged. Throw Error "overwrites-input" if `final` is one of the protected files whatever its
+// path, "write-failed", or what `write` throws.
+void write_atomically(const std::filesystem::path& final, const ProtectedFiles&,
+                      const std::function<void(const std::filesystem::path& temporary)>& write);
+void write_text_atomically(const std::filesystem::path& final, const ProtectedFiles&,
+                           const std::string& text);
+// The same where no graph is open, as for files of the cache.
 void write_atomically(const std::filesystem::path& final,
                       const std::function<void(const std::filesystem::path& temporary)>& write);
 void write_text_atomically(const std::filesystem::path& final, const std::string& text);
+// Writes the whole text to an open file. Throws Error "write-failed", which names `final`.
+void write_all(int descriptor, const std::string& text, const std::filesystem::path& final);
 
-// The content of a regular file. Nothing if it cannot be read.
-std::optional<std::string> read_file(const std::filesystem::path&);
+// Larger files are no text that this program reads: records, reports, logs, and values that it checks first.
+inline constexpr std::uint64_t most_text_bytes = std::uint64_t{1} << 30;
+
+// The content of a regular file. Nothing if it cannot be read or has more bytes.
+std::optional<std::string> read_file(const std::filesystem::path&, std::uint64_t most = most_text_bytes);
 
 }  // namespace terrazzo

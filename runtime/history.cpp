@@ -4,6 +4,7 @@
 
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {
@@ -23,7 +24,7 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
   const auto text = read_file(cache_entry(folder_, "history", name_of(graph, node)));
   if (!text) return {};
   try {
-    const json j = json::parse(*text);
+    const json j = parse_json(*text);
     HistoryEntry e;
     e.key = j.at("key"), e.type = j.at("type"), e.version = j.at("version");
     j.at("parameters").get_to(e.parameters);
@@ -32,6 +33,8 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
     return e;
   } catch (const json::exception&) {
     return {};  // damaged: treat the node as never computed
+  } catch (const Error&) {
+    return {};
   }
 }
 

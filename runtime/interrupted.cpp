@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "graph/exception_text.h"
 #include "runtime/files.h"
 
 namespace terrazzo {
@@ -29,7 +30,8 @@ Diagnostic message_of(Severity severity, const Error& e, const GraphNode& node) 
 
 }  // namespace
 
-SavedWork save(const InterruptedWork& work, const GraphNode& node, const fs::path& folder) {
+SavedWork save(const InterruptedWork& work, const GraphNode& node, const fs::path& folder,
+               const ProtectedFiles& keep) {
   const fs::path file = unused_name(folder, node.path, work.extension);
   const auto lost = [&](std::string why, const std::string& hint) {
     // Writers know only the temporary name.
@@ -39,14 +41,14 @@ SavedWork save(const InterruptedWork& work, const GraphNode& node, const fs::pat
     return SavedWork{{}, message_of(Severity::Warning, e, node)};
   };
   try {
-    write_atomically(file, work.write);
+    write_atomically(file, keep, work.write);
     const Error e("interrupted", "interrupted; saved " + work.what + " in '" + file.string() + "'",
                   work.hint);
     return {file, message_of(Severity::Note, e, node)};
   } catch (const Error& e) {
     return lost(e.diagnostic().message, e.diagnostic().hint);
   } catch (const std::exception& e) {
-    return lost(e.what(), "");
+    return lost(exception_text(e), "");
   }
 }
 

@@ -9,9 +9,10 @@
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <sstream>
+#include <string_view>
 
 #include "graph/diagnostic.h"
+#include "graph/number_text.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
@@ -19,33 +20,44 @@ namespace {
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
+// Files of the kernel have no size, so they are not opened as InputFile.
 std::optional<std::uint64_t> number_in(const fs::path& file) {
   std::ifstream in(file);
-  std::uint64_t value;
-  if (in >> value) return value;
-  return {};  // "max", or no such file
+  std::string word;
+  in >> word;
+  return number_in_text<std::uint64_t>(word);  // not for "max", or if there is no such file
+}
+
+// Calls `use` for each line "NAME NUMBER …", such as "MemAvailable: 123 kB", until it returns false.
+template <class Use>
+void each_number(const fs::path& file, Use&& use) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    const auto space = std::min(line.find(' '), line.size());
+    std::string_view rest = std::string_view(line).substr(space);
+    if (const auto number = take_number<std::uint64_t>(rest))
+      if (!use(line.substr(0, space), *number)) return;
+  }
 }
 
 std::uint64_t left_of(std::uint64_t limit, std::uint64_t used) { return limit > used ? limit - used : 0; }
 
 std::uint64_t left_on_machine() {
-  std::ifstream file("/proc/meminfo");
-  std::string name, rest;
-  std::uint64_t kilobytes;
-  while (file >> name >> kilobytes) {
-    if (name == "MemAvailable:") return 1024 * kilobytes;
-    std::getline(file, rest);
-  }
-  return unlimited;
+  std::uint64_t left = unlimited;
+  each_number("/proc/meminfo", [&](const std::string& name, std::uint64_t kilobytes) {
+    if (name == "MemAvailable:") left = 1024 * kilobytes;
+    return left == unlimited;
+  });
+  return left;
 }
 
 // The page cache counts toward a control group's usage, but the kernel frees it before an allocation fails.
 std::uint64_t reclaimable(const fs::path& group) {
-  std::ifstream in(group / "memory.stat");
-  std::string name;
-  std::uint64_t value, sum = 0;
-  while (in >> name >> value)
+  std::uint64_t sum = 0;
+  each_number(group / "memory.stat", [&](const std::string& name, std::uint64_t value) {
     if (name == "inactive_file" || name == "active_file") sum += value;
+    return true;
+  });
   return sum;
 }
 
@@ -91,9 +103,7 @@ std::string bytes_text(double bytes) {
 std::uint64_t available_address_space() {
   struct rlimit limit;
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
-  std::ifstream in("/proc/self/statm");
-  std::uint64_t pages = 0;
-  in >> pages;
+  const std::uint64_t pages = number_in("/proc/self/statm").value_or(0);
   return left_of(limit.rlim_cur, pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
 }
 

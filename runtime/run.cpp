@@ -78,7 +78,7 @@ void Run::visit(int i) {
     result(i).error = placed(error, node(i));
   } catch (const std::exception& error) {  // such as std::bad_alloc: only this node fails
     result(i).status = Status::Failed;
-    result(i).error = placed(Error("failed", error.what()), node(i));
+    result(i).error = placed(Error("failed", exception_text(error)), node(i));
   }
   tell([&](Observer& o) { o.finished(i, result(i)); });
   for (const auto& [port, wires] : node(i).inputs)
@@ -108,7 +108,7 @@ bool Run::evaluate(int i) {
     }
   // If a file changes while the node reads it, the value belongs to no key, so try again.
   for (int attempt = 0; attempt < 3; ++attempt) {
-    state(i).files = input_files(node(i), e_.hashes_);
+    state(i).files = input_files(node(i), e_.hashes_, options_.memory);
     r.read = state(i).files.read;
     r.key = action_key(node(i), state(i).files.hashes, inputs);
     r.record = record_key(*node(i).type, r.key, options_.output_folder);

@@ -10,12 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "graph/exception_text.h"
 #include "runtime/arena.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
 #include "runtime/thread_marks.h"
 
 namespace terrazzo {
+
+class ProtectedFiles;  // runtime/protected_files.h
 
 // The evaluator, the graph and the options must outlive the run.
 class Run {
@@ -57,7 +60,7 @@ class Run {
     try {
       call(*options_.observer);
     } catch (const std::exception& e) {
-      result_.trouble = std::string("the progress display stopped: ") + e.what();
+      result_.trouble = std::string("the progress display stopped: ") + exception_text(e);
     }
   }
 
@@ -78,6 +81,12 @@ class Run {
   // left to the store and its memory budget.
   void keep(int i, const std::string& port, Value);
   ComputeRequest request(int i, Work);
+  void write_requests(int i, ComputeRequest&);
+  // The files that no node may overwrite, listed once.
+  std::shared_ptr<const ProtectedFiles> protected_files();
+  // Notes that a node writes a file. Throws Error "same-file" if another node of this run has written it, by
+  // whatever path. Equal names in the graph were refused when it was loaded.
+  void claim(int i, const std::filesystem::path& file, const std::string& shown);
 
   // run_values.cpp: the values of nodes
   // `keep`: whether a value that is read from the disk stays in memory.
@@ -93,6 +102,10 @@ class Run {
   std::optional<Arena> arena_;
   ThreadMark mark_;
   std::mutex observer_mutex_;
+  std::once_flag protected_once_;
+  std::shared_ptr<const ProtectedFiles> protected_;
+  std::mutex writers_mutex_;
+  std::map<std::string, int> writers_;  // node by place of the file
 };
 
 }  // namespace terrazzo

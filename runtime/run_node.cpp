@@ -2,11 +2,14 @@
 #include <chrono>
 #include <memory>
 
+#include "graph/file_set.h"
 #include "runtime/file_provenance.h"
 #include "runtime/interrupted.h"
+#include "runtime/protected_files.h"
 #include "runtime/run.h"
 
 namespace terrazzo {
+namespace fs = std::filesystem;
 
 Run::Outcome Run::compute_alone(int i, const Inputs& inputs) {
   const NodeResult& r = result(i);
@@ -29,12 +32,14 @@ bool Run::use_cached(int i) {
   NodeResult& r = result(i);
   Tier tier;
   const auto record = e_.store_.find_action(r.record, tier);
-  if (!record) return false;
+  // A plugin may have other outputs now, under the same version. Its node runs again.
+  if (!record || !has_outputs_of(*record, *node(i).type)) return false;
   // Written files are cache hits only if their content is unchanged. The name alone proves nothing.
   for (const auto& f : record->files) {
     const auto now = e_.hashes_.hash(options_.output_folder / f.path);
     if (!now || *now != f.content) return false;
   }
+  for (const auto& f : record->files) claim(i, options_.output_folder / f.path, f.path);
   // A value that the store has lost is recomputed only when a consumer needs it.
   r.status = tier == Tier::Memory ? Status::Memory : Status::Disk;
   r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
@@ -47,7 +52,7 @@ bool Run::files_changed(int i) {
   const InputFiles& before = state(i).files;
   if (before.paths.empty()) return false;
   try {
-    const InputFiles now = input_files(node(i), e_.hashes_);
+    const InputFiles now = input_files(node(i), e_.hashes_, options_.memory);
     return now.paths != before.paths || now.hashes != before.hashes;
   } catch (const Error&) {
     return true;  // the file is gone; the next attempt reports that
@@ -103,6 +108,27 @@ void Run::keep(int i, const std::string& port, Value value) {
   state(i).values[port] = std::move(value);
 }
 
+// What nodes need that write files.
+void Run::write_requests(int i, ComputeRequest& q) {
+  q.provenance = file_provenance(graph_, i, result_, options_);
+  q.keep = protected_files();
+  q.claim = [this, i](const fs::path& file, const std::string& shown) { claim(i, file, shown); };
+}
+
+std::shared_ptr<const ProtectedFiles> Run::protected_files() {
+  std::call_once(protected_once_, [&] { protected_ = std::make_shared<const ProtectedFiles>(graph_); });
+  return protected_;
+}
+
+void Run::claim(int i, const fs::path& file, const std::string& shown) {
+  const std::lock_guard lock(writers_mutex_);
+  const auto [writer, first] = writers_.emplace(place_of(file).string(), i);
+  if (first || writer->second == i) return;
+  throw Error("same-file",
+              "'" + shown + "' is the file that '" + node(writer->second).path + "' has just written",
+              "give each its own file name");
+}
+
 ComputeRequest Run::request(int i, Work work) {
   ComputeRequest q;
   q.type = node(i).type;
@@ -119,8 +145,7 @@ ComputeRequest Run::request(int i, Work work) {
   q.parameters = effective_parameters(*q.type, written);
   q.files = state(i).files.paths;
   q.output_folder = options_.output_folder;
-  if (q.type->writes_files)
-    q.provenance = file_provenance(graph_, i, result_, options_), q.protected_files = all_input_files(graph_);
+  if (q.type->writes_files) write_requests(i, q);
   q.work = std::move(work);
   q.memory = options_.memory;
   if (options_.keep_intermediates) q.intermediates = Intermediates(e_.store_);
@@ -131,7 +156,7 @@ ComputeRequest Run::request(int i, Work work) {
     };
   }
   q.save_interrupted = [this, i](const InterruptedWork& work) {
-    if (run_is_cancelled()) result(i).saved = save(work, node(i), options_.output_folder);
+    if (run_is_cancelled()) result(i).saved = save(work, node(i), options_.output_folder, *protected_files());
   };
   return q;
 }

@@ -3,6 +3,7 @@
 #include <set>
 #include <utility>
 
+#include "graph/exception_text.h"
 #include "graph/raw_document.h"
 #include "runtime/provenance.h"
 #include "runtime/recipe.h"
@@ -180,7 +181,7 @@ std::shared_ptr<Evaluation> Session::start(const std::vector<std::string>& targe
     try {
       if (!failure) history_.record(*at->graph_, result, hashes_);
     } catch (const std::exception& e) {
-      result.trouble = std::string("cannot save what `terrazzo explain` needs: ") + e.what();
+      result.trouble = std::string("cannot save what `terrazzo explain` needs: ") + exception_text(e);
     }
     const std::lock_guard lock(at->mutex_);
     at->result_ = std::move(result);

@@ -11,8 +11,10 @@
 #include <optional>
 #include <utility>
 
+#include "graph/input_file.h"
 #include "runtime/cache_folder.h"
 #include "runtime/files.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 #include "runtime/value_file.h"
 
@@ -90,8 +92,10 @@ std::shared_ptr<const ActionRecord> parse_action(const std::string& text) {
     return {};
   try {
     return std::make_shared<const ActionRecord>(
-        action_record_from_json(json::parse(text.begin() + 33, text.end())));
-  } catch (const std::exception&) {
+        action_record_from_json(parse_json(std::string_view(text).substr(33))));
+  } catch (const json::exception&) {
+    return {};
+  } catch (const Error&) {
     return {};
   }
 }
@@ -298,8 +302,10 @@ Value Store::get_value(const OutputRecord& r, double seconds, bool keep) {
   if (r.small) v = decoded(*r.small);
   if (!v && !folder_.empty()) {
     const fs::path path = cache_entry(folder_, "values", r.content);
-    if (const auto data = read_file(path)) {
-      if (const auto payload = value_payload(*data, r.content); !payload.empty()) v = decoded(payload);
+    // A file of another size is damaged, and is not read.
+    const FileText data = read_input_file(path, r.bytes + value_head_size);
+    if (data || data.too_large) {
+      if (const auto payload = value_payload(data.text, r.content); !payload.empty()) v = decoded(payload);
       std::error_code ignored;
       if (v)
         touch(path);

@@ -9,6 +9,7 @@
 
 #include "graph/utf8.h"
 #include "graph/value_range.h"
+#include "runtime/json_input.h"
 
 namespace terrazzo {
 namespace {
@@ -149,6 +150,46 @@ PointSummary summary_of(const nlohmann::json& report) {
     }
   }
   return out;
+}
+
+namespace {
+
+bool has_text(const nlohmann::json& j, const char* name) {
+  const auto it = j.find(name);
+  return it != j.end() && it->is_string();
+}
+
+// Whether there is a list of objects with a path and a content.
+bool has_files(const nlohmann::json& node, const char* name) {
+  const auto list = node.find(name);
+  if (list == node.end() || !list->is_array()) return false;
+  return std::all_of(list->begin(), list->end(), [](const nlohmann::json& file) {
+    return file.is_object() && has_text(file, "path") && has_text(file, "content");
+  });
+}
+
+bool is_node_report(const nlohmann::json& node) {
+  if (!node.is_object()) return false;
+  for (const char* name : {"name", "status", "key"})
+    if (!has_text(node, name)) return false;
+  const auto metrics = node.find("metrics"), error = node.find("error");
+  if (metrics == node.end() || !metrics->is_object()) return false;
+  const bool failed = error != node.end() && !error->is_null();
+  if (failed && !(error->is_object() && has_text(*error, "code") && has_text(*error, "message")))
+    return false;
+  return has_files(node, "files") && has_files(node, "reads");
+}
+
+}  // namespace
+
+nlohmann::json read_report(const std::filesystem::path& path) {
+  nlohmann::json report = read_json_file(path);
+  if (!report.is_object() || (report.contains("sweep") && !has_text(report, "sweep"))) return nullptr;
+  const auto nodes = report.find("nodes"), seconds = report.find("seconds");
+  if (nodes == report.end() || !nodes->is_array() || seconds == report.end() || !seconds->is_number())
+    return nullptr;
+  if (!std::all_of(nodes->begin(), nodes->end(), is_node_report)) return nullptr;
+  return report;
 }
 
 SweepTable::SweepTable(const SweepPoints& points) : points_(points), rows_(points.size()) {}

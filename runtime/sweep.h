@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
@@ -83,6 +84,11 @@ struct PointSummary {
   bool cannot_write = false;             // a node failed because it could not write a file
 };
 PointSummary summary_of(const nlohmann::json& report);
+
+// The report in a file. Null if the file cannot be read or is no report of a run: others may have damaged it,
+// and it may be of an earlier version. What this returns has every entry that summary_of(), SweepTable and
+// the functions of runtime/sweep_file.h read.
+nlohmann::json read_report(const std::filesystem::path&);
 
 // Collects a CSV table with one row per point: the varied values, the status, the time in seconds, and every
 // metric of every node. Keeps 16 bytes per metric of a point, not the reports.

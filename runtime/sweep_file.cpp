@@ -4,8 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "graph/utf8.h"
+#include "graph/input_file.h"
 #include "runtime/files.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 #include "runtime/provenance.h"
 #include "runtime/sweep_log.h"
@@ -39,8 +40,14 @@ json sweep_json(const SweepFile& s) {
 
 Hash SweepFile::hash() const { return hash_of(json_text(sweep_json(*this))); }
 
+ProtectedFiles protected_files(const SweepFile& sweep) {
+  ProtectedFiles out;
+  for (const auto& [path, content] : sweep.files) out.add(path);
+  return out;
+}
+
 void write_sweep_file(const fs::path& path, const SweepFile& sweep) {
-  write_text_atomically(path, json_text(sweep_json(sweep), 1) + "\n");
+  write_text_atomically(path, protected_files(sweep), json_text(sweep_json(sweep), 1) + "\n");
 }
 
 SweepFile read_sweep_file(const fs::path& path) {
@@ -48,10 +55,15 @@ SweepFile read_sweep_file(const fs::path& path) {
     return Error("sweep-file", fmt::format("cannot use '{}' as a sweep: {}", path.string(), why),
                  "`terrazzo sweep` writes sweep.json into its output folder");
   };
-  const auto text = read_file(path);
-  if (!text) throw bad("it cannot be read");
+  const FileText file = read_input_file(path, most_text_bytes);
+  if (!file) throw bad(file.trouble);
+  json j;
   try {
-    const json j = json::parse(*text);
+    j = parse_json(file.text);
+  } catch (const Error& e) {
+    throw bad(e.diagnostic().message);
+  }
+  try {
     if (const int format = j.at("terrazzo_sweep"); format != sweep_format)
       throw bad(fmt::format("it has format {}, and this program reads format {}", format, sweep_format));
     using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -77,7 +89,7 @@ SweepFile read_sweep_file(const fs::path& path) {
     out.shared = j.at("shared").get<std::vector<std::string>>();
     return out;
   } catch (const json::exception& e) {
-    throw bad(valid_utf8(e.what()));
+    throw bad(json_problem(e));
   }
 }
 
@@ -158,8 +170,7 @@ bool is_in_cache(const SweepPoint& point, const json& report, Store& store) {
 }
 
 json read_shared_report(const SweepFile& sweep, const fs::path& out) {
-  const auto text = read_file(shared_report(out));
-  json report = text ? json::parse(*text, nullptr, false) : json();
+  json report = read_report(shared_report(out));
   return is_finished_point(report, sweep.hash(), out) ? report : json();
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/file_hashes.h"
+#include "runtime/protected_files.h"
 #include "runtime/store.h"
 #include "runtime/sweep.h"
 
@@ -26,7 +27,10 @@ struct SweepFile {
   Hash hash() const;
 };
 
-// Throws Error "write-failed".
+// What the sweep reads, which its own files must not replace.
+ProtectedFiles protected_files(const SweepFile&);
+
+// Throws Error "write-failed" or "overwrites-input".
 void write_sweep_file(const std::filesystem::path&, const SweepFile&);
 // Throws Error "sweep-file" if the file cannot be read or is not a sweep file of this format.
 SweepFile read_sweep_file(const std::filesystem::path&);

@@ -5,12 +5,17 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <ctime>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
+#include "graph/input_file.h"
 #include "runtime/descriptor.h"
+#include "runtime/files.h"
 #include "runtime/host_name.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {
@@ -35,6 +40,29 @@ std::string machine() {
   return host_name();
 }
 
+// Whether every entry that somebody reads has its type.
+bool is_event(const json& line) {
+  if (!line.is_object() || !line.contains("event")) return false;
+  for (const auto& [name, v] : line.items()) {
+    const auto is = [&](std::initializer_list<const char*> names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    bool good = true;
+    if (is({"event", "host", "task", "sweep", "status", "message"}))
+      good = v.is_string();
+    else if (is({"point", "computed", "cached", "twice"}))
+      good = v.is_number_unsigned();
+    else if (is({"time"}))
+      good = v.is_number_integer();
+    else if (is({"seconds", "twice_seconds"}))
+      good = v.is_number();
+    else if (is({"errors"}))
+      good = v.is_array() && std::all_of(v.begin(), v.end(), [](const json& e) { return e.is_string(); });
+    if (!good) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 fs::path jobs_folder(const fs::path& out) { return out / "jobs"; }
@@ -48,9 +76,13 @@ bool WorkerLog::write(json event) const {
   event["host"] = machine(), event["task"] = task();
   event["time"] = static_cast<std::int64_t>(std::time(nullptr));
   const std::string line = json_text(event) + "\n";
-  // Opened for each line: network file systems show a line to others when the file is closed.
-  const Descriptor file(::open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  return file.fd >= 0 && ::write(file.fd, line.data(), line.size()) == static_cast<ssize_t>(line.size());
+  // Opened for each line: network file systems show a line to others when the file is closed. A pipe or a
+  // link in its place gets nothing.
+  const Descriptor file(
+      ::open(file_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC, 0666));
+  struct stat s;
+  return file.fd >= 0 && ::fstat(file.fd, &s) == 0 && S_ISREG(s.st_mode) &&
+         ::write(file.fd, line.data(), line.size()) == static_cast<ssize_t>(line.size());
 }
 
 LogReader::LogReader(fs::path file, bool skip) : file_(std::move(file)) {
@@ -61,18 +93,20 @@ LogReader::LogReader(fs::path file, bool skip) : file_(std::move(file)) {
 
 std::vector<json> LogReader::news() {
   std::vector<json> out;
-  const Descriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat s;
-  if (file.fd < 0 || ::fstat(file.fd, &s) != 0 || static_cast<std::size_t>(s.st_size) <= offset_) return out;
-  std::string text(static_cast<std::size_t>(s.st_size) - offset_, '\0');
-  const ssize_t got = ::pread(file.fd, text.data(), text.size(), static_cast<off_t>(offset_));
+  const InputFile file(file_);
+  if (!file || file.size() <= offset_) return out;
+  if (file.size() - offset_ > most_text_bytes) return ++damaged_, out;
+  std::string text(static_cast<std::size_t>(file.size()) - offset_, '\0');
+  const ssize_t got = ::pread(file.descriptor(), text.data(), text.size(), static_cast<off_t>(offset_));
   if (got <= 0) return out;
   text.resize(static_cast<std::size_t>(got));
   std::size_t at = 0;
   for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
-    json line = json::parse(text.begin() + static_cast<std::ptrdiff_t>(at),
-                            text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
-    if (line.is_object() && line.contains("event")) out.push_back(std::move(line));
+    json line = json_or_null(std::string_view(text).substr(at, end - at));
+    if (is_event(line))
+      out.push_back(std::move(line));
+    else if (end > at)
+      ++damaged_;
   }
   offset_ += at;
   return out;

@@ -45,12 +45,14 @@ class LogReader {
  public:
   // Skips what is there now if `skip`.
   LogReader(std::filesystem::path file, bool skip);
-  // The complete lines that were added since the last call. Leaves out damaged lines.
+  // The complete lines that were added since the last call. Leaves out damaged lines: the entries of the
+  // others have the types that WorkerLog gives them.
   std::vector<nlohmann::json> news();
+  std::size_t damaged() const { return damaged_; }  // lines that were left out so far
 
  private:
   std::filesystem::path file_;
-  std::size_t offset_ = 0;
+  std::size_t offset_ = 0, damaged_ = 0;
 };
 
 }  // namespace terrazzo

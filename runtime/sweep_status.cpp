@@ -83,9 +83,11 @@ SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
     const int log = static_cast<int>(status.logs.size());
     status.logs.push_back(
         {fs::path(file).replace_extension(".txt"), file.stem().string(), "", "", 0, 0, "", false});
-    for (auto& event : LogReader(file, false).news())
+    LogReader reader(file, false);
+    for (auto& event : reader.news())
       if (event.value("sweep", hash.text()) == hash.text())
         events.push_back({event.value("time", std::int64_t{0}), log, std::move(event)});
+    if (reader.damaged() > 0) status.damaged.emplace_back(file, reader.damaged());
   }
   std::stable_sort(events.begin(), events.end(),
                    [](const Event& a, const Event& b) { return a.time < b.time; });
@@ -94,9 +96,7 @@ SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
   for (std::size_t i = 0; i < status.points.size(); ++i) {
     if (status.points[i].state == State::Done || status.points[i].state == State::Failed) continue;
     const fs::path place = folder / status.sweep.points[i].folder;
-    const auto text = read_file(place / "report.json");
-    if (!text) continue;
-    const json report = json::parse(*text, nullptr, false);
+    const json report = read_report(place / "report.json");
     if (!report.is_object() || report.value("sweep", "") != hash.text()) continue;
     const PointSummary summary = summary_of(report);
     if (summary.status == "done" && !is_finished_point(report, hash, place)) continue;

@@ -39,6 +39,7 @@ struct SweepStatus {
   std::vector<PointStatus> points;
   std::vector<LogStatus> logs;
   std::vector<SweepFailure> failures;
+  std::vector<std::pair<std::filesystem::path, std::size_t>> damaged;  // logs, with lines that were left out
   double seconds = 0;                               // spent on finished points, by all workers
   std::size_t timed = 0;                            // number of these points
   std::size_t computed = 0, cached = 0, twice = 0;  // nodes

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
+#include <vector>
+
+#include "graph/input_file.h"
 
 namespace terrazzo {
 namespace {
@@ -34,17 +36,28 @@ std::string_view value_payload(const std::string& text, const Hash& content) {
   return std::string_view(text).substr(value_head_size);
 }
 
+bool is_value_of(const std::filesystem::path& path, const Hash& content, const std::function<void()>& check) {
+  InputFile file(path);
+  std::vector<char> part(1 << 20);
+  if (!file || file.read(part.data(), value_head_size) < value_head_size || !seconds_of(part.data()))
+    return false;
+  HashWriter writer;
+  while (const std::size_t n = file.read(part.data(), part.size())) {
+    writer.bytes(part.data(), n);
+    check();
+  }
+  return file.trouble().empty() && writer.size() > 0 && writer.hash() == content;
+}
+
 std::optional<ValueSummary> value_summary(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  char head[value_head_size + 8];
-  if (!in.read(head, sizeof head)) return {};
-  const auto seconds = seconds_of(head);
+  constexpr std::size_t longest = 64;  // name of a type
+  const std::string head = read_beginning(path, value_head_size + 8 + longest);
+  if (head.size() < value_head_size + 8) return {};
+  const auto seconds = seconds_of(head.data());
   std::uint64_t length;
-  std::memcpy(&length, head + value_head_size, sizeof length);
-  if (!seconds || length > 64) return {};
-  ValueSummary out{*seconds, std::string(length, '\0')};
-  if (!in.read(out.type.data(), static_cast<std::streamsize>(length))) return {};
-  return out;
+  std::memcpy(&length, head.data() + value_head_size, sizeof length);
+  if (!seconds || length > longest || head.size() < value_head_size + 8 + length) return {};
+  return ValueSummary{*seconds, head.substr(value_head_size + 8, length)};
 }
 
 }  // namespace terrazzo

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,6 +20,10 @@ std::string value_head(double seconds);
 // The type name and encoded value in the content of a value file. Empty if the file is damaged, is not a
 // value file, or its hash is not `content`.
 std::string_view value_payload(const std::string& text, const Hash& content);
+
+// Whether a value file is undamaged and its hash is `content`. Reads it in parts, so it may be larger than
+// the memory. Calls `check` between them, which may throw to stop.
+bool is_value_of(const std::filesystem::path&, const Hash& content, const std::function<void()>& check);
 
 // Computing time and type of a value file, without reading all of it. Nothing if it is damaged or not a value
 // file.

@@ -7,6 +7,7 @@
 #include "nodes/common/geometry/render_mesh.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/picture_file.h"
+#include "runtime/json_input.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -162,7 +163,7 @@ int GltfPacker::node(tinygltf::Node n) {
 
 void GltfPacker::write(const std::filesystem::path& path, const std::string& provenance) {
   if (!provenance.empty()) {
-    const auto json = nlohmann::json::parse(provenance, nullptr, false);
+    const auto json = json_or_null(provenance);
     if (json.is_object()) model.asset.extras = gltf_value(json);
   }
   CheckedFile file(path);

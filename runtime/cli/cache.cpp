@@ -47,6 +47,9 @@ int verify(const Program& program, const fs::path& folder, const CacheCommand& o
   std::cout << fmt::format(
       "{} values and {} records read, {} damaged; {} recomputed, {} of them differ ({} skipped)\n", v.values,
       v.records, v.damaged.size(), v.recomputed, v.differing.size(), v.passed_over);
+  if (v.lost > 0)
+    std::cout << fmt::format("{} records have lost values, which are computed again when they are needed\n",
+                             v.lost);
   return v.damaged.empty() && v.differing.empty() ? done : node_failed;
 }
 
@@ -62,9 +65,7 @@ void add_cache(CLI::App& app, const Program& program, int& exit_code) {
     sub->callback([o, act, &exit_code] {
       if (o->no_cache) throw Error("usage", "this command needs a cache: remove --no-cache");
       const fs::path folder = o->cache.empty() ? default_cache() : fs::path(o->cache);
-      if (!is_cache_folder(folder))
-        throw Error("usage", "'" + folder.string() + "' is not a cache folder of this version",
-                    "a run with --cache FOLDER creates one");
+      require_cache_folder(folder);
       act(folder);
     });
     return sub;

@@ -1,12 +1,13 @@
 #include <iostream>
 #include <memory>
 
+#include "graph/input_file.h"
 #include "runtime/cli/commands.h"
 #include "runtime/files.h"
 
 namespace terrazzo::cli {
 
-// Loading a graph does not look for its input files, so missing ones are reported here.
+// Loading a graph does not look for its input files, so those that cannot be read are reported here.
 static Diagnostics missing_files(const Graph& graph) {
   Diagnostics found;
   for (const auto& node : graph.nodes)
@@ -14,14 +15,14 @@ static Diagnostics missing_files(const Graph& graph) {
       const auto it = node.parameters.find(p.name);
       if (p.kind != ParameterKind::InputPath || it == node.parameters.end()) continue;
       const auto& path = std::get<std::string>(it->second.value);
-      if (expand_glob(path).empty())
-        found.push_back({Severity::Error,
-                         "no-file",
-                         "there is no file '" + path + "'",
-                         {},
-                         it->second.place,
-                         node.path,
-                         p.name});
+      const auto fail = [&](const char* code, const std::string& message) {
+        found.push_back({Severity::Error, code, message, {}, it->second.place, node.path, p.name});
+      };
+      const auto files = expand_glob(path);
+      if (files.empty()) fail("no-file", "there is no file '" + path + "'");
+      for (const auto& name : files)
+        if (const InputFile file(name); !file)
+          fail("unreadable-file", "cannot read '" + name.string() + "': " + file.trouble());
     }
   return found;
 }

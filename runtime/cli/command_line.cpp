@@ -2,6 +2,7 @@
 
 #include <iostream>
 
+#include "graph/exception_text.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/complete.h"
 #include "runtime/cli/output.h"
@@ -93,14 +94,14 @@ int run_command(int argc, char** argv, const Program& program) {
   } catch (const Error& e) {
     std::cerr << e.what() << '\n';
     const auto& code = e.diagnostic().code;
-    for (const char* usage :
-         {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder", "sweep-file"})
+    for (const char* usage : {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder",
+                              "sweep-file", "overwrites-input", "same-file"})
       if (code == usage) return cli::wrong_usage;
     return cli::node_failed;
   } catch (const Cancelled&) {
     return cli::interrupted;
   } catch (const std::exception& e) {
-    std::cerr << "error: " << e.what() << '\n';
+    std::cerr << "error: " << exception_text(e) << '\n';
     return cli::node_failed;
   }
   return exit_code;

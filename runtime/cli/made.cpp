@@ -1,16 +1,16 @@
 #include "runtime/cli/made.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "graph/input_file.h"
 #include "graph/output_path.h"
 #include "graph/raw_document.h"
 #include "runtime/action_key.h"
 #include "runtime/file_hashes.h"
 #include "runtime/files.h"
+#include "runtime/json_input.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::cli {
@@ -32,24 +32,12 @@ Made made_from_report(const json& report) {
   return made;
 }
 
-// A file's content as JSON, or null if it is not JSON. Throws Error "too-large" if parsing needs too much
-// memory.
-json json_in(const fs::path& path) {
-  constexpr double per_byte = 40;  // of parsed JSON
-  std::error_code error;
-  const auto size = fs::file_size(path, error);
-  if (error) return nullptr;
-  require_memory(per_byte * static_cast<double>(size), available_memory(), "'" + path.string() + "'");
-  const auto text = read_file(path);
-  return text ? json::parse(*text, nullptr, false) : json(nullptr);
-}
-
 // Formats without metadata fall back to a report.json in the file's folder or up to three folders above it.
 std::optional<Made> made_by_report_beside(const fs::path& file) {
   const fs::path path = fs::absolute(file).lexically_normal();
   fs::path folder = path.parent_path();
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
-    const json report = json_in(folder / "report.json");
+    const json report = read_json_file(folder / "report.json");
     if (!report.is_object() || !report.contains("document")) continue;
     const std::string name = path.lexically_relative(folder).string();
     for (const auto& node : report.at("nodes"))
@@ -60,12 +48,14 @@ std::optional<Made> made_by_report_beside(const fs::path& file) {
 }
 
 Made provenance_of(const fs::path& file, std::string (*read_provenance)(const fs::path&)) {
-  if (::access(file.c_str(), R_OK) != 0) throw Error("usage", "cannot read '" + file.string() + "'");
+  if (const InputFile opened(file); !opened)
+    throw Error("usage", "cannot read '" + file.string() + "': " + opened.trouble());
   try {
     if (file.extension() == ".json")
-      if (const json j = json_in(file); j.is_object() && j.contains("document")) return made_from_report(j);
+      if (const json j = read_json_file(file); j.is_object() && j.contains("document"))
+        return made_from_report(j);
     const std::string inside = read_provenance ? read_provenance(file) : "";
-    if (const json j = json::parse(inside, nullptr, false); j.is_object() && j.contains("document")) {
+    if (const json j = json_or_null(inside); j.is_object() && j.contains("document")) {
       Made made{j.at("document"), {}, {}, {}};
       for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
       if (j.contains("files"))
@@ -79,7 +69,7 @@ Made provenance_of(const fs::path& file, std::string (*read_provenance)(const fs
     }
     if (const auto made = made_by_report_beside(file)) return *made;
   } catch (const json::exception& e) {
-    throw Error("usage", "the provenance of '" + file.string() + "' is damaged: " + e.what());
+    throw Error("usage", "the provenance of '" + file.string() + "' is damaged: " + json_problem(e));
   }
   throw Error("usage", "'" + file.string() + "' contains no provenance",
               "name a file that terrazzo wrote, or the report.json of its run");
@@ -187,7 +177,7 @@ std::vector<MadeRead> reads_of(const Graph& graph, const Made& made,
       for (const auto& path : expand_glob(std::get<std::string>(it->second.value)))
         for (const auto& f : files_opened(*node.type, path)) {
           MadeRead read{f, is_from_command_line(it->second) || granted(f, granted_folders), false};
-          const auto content = read.granted ? std::nullopt : hashes.hash(f);
+          const auto content = read.granted ? std::nullopt : hashes.hash(f, available_memory());
           read.named = content && made.contents.count(content->text());
           if (read.allowed() || fs::exists(f)) out.push_back(read);  // the run reports a missing file
         }

@@ -18,6 +18,7 @@
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
 #include "runtime/memory.h"
+#include "runtime/protected_files.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -101,6 +102,10 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   if (has_errors(found)) return wrong_usage;
   const fs::path path = fs::path(o.out) / (fs::path(o.file).stem().string() + ".yaml");
   const std::string text = write_graph(graph, {}, o.out);
+  ProtectedFiles keep(graph);
+  keep.add(o.file, "which was given");
+  keep.require_other(path);
+  require_replaceable(path);
   std::cout << text << "\nThis graph\n";
   const bool may_read = show_reads(graph, made, o);
   show_writes(graph, path, o);
@@ -109,7 +114,7 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
         "usage", "the graph would read files that the provenance does not name",
         "if you trust it, allow their folder with --allow-read DIR, or choose another file with --set");
   if (!confirmed(o)) return wrong_usage;
-  write_text_atomically(path, text);
+  write_text_atomically(path, keep, text);
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
   o.set.clear(), o.parameters.clear();     // already part of the written graph

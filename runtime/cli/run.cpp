@@ -15,8 +15,10 @@
 #include "runtime/cli/slurm_detached.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
+#include "runtime/protected_files.h"
 
 namespace terrazzo::cli {
+namespace fs = std::filesystem;
 namespace {
 
 struct RunCommand : GraphOptions {
@@ -45,6 +47,41 @@ void choose_default_graph(RunCommand& o) {
   if (!o.quiet) std::cout << "no graph given: using " << o.graph << "; output folder: " << o.out << std::endl;
 }
 
+// Where the report may go: to the file that is named, or to the output folder if the run writes files there.
+// Checked before the run, so that no work is lost.
+fs::path place_of_report(const RunCommand& o, const Graph& graph, const ProtectedFiles& keep) {
+  const auto needed = needed_nodes(graph, o.targets.empty() ? graph.sinks() : target_nodes(graph, o.targets));
+  ProtectedFiles written;
+  bool writes = false;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const GraphNode& node = graph.nodes[i];
+    if (!needed[i] || !node.type->writes_files) continue;
+    writes = true;
+    for (const auto& p : node.type->parameters)
+      if (const auto it = node.parameters.find(p.name);
+          p.kind == ParameterKind::OutputPath && it != node.parameters.end())
+        written.add(fs::path(o.out) / std::get<std::string>(it->second.value),
+                    "which '" + node.path + "' writes");
+  }
+  if (o.report.empty() && !writes) return {};
+  const fs::path report = o.report.empty() ? fs::path(o.out) / "report.json" : fs::path(o.report);
+  keep.require_other(report), written.require_other(report);
+  require_replaceable(report);
+  return report;
+}
+
+void write_report(const RunCommand& o, const fs::path& report, ProtectedFiles keep, Session& session,
+                  const RunResult& result) {
+  bool wrote = false;
+  for (const auto& node : result.nodes)
+    for (const auto& f : node.files)
+      keep.add(fs::path(o.out) / f.path, "which this run has written"), wrote = true;
+  if (o.report.empty() && !wrote) return;
+  const auto json =
+      report_json(*session.graph(), result, threads(o), session.overrides(), report.parent_path());
+  write_text_atomically(report, keep, json_text(json, 2) + "\n");
+}
+
 int run(const Program& program, RunCommand& o) {
   complete_slurm_options(o.slurm, o);
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
@@ -55,6 +92,8 @@ int run(const Program& program, RunCommand& o) {
     print_plan(session, o, false);
     return done;
   }
+  const ProtectedFiles keep(graph);
+  const fs::path report = place_of_report(o, graph, keep);
   if (o.slurm.on_slurm())
     if (const auto code = run_elements(session, o, o.slurm)) return *code;
   ProgressLine line(session, target_nodes(graph, o.targets), o.quiet);
@@ -68,19 +107,10 @@ int run(const Program& program, RunCommand& o) {
     print_stacks(std::cout, graph, result);
     if (!result.cancelled()) print_output_tables(session.evaluator(), graph, result);
     for (const auto& node : result.nodes)
-      for (const auto& f : node.files)
-        std::cout << "wrote " << (std::filesystem::path(o.out) / f.path).string() << '\n';
+      for (const auto& f : node.files) std::cout << "wrote " << (fs::path(o.out) / f.path).string() << '\n';
   }
   finish(session, o);
-  // The default is the output folder, if the run wrote files there.
-  std::filesystem::path report = o.report;
-  for (const auto& node : result.nodes)
-    if (report.empty() && !node.files.empty()) report = std::filesystem::path(o.out) / "report.json";
-  if (!report.empty())
-    write_text_atomically(
-        report,
-        json_text(report_json(graph, result, threads(o), session.overrides(), report.parent_path()), 2) +
-            "\n");
+  if (!report.empty()) write_report(o, report, keep, session, result);
   if (result.cancelled()) {
     std::cerr << "interrupted; finished nodes are cached\n";
     return interrupted;

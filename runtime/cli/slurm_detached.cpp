@@ -12,6 +12,7 @@
 #include <set>
 #include <thread>
 
+#include "graph/exception_text.h"
 #include "runtime/cli/slurm_jobs.h"
 #include "runtime/files.h"
 #include "runtime/sweep_log.h"
@@ -195,7 +196,7 @@ int run_as_job(const GraphOptions& o, const SlurmOptions& s, const std::function
     stopped(e.diagnostic().message);
     throw;
   } catch (const std::exception& e) {
-    stopped(e.what());
+    stopped(exception_text(e));
     throw;
   }
 }

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "graph/number_text.h"
 #include "runtime/cli/slurm_detached.h"
 #include "runtime/cli/slurm_job.h"
 #include "runtime/files.h"
@@ -88,9 +89,7 @@ class Coordinator : public SlurmExecutor {
   void look_at(std::size_t i, bool resuming) {
     if (known_[i]) return;
     const SweepPoint point = sweep_.points[i];
-    const auto text = read_file(out_ / point.folder / "report.json");
-    if (!text) return;
-    const json report = json::parse(*text, nullptr, false);
+    const json report = read_report(out_ / point.folder / "report.json");
     if (!report.is_object() || report.value("sweep", "") != hash_.text()) return;
     if (resuming &&
         !(is_finished_point(report, hash_, out_ / point.folder) && is_in_cache(point, report, store_)))
@@ -111,7 +110,9 @@ class Coordinator : public SlurmExecutor {
     for (const auto& task : *queue) {
       if (!task.active()) continue;
       ids_.insert(task.job);
-      if (task.name != jobs_.shared_name()) count = std::stoull(task.name.substr(jobs_.prefix().size()));
+      if (task.name == jobs_.shared_name()) continue;
+      const auto chunks = number_in_text<std::size_t>(task.name.substr(jobs_.prefix().size()));
+      if (chunks && *chunks > 0) count = *chunks;
     }
     const auto log = [&](const std::string& name) {
       return LogReader(jobs_folder(out_) / (name + ".jsonl"), true);
@@ -145,8 +146,7 @@ class Coordinator : public SlurmExecutor {
     for (std::size_t i = 0; i < known_.size(); ++i) {
       if (!known_[i]) continue;
       const SweepPoint point = sweep_.points[i];
-      const auto text = read_file(out_ / point.folder / "report.json");
-      const json report = text ? json::parse(*text, nullptr, false) : json();
+      const json report = read_report(out_ / point.folder / "report.json");
       if (report.is_object() && (summary_of(report).status != "done" || is_in_cache(point, report, store_)))
         continue;
       known_[i] = false, ++lost, ++chunk_of(i).missing;

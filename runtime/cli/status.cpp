@@ -174,6 +174,8 @@ fs::path sweep_folder(const fs::path& folder) {
 void show_status(const StatusCommand& o) {
   const fs::path folder = sweep_folder(o.folder);
   SweepStatus s = sweep_status(folder, o.folder);
+  for (const auto& [log, lines] : s.damaged)
+    std::cerr << fmt::format("warning: '{}' has {} damaged lines, which are left out\n", log.string(), lines);
   if (o.point == job_role::coordinator || o.point == job_role::finisher) {
     const auto text = read_file(jobs_folder(o.folder) / (o.point + ".txt"));
     if (!text)

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <thread>
 
+#include "graph/exception_text.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/slurm_detached.h"
@@ -65,7 +66,8 @@ class LocalExecutor : public Executor {
       for (int k = 1; k < jobs_; ++k) others.emplace_back(work);
     } catch (const std::system_error& e) {
       std::cerr << "warning: running " << others.size() + 1
-                << " points at a time, because the system refused more threads (" << e.what() << ")\n";
+                << " points at a time, because the system refused more threads (" << exception_text(e)
+                << ")\n";
     }
     work();
     for (auto& t : others) t.join();
@@ -105,14 +107,27 @@ struct Outcome {
                                p.caption(), s.computed, s.cached, s.seconds)
                 << std::flush;
   }
-  void write_table(const fs::path& path) const {
-    write_atomically(path, [&](const fs::path& temporary) {
+  void write_table(const fs::path& path, const ProtectedFiles& keep) const {
+    write_atomically(path, keep, [&](const fs::path& temporary) {
       std::ofstream out(temporary, std::ios::binary);
       table.write([&](const std::string& row) { out << row; });
       if (!out.flush()) throw Error("write-failed", fmt::format("cannot write '{}'", path.string()));
     });
   }
 };
+
+// What the sweep reads, and what nodes read that no target needs. Throws Error "overwrites-input" or
+// "write-failed" if a file of the sweep cannot take its place, before any point runs.
+ProtectedFiles files_to_keep(const Program& program, const SweepCommand& o, const SweepFile& sweep) {
+  Diagnostics found;
+  ProtectedFiles keep(load_graph(o.graph, program.registry(), sweep.points[0].overrides, found));
+  for (const auto& [path, content] : sweep.files) keep.add(path);
+  for (const char* name : {"sweep.json", "sweep.csv", "sweep.png"}) {
+    keep.require_other(fs::path(o.out) / name);
+    require_replaceable(fs::path(o.out) / name);
+  }
+  return keep;
+}
 
 int sweep(const Program& program, SweepCommand& o) {
   const bool on_slurm = o.slurm.on_slurm();
@@ -128,6 +143,7 @@ int sweep(const Program& program, SweepCommand& o) {
   const auto plan = plan_sweep(program, session, o, std::move(all));
   if (!plan) return wrong_usage;
   const SweepPoints& points = plan->file.points;
+  const ProtectedFiles keep = files_to_keep(program, o, plan->file);
   const fs::path sweep_file = fs::path(o.out) / "sweep.json";
   const Hash hash = plan->file.hash();
   const DetachablePlan detachable{hash, sweep_file, {slurm_job_prefix(hash, o.out)}};
@@ -144,7 +160,7 @@ int sweep(const Program& program, SweepCommand& o) {
     return done;
   }
   const PointRun run{program,  session, o.graph, o.targets, o.out, std::max(1, threads(o) / o.jobs),
-                     o.memory, hash,    true};
+                     o.memory, hash,    keep,    true};
   std::unique_ptr<SlurmExecutor> slurm;
   std::unique_ptr<Executor> local;
   if (on_slurm) {
@@ -164,7 +180,7 @@ int sweep(const Program& program, SweepCommand& o) {
   // The workers leave collecting to this process.
   if (slurm && session.evaluator().store().trouble().empty())
     tend_cache(session.evaluator().store().folder(), o.cache_limit);
-  outcome.write_table(fs::path(o.out) / "sweep.csv");
+  outcome.write_table(fs::path(o.out) / "sweep.csv", keep);
   std::cout << "wrote " << (fs::path(o.out) / "sweep.csv").string() << '\n';
   if (outcome.cancelled || *cancel_on_interrupt()) {
     std::cerr << "interrupted; rerun the same command to resume\n";

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "graph/exception_text.h"
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
@@ -34,8 +35,8 @@ json evaluate_point(const PointRun& run, const SweepPoint& point, const std::ato
   if (run.history) try {
       run.session.history().record(graph, result, run.session.evaluator().hashes());
     } catch (const std::exception& e) {
-      std::cerr << "warning: " << point.folder << ": cannot save what `terrazzo explain` needs: " << e.what()
-                << '\n';
+      std::cerr << "warning: " << point.folder
+                << ": cannot save what `terrazzo explain` needs: " << exception_text(e) << '\n';
     }
   for (const auto& node : result.nodes)
     if (node.saved) std::cerr << point.folder << ": " << node.saved->message.text() << '\n';
@@ -46,7 +47,7 @@ json evaluate_point(const PointRun& run, const SweepPoint& point, const std::ato
 }
 
 void write_point_report(const PointRun& run, const SweepPoint& point, const json& report) {
-  write_text_atomically(run.out / point.folder / "report.json", json_text(report, 2) + "\n");
+  write_text_atomically(run.out / point.folder / "report.json", run.keep, json_text(report, 2) + "\n");
 }
 
 }  // namespace terrazzo::cli

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/cli/options.h"
+#include "runtime/protected_files.h"
 #include "runtime/sweep.h"
 
 namespace terrazzo::cli {
@@ -21,6 +22,7 @@ struct PointRun {
   int threads;
   std::uint64_t memory;
   Hash sweep;                                    // SweepFile::hash(), written into the report
+  const ProtectedFiles& keep;                    // what the sweep reads
   bool history;                                  // whether to record what `terrazzo explain` needs
   std::shared_ptr<const Graph> same_graph = {};  // of all points, if they are parts of one graph
 };

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "graph/exception_text.h"
 #include "runtime/cli/commands.h"
 #include "runtime/cli/placeholders.h"
 #include "runtime/cli/sweep_point.h"
@@ -47,9 +48,10 @@ class Worker {
         log_(std::move(log)),
         cancel_(cancel_on_interrupt()),
         need_shared_(o.need_shared),
+        keep_(protected_files(sweep_)),
         session_(program.registry(), program.types(), session_options(o)),
         run_{program,    session_, sweep_.graph,  sweep_.targets, out,
-             threads(o), o.memory, sweep_.hash(), false} {
+             threads(o), o.memory, sweep_.hash(), keep_,          false} {
     require_same_version(sweep_, program.registry());
     if (!o.expected.empty() && run_.sweep.text() != o.expected)
       throw Error("other-sweep",
@@ -95,7 +97,7 @@ class Worker {
     require_same_reads(sweep_, report);
     const PointSummary s = summary_of(report);
     for (const auto& e : s.errors) std::cerr << "error: " << e << '\n';
-    write_text_atomically(shared_report(run_.out), json_text(report, 2) + "\n");  // before the event
+    write_text_atomically(shared_report(run_.out), keep_, json_text(report, 2) + "\n");  // before the event
     tell_finished(0, s);
     return s.status == "done" ? done : node_failed;
   }
@@ -113,9 +115,7 @@ class Worker {
 
  private:
   bool is_finished(const SweepPoint& point) {
-    const auto text = read_file(run_.out / point.folder / "report.json");
-    if (!text) return false;
-    const json report = json::parse(*text, nullptr, false);
+    const json report = read_report(run_.out / point.folder / "report.json");
     return is_finished_point(report, run_.sweep, run_.out / point.folder) &&
            is_in_cache(point, report, session_.evaluator().store());
   }
@@ -157,6 +157,7 @@ class Worker {
   const std::atomic<bool>* cancel_;
   const bool need_shared_;
   json shared_report_;
+  const ProtectedFiles keep_;
   Session session_;
   PointRun run_;
   ComputedTwice told_;
@@ -190,7 +191,7 @@ int sweep_worker(const Program& program, WorkerCommand& o) {
     log.write({{"event", refused ? "refused" : "stopped"}, {"message", e.diagnostic().message}});
     throw;
   } catch (const std::exception& e) {
-    log.write({{"event", "stopped"}, {"message", e.what()}});
+    log.write({{"event", "stopped"}, {"message", exception_text(e)}});
     throw;
   }
 }

@@ -12,11 +12,7 @@
 namespace terrazzo::python {
 namespace {
 
-void require_cache(const std::string& folder) {
-  if (!is_cache_folder(folder))
-    throw Error("usage", "'" + folder + "' is not a cache folder of this version",
-                "an evaluation with Graph(cache=FOLDER) creates one");
-}
+void require_cache(const std::string& folder) { require_cache_folder(folder); }
 
 py::dict stats(const std::string& folder) {
   require_cache(folder);

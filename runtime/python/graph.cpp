@@ -324,8 +324,11 @@ void bind_graph(py::module_& m) {
              for (const auto& [node, s] : stand_ins)
                with[node] = {std::get<0>(s), std::get<1>(s), std::get<2>(s)};
              const fs::path folder = fs::absolute(file).parent_path();
+             g.require_other_file(file);
              write_text_atomically(file, flat ? g.flat_text(folder, with) : g.text(folder, with));
            })
+      .def("_require_other_file",
+           [](const GraphObject& g, const std::string& file) { g.require_other_file(file); })
       .def("_explain", explain)
       .def("_draw", draw)
       .def("_revision", &GraphObject::revision)

@@ -75,6 +75,9 @@ class GraphObject {
   std::string text(const std::filesystem::path& folder, const StandIns& = {}) const;
   // The same without subgraphs, repetitions and parameters: every node that would be evaluated.
   std::string flat_text(const std::filesystem::path& folder, const StandIns& = {}) const;
+  // Throws Error "overwrites-input" if this file is one that the graph reads or a subgraph. Its own file may
+  // be written again.
+  void require_other_file(const std::filesystem::path&) const;
 
   // What a node is repeated for, by name: the values as written. Empty for other nodes.
   std::vector<std::pair<std::string, WrittenValue>> each(const std::string& node);

@@ -6,6 +6,7 @@
 #include "graph/describe.h"
 #include "graph/write_document.h"
 #include "graph/write_graph.h"
+#include "runtime/protected_files.h"
 #include "runtime/python/edits.h"
 #include "runtime/python/graph_object.h"
 
@@ -57,6 +58,14 @@ RawDocument GraphObject::savable(const StandIns& stand_ins, Overrides& overrides
   for (auto& [input, sources] : overrides.wires)
     for (auto& source : sources) follow(source);
   return doc;
+}
+
+void GraphObject::require_other_file(const fs::path& file) const {
+  FileSet own;
+  if (!opened_.empty()) own.add(opened_);
+  Diagnostics ignored;
+  if (!own.find(file))
+    ProtectedFiles(link_document(document_, registry(), overrides_, ignored)).require_other(file);
 }
 
 std::string GraphObject::flat_text(const fs::path& folder, const StandIns& stand_ins) const {

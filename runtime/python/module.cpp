@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "graph/describe.h"
+#include "graph/output_path.h"
 #include "nodes/register_nodes.h"
 #include "runtime/cli/options.h"
 #include "runtime/files.h"
@@ -82,5 +83,6 @@ PYBIND11_MODULE(_core, m) {
   m.def("default_cache", [] { return cli::default_cache().string(); });
   m.def("write_text",
         [](const std::string& file, const std::string& text) { write_text_atomically(file, text); });
+  m.def("is_reserved_output", [](const std::string& name) { return is_reserved_output(name); });
   m.def("library_folder", [] { return library_folder().string(); });
 }

@@ -6,6 +6,7 @@
 #include "runtime/cli/report.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
+#include "runtime/protected_files.h"
 #include "runtime/python/run_object.h"
 
 namespace terrazzo::python {
@@ -62,7 +63,7 @@ void bind_runs(py::module_& m) {
       .def("write_report",
            [](RunObject& r, const std::string& folder) {
              write_text_atomically(
-                 std::filesystem::path(folder) / "report.json",
+                 std::filesystem::path(folder) / "report.json", ProtectedFiles(r.graph()),
                  json_text(cli::report_json(r.graph(), r.result(), r.threads(), {}, folder), 2) + "\n");
            })
       .def("raise_errors", &RunObject::raise_errors)

@@ -4,8 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/diagnostic.h"
-#include "runtime/files.h"
+#include "graph/input_file.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
+#include "runtime/studio/save_file.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
@@ -44,8 +46,38 @@ bool is_arrangement(const json& j) {
 }  // namespace
 
 fs::path arrangement_file(const fs::path& graph) {
+  return graph.parent_path() / (graph.filename().string() + ".studio.json");
+}
+
+namespace {
+
+// Earlier versions named it without the extension of the graph, so "a.yaml" and "a.yml" had one.
+fs::path former_file(const fs::path& graph) {
   return graph.parent_path() / (graph.stem().string() + ".studio.json");
 }
+
+// Whether another graph has the same former file.
+bool shares_former_file(const fs::path& graph) {
+  std::error_code error;
+  for (const char* extension : {"", ".yaml", ".yml"}) {
+    const fs::path other = graph.parent_path() / (graph.stem().string() + extension);
+    if (other != graph && fs::exists(other, error)) return true;
+  }
+  return false;
+}
+
+// The text in a file; "" if there is none, nothing if the file is no arrangement.
+std::optional<std::string> arrangement_in(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(file, error))) return "";
+  const FileText text = read_input_file(file, kMostArrangement);
+  if (!text) return {};
+  const json j = json_or_null(text.text);
+  if (!is_arrangement(j)) return {};
+  return arrangement_text(j);  // written anew, so that equal arrangements have equal texts
+}
+
+}  // namespace
 
 std::string arrangement_text(const json& j) {
   if (!is_arrangement(j)) throw Error("bad-request", "this is not an arrangement of a graph");
@@ -60,7 +92,7 @@ std::string arrangement_text(const json& j) {
 }
 
 json arrangement_json(const std::string& text) {
-  json j = json::parse(text, nullptr, false);
+  json j = json_or_null(text);
   return is_arrangement(j) ? j : json::object();
 }
 
@@ -83,24 +115,26 @@ std::string arrangement_renamed(const std::string& text, const std::string& from
 std::optional<std::string> read_arrangement(const fs::path& graph) {
   const fs::path file = arrangement_file(graph);
   std::error_code error;
-  if (!fs::exists(fs::symlink_status(file, error))) return "";
-  if (fs::file_size(file, error) > kMostArrangement || error) return {};
-  const json j = json::parse(read_file(file).value_or(""), nullptr, false);
-  if (!is_arrangement(j)) return {};
-  return arrangement_text(j);  // written anew, so that equal arrangements have equal texts
+  if (fs::exists(fs::symlink_status(file, error))) return arrangement_in(file);
+  return arrangement_in(former_file(graph)).value_or("");  // another file of that name stays unused
 }
 
 void write_arrangement(const fs::path& graph, const std::string& text) {
-  const fs::path file = arrangement_file(graph);
+  const fs::path file = arrangement_file(graph), former = former_file(graph);
   if (!read_arrangement(graph))
     throw Error("file-exists",
                 "'" + file.string() + "' is not an arrangement of this graph, so it stays unchanged",
                 "rename that file to keep notes and places");
   std::error_code error;
-  if (text.empty())
-    fs::remove(file, error);
+  const bool had_former = former != file && !arrangement_in(former).value_or("").empty();
+  const bool keep_former = had_former && shares_former_file(graph);
+  if (!text.empty())
+    save_text(file, text, graph);
+  else if (keep_former)
+    save_text(file, "{}\n", graph);  // so that the shared one is not read again
   else
-    write_text_atomically(file, text);
+    fs::remove(file, error);
+  if (had_former && !keep_former) fs::remove(former, error);
 }
 
 }  // namespace terrazzo::studio

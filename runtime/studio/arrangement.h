@@ -14,7 +14,7 @@ namespace terrazzo::studio {
 // Upper left corners of nodes, x to the right and y down, in pixels of the canvas at 100 %.
 using Places = std::map<std::string, std::array<double, 2>>;
 
-// "stones.yaml" has the arrangement "stones.studio.json".
+// "stones.yaml" has the arrangement "stones.yaml.studio.json".
 std::filesystem::path arrangement_file(const std::filesystem::path& graph);
 
 // The text of an arrangement, as its file contains it: {places: {node: [x, y]}, notes: [{x, y, width, height,
@@ -28,9 +28,11 @@ std::string arrangement_placed(const std::string& text, const Places&);
 std::string arrangement_renamed(const std::string& text, const std::string& from, const std::string& to);
 
 // The text of the arrangement beside a graph; "" if there is no file, nothing if the file is no arrangement.
+// Without one, reads "stones.studio.json", which earlier versions wrote.
 std::optional<std::string> read_arrangement(const std::filesystem::path& graph);
-// Never replaces another file of that name. Removes the file if the text is empty. Throws Error "file-exists"
-// or "write-failed".
+// Never replaces another file of that name. Removes the file if the text is empty, and the file of an earlier
+// version unless another graph reads it too. The file has the permissions of the graph. Throws Error
+// "file-exists" or "write-failed".
 void write_arrangement(const std::filesystem::path& graph, const std::string& text);
 
 }  // namespace terrazzo::studio

@@ -35,14 +35,17 @@ void check(const std::string& text) {
 
 Document::Document(fs::path file, bool read_only)
     : file_(fs::absolute(file).lexically_normal()),
-      beside_(file_.parent_path() / ("." + file_.filename().string() + ".unsaved")),
+      own_(file_),
       now_{shared(text_of(file_)), shared(read_arrangement(file_).value_or(""))},
       disk_(text()),
       arrangement_on_disk_(arrangement()),
       read_only_(read_only) {
-  if (read_only_) return;
-  if (const auto left = read_file(beside_); left && *left != text() && left->size() <= max_graph_bytes)
-    recovered_ = *left;
+  look_for_left();
+}
+
+void Document::look_for_left() {
+  if (read_only_ || left_) return;
+  left_ = UnsavedCopy::left_beside(file_, disk_, recovered_);
 }
 
 const ReadGraph& Document::read() const {
@@ -54,17 +57,15 @@ std::string Document::trouble() const {
   return trouble_ + (trouble_.empty() || arrangement_trouble_.empty() ? "" : "; ") + arrangement_trouble_;
 }
 
-// Keeps unsaved text beside the file, so that a crash loses nothing. Removes the copy once it is saved.
+// Keeps unsaved text beside the file, so that a crash loses nothing. Removes the copy once it is saved. A
+// copy that an earlier session left stays as it is.
 void Document::keep_beside() {
-  if (read_only_ || !recovered_.empty()) return;
-  std::error_code error;
-  if (saved()) {
-    fs::remove(beside_, error);
-    trouble_.clear();
-    return;
-  }
+  if (read_only_) return;
   try {
-    write_text_atomically(beside_, text());
+    if (saved())
+      own_.remove();
+    else
+      own_.write(text());
     trouble_.clear();
   } catch (const Error& e) {
     trouble_ = "unsaved changes cannot be kept beside the file: " + e.diagnostic().message;
@@ -171,12 +172,19 @@ bool Document::redo() {
 }
 
 void Document::recover(bool use) {
+  if (!left_) return;
   std::string left = std::exchange(recovered_, {});
-  if (left.empty()) return;
-  if (use)
+  if (use) {
+    UnsavedCopy mine = std::exchange(own_, std::move(*left_));
+    left_.reset();
     step(std::move(left), arrangement());
-  else
-    keep_beside();
+    keep_beside();  // also if it is the text that is shown already
+    mine.remove();
+  } else {
+    left_->remove();
+    left_.reset();
+  }
+  look_for_left();
 }
 
 void Document::save(bool overwrite) {
@@ -188,8 +196,8 @@ void Document::save(bool overwrite) {
                 "reload it, or overwrite it");
   save_text(file_, text());
   disk_ = text();
-  recovered_.clear();
   keep_beside();
+  if (recovered_ == disk_) recover(false);  // what an earlier session left is saved too
 }
 
 void Document::save_as(const fs::path& file, const std::string& text) {
@@ -200,10 +208,11 @@ void Document::save_as(const fs::path& file, const std::string& text) {
   fs::create_directories(file.parent_path(), error);
   SaveFile place = SaveFile::exactly(file, false);
   place.write([&](const fs::path&) { return text; });
-  if (!read_only_ && recovered_.empty()) fs::remove(beside_, error);  // its text is in the new file
+  own_.remove();  // its text is in the new file
   if (text != this->text()) undo_.clear(), redo_.clear();
   file_ = fs::absolute(place.path()).lexically_normal();
-  beside_ = file_.parent_path() / ("." + file_.filename().string() + ".unsaved");
+  own_ = UnsavedCopy(file_);
+  left_.reset();  // what an earlier session left stays beside the other file
   now_.text = shared(text), disk_ = text;
   recovered_.clear(), trouble_.clear(), arrangement_trouble_.clear();
   read_only_ = false, group_.clear(), ++revision_, read_.reset();
@@ -212,7 +221,7 @@ void Document::save_as(const fs::path& file, const std::string& text) {
 }
 
 bool Document::changed_on_disk() const {
-  const auto now = read_file(file_);
+  const auto now = read_file(file_, max_graph_bytes);
   return !now || *now != disk_;
 }
 

@@ -11,6 +11,7 @@
 
 #include "graph/edit_document.h"
 #include "runtime/studio/arrangement.h"
+#include "runtime/studio/unsaved_copy.h"
 
 namespace terrazzo::studio {
 
@@ -32,7 +33,8 @@ class Document {
   bool saved() const { return text() == disk_; }
   bool can_undo() const { return !undo_.empty(); }
   bool can_redo() const { return !redo_.empty(); }
-  // Unsaved text that an earlier session left beside the file; "" if there is none.
+  // Unsaved text that an earlier session left beside the file; "" if there is none. Sessions that still run
+  // keep their text in copies of their own.
   const std::string& recovered() const { return recovered_; }
   // Why unsaved text, or the arrangement, cannot be kept beside the file; "" if they can.
   std::string trouble() const;
@@ -48,8 +50,11 @@ class Document {
   void arrange(std::string arrangement, const std::string& group = {});
   bool undo();
   bool redo();
-  // Uses the recovered text, as a step of undo, or discards it.
+  // Uses the recovered text, as a step of undo, or discards it. Nothing else removes it. If an earlier
+  // session left another one, that follows.
   void recover(bool use);
+  // Looks again for text that earlier sessions left, after another document of the file has ended.
+  void look_for_left();
 
   // A symbolic link stays one, and the file that it refers to is replaced. Throws Error "read-only",
   // "write-failed", and "file-changed" if another program changed the file, unless `overwrite`.
@@ -75,7 +80,9 @@ class Document {
   void keep_beside();
   void keep_arrangement();
 
-  std::filesystem::path file_, beside_;
+  std::filesystem::path file_;
+  UnsavedCopy own_;                  // of this document's text
+  std::optional<UnsavedCopy> left_;  // by an earlier session; its text is recovered_
   Version now_;
   std::string disk_, arrangement_on_disk_;  // when these files were last read or written
   std::string recovered_, trouble_, arrangement_trouble_;

@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "graph/number_text.h"
 #include "graph/paste_nodes.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/live_graph.h"
@@ -88,7 +89,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
     LocalServer::answer(out, live.history());
   }));
   http.Get("/api/history/([0-9]{1,9})", server.handler([&live](const In& in, const json&, Out& out) {
-    LocalServer::answer(out, live.past(std::stoul(in.matches[1])));
+    LocalServer::answer(out, live.past(number_in_text<std::size_t>(in.matches[1].str()).value_or(0)));
   }));
   http.Post("/api/restore", server.handler([&live](const In&, const json& body, Out& out) {
     live.restore(body.at("number").get<std::size_t>());

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "graph/exception_text.h"
+
 namespace terrazzo::studio {
 namespace {
 
@@ -106,7 +108,7 @@ bool HttpServer::process_and_close_socket(socket_t socket) {
       });
       stream.drain();
     } catch (const std::exception& e) {
-      std::cerr << "warning: a request failed: " << e.what() << '\n';  // such as std::bad_alloc
+      std::cerr << "warning: a request failed: " << exception_text(e) << '\n';  // such as std::bad_alloc
     }
   }
   connections_.close(handle);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/element_name.h"
+#include "graph/exception_text.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/live_graph_watcher.h"
@@ -98,7 +99,8 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   }
   then_.clear();
   document_ = std::move(document);
-  overrides_ = {};  // they belong to the graph of the command line
+  document_.look_for_left();  // of the former one, if it has the same file
+  overrides_ = {};            // they belong to the graph of the command line
   states_.clear(), past_.clear();
   disk_changed_ = false, seconds_ = 0, trouble_.clear();
   if (live) live_ = *live;
@@ -231,7 +233,7 @@ void LiveGraph::note_end() {
     const RunResult& r = running_.back()->evaluation->wait();
     seconds_ += r.seconds, trouble_ = r.trouble;
   } catch (const std::exception& e) {
-    trouble_ = e.what();
+    trouble_ = exception_text(e);
   }
   if (const auto rest = std::exchange(then_, {}); !rest.empty())
     begin(rest, true);

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "graph/exception_text.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/page_files.h"
 
@@ -94,7 +96,11 @@ httplib::Server::Handler LocalServer::handler(Act act, bool upload) const {
       if (in.method == "POST" && !upload) {
         if (!in.get_header_value("Content-Type").starts_with("application/json"))
           throw Error("bad-request", "the request's content type is not JSON", "send application/json");
-        body = json::parse(in.body);
+        try {
+          body = parse_json(in.body);
+        } catch (const Error& e) {
+          throw Error("bad-request", "the request is not JSON: " + e.diagnostic().message);
+        }
       }
       act(in, body, out);
     } catch (const Cancelled&) {
@@ -102,9 +108,9 @@ httplib::Server::Handler LocalServer::handler(Act act, bool upload) const {
     } catch (const Error& e) {
       refuse(out, 400, e.diagnostic());
     } catch (const json::exception& e) {
-      fail(400, "bad-request", e.what());
+      fail(400, "bad-request", json_problem(e));
     } catch (const std::exception& e) {
-      fail(500, "failed", e.what());
+      fail(500, "failed", exception_text(e));
     }
   };
 }

@@ -3,7 +3,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
+
+#include "graph/input_file.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
@@ -14,11 +15,7 @@ constexpr int kDeepest = 4;
 
 // Whether a YAML file says that it is a graph: a line that begins with "terrazzo:".
 bool is_graph(const fs::path& file) {
-  std::ifstream in(file);
-  std::string head(4096, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
-  return ("\n" + head).find("\nterrazzo:") != std::string::npos;
+  return ("\n" + read_beginning(file, 4096)).find("\nterrazzo:") != std::string::npos;
 }
 
 }  // namespace
@@ -39,7 +36,6 @@ std::vector<OwnGraph> own_graphs(const Workspace& workspace) {
     }
     const auto extension = it->path().extension();
     struct stat status {};
-    // Not open() before the file is known to be regular: it would wait for a pipe.
     if (name.starts_with('.') || (extension != ".yaml" && extension != ".yml") ||
         ::stat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode) ||
         !workspace.contains(it->path()) || !is_graph(it->path()))

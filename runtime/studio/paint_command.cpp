@@ -7,6 +7,7 @@
 #include "graph/utf8.h"
 #include "runtime/cli/options.h"
 #include "runtime/cli/output.h"
+#include "runtime/protected_files.h"
 #include "runtime/studio/paint_server.h"
 #include "runtime/studio/painting.h"
 #include "runtime/studio/save_file.h"
@@ -19,6 +20,9 @@ namespace {
 SaveFile save_file(const PaintOptions& o) {
   const fs::path name = fs::absolute(
       o.save.empty() ? fs::path(fs::path(o.image).stem().string() + "_painted.yaml") : fs::path(o.save));
+  ProtectedFiles keep;
+  keep.add(o.image, "which is painted");
+  keep.require_other(name);
   if (!fs::is_directory(name.parent_path()))
     throw Error("usage", "there is no folder '" + name.parent_path().string() + "' to save to");
   return o.save.empty() ? SaveFile::numbered(name) : SaveFile::exactly(name, o.overwrite);

@@ -2,15 +2,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <utility>
 
 #include "graph/diagnostic.h"
+#include "runtime/descriptor.h"
 #include "runtime/files.h"
 
 namespace terrazzo::studio {
@@ -49,21 +50,41 @@ fs::path without_links(fs::path path) {
 
 }  // namespace
 
+void give_mode_of(int descriptor, const fs::path& like, const fs::path& final) {
+  struct stat own, other;
+  if (::stat(like.c_str(), &other) != 0 || !S_ISREG(other.st_mode)) return;
+  const auto fail = [&] {
+    throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), std::strerror(errno)));
+  };
+  if (::fstat(descriptor, &own) != 0) fail();
+  mode_t mode = other.st_mode & 0777;
+  // Only root may give the file to its owner. Members of another group must not read it instead.
+  if ((own.st_uid != other.st_uid || own.st_gid != other.st_gid) &&
+      ::fchown(descriptor, other.st_uid, other.st_gid) != 0 &&
+      ::fchown(descriptor, static_cast<uid_t>(-1), other.st_gid) != 0)
+    mode &= ~static_cast<mode_t>(S_IRWXG);
+  if (::fchmod(descriptor, mode) != 0) fail();
+}
+
 void save_text(const fs::path& file, const std::string& text) {
   const fs::path final = without_links(file);
-  write_atomically(final, [&](const fs::path& temporary) {
-    std::ofstream out(temporary, std::ios::binary);
-    out << text;
-    out.close();
-    if (!out)
+  save_text(final, text, final);
+}
+
+void save_text(const fs::path& final, const std::string& text, const fs::path& like) {
+  std::error_code error;
+  const bool given = fs::is_regular_file(like, error);
+  // Private until it has its permissions, which it gets before its text.
+  TemporaryFile file(final.parent_path(), final.stem().string().substr(0, 100), final.extension().string(),
+                     given ? 0600 : 0666);
+  {
+    const Descriptor out(::open(file.path().c_str(), O_WRONLY | O_CLOEXEC));
+    if (out.fd < 0)
       throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), std::strerror(errno)));
-    std::error_code error;
-    const fs::file_status before = fs::status(final, error);
-    if (!fs::is_regular_file(before)) return;
-    fs::permissions(temporary, before.permissions(), error);
-    if (error)
-      throw Error("write-failed", fmt::format("cannot write '{}': {}", final.string(), error.message()));
-  });
+    give_mode_of(out.fd, like, final);
+    write_all(out.fd, text, final);
+  }
+  file.rename_to(final);
 }
 
 SaveFile SaveFile::numbered(const fs::path& name) {

@@ -12,6 +12,13 @@ namespace terrazzo::studio {
 // replaces. A symbolic link stays a link: what it refers to is replaced, or created. Throws Error
 // "write-failed", and then the file is as it was.
 void save_text(const std::filesystem::path&, const std::string& text);
+// The same for a path that is no link, with the permissions of the file `like`. They are set before the text
+// is written, so nobody else can read it meanwhile.
+void save_text(const std::filesystem::path& final, const std::string& text,
+               const std::filesystem::path& like);
+// Gives an open file the owner, group and permissions of the file `like`, if it exists. Where the group
+// cannot be given, the group gets no access. `final`: the name in messages. Throws Error "write-failed".
+void give_mode_of(int descriptor, const std::filesystem::path& like, const std::filesystem::path& final);
 
 // The file that a paint session saves to.
 // Reserves a name: creates an empty file, so that no other session chooses the same name, and removes it at

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
+#include "graph/number_text.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/graph_routes.h"
 #include "runtime/studio/live_graph.h"
@@ -30,9 +31,9 @@ std::string event_text(std::uint64_t number, const std::string& type, const std:
 int number_in(const httplib::Request& in, const char* name, int otherwise, int lo, int hi) {
   if (!in.has_param(name)) return otherwise;
   const std::string text = in.get_param_value(name);
-  if (text.empty() || text.size() > 9 || text.find_first_not_of("0123456789") != std::string::npos)
-    throw Error("bad-request", std::string("'") + name + "' is not a number");
-  return std::clamp(std::stoi(text), lo, hi);
+  const auto number = number_in_text<int>(text);
+  if (!number || *number < 0) throw Error("bad-request", std::string("'") + name + "' is not a number");
+  return std::clamp(*number, lo, hi);
 }
 
 }  // namespace
@@ -57,8 +58,7 @@ struct StudioServer::Impl {
     };
     const auto client = std::make_shared<Client>(streams);
     const std::string last = in.get_header_value("Last-Event-ID");
-    if (!last.empty() && last.size() < 19 && last.find_first_not_of("0123456789") == std::string::npos)
-      client->seen = std::stoull(last), client->resumed = true;
+    if (const auto seen = number_in_text<std::uint64_t>(last)) client->seen = *seen, client->resumed = true;
     out.set_chunked_content_provider(
         "text/event-stream", [this, client](std::size_t, httplib::DataSink& sink) {
           if (server.http().ended()) return false;
@@ -149,7 +149,7 @@ struct StudioServer::Impl {
     http.Get("/api/value/([0-9a-f]{8,64})",
              server.handler([this](const In& in, const json&, Out& out) { value(in, out); }));
     http.Get("/api/preview/([0-9]{1,18})", server.handler([this](const In& in, const json&, Out& out) {
-      const Value preview = live.preview(std::stoull(in.matches[1]));
+      const Value preview = live.preview(number_in_text<std::uint64_t>(in.matches[1].str()).value_or(0));
       if (!preview) {
         out.status = 204;
         return;

@@ -50,6 +50,31 @@ TEST(LoadGraph, TwoNodesMayNotWriteOneFile) {
           .all.empty());
 }
 
+TEST(LoadGraph, NamesThatDifferOnlyInCaseAreOneFile) {
+  const std::string start = "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 1}}\n";
+  const Found f = check(start +
+                        "  w: {type: Write, inputs: {in: a.out}, params: {path: x/t.csv}}\n"
+                        "  v: {type: Write, inputs: {in: a.out}, params: {path: x/T.csv}}\n");
+  ASSERT_EQ(f.all.size(), 1u);
+  EXPECT_EQ(f.all[0].code, "same-file");
+  EXPECT_EQ(f.at(5, 56),
+            "'w' and 'v' write 'x/t.csv' and 'x/T.csv', which are one file where upper and lower case are "
+            "the same");
+}
+
+TEST(LoadGraph, NamesOfTheProgramsOwnFilesAreReserved) {
+  const std::string start = "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 1}}\n";
+  for (const std::string path :
+       {"report.json", "./report.json", "x/../Sweep.CSV", "sweep.json", "sweep.png"}) {
+    const Found f = check(start + "  w: {type: Write, inputs: {in: a.out}, params: {path: " + path + "}}\n");
+    ASSERT_EQ(f.all.size(), 1u) << path;
+    EXPECT_EQ(f.all[0].code, "reserved-name") << path;
+    EXPECT_EQ(f.all[0].parameter, "path") << path;
+  }
+  EXPECT_TRUE(
+      check(start + "  w: {type: Write, inputs: {in: a.out}, params: {path: x/report.json}}\n").all.empty());
+}
+
 TEST(LoadGraph, TenMistakesTenMessagesWithTheirPlaces) {
   const Found f = check(
       "terrazzo: 1\n"

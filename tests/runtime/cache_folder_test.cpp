@@ -76,8 +76,22 @@ TEST_F(CacheFolder, AFolderOfTheUsersIsRefusedAndLeftAlone) {
 
 TEST_F(CacheFolder, OfAnotherVersionIsRefused) {
   open_cache_folder(cache);
-  write(cache / "terrazzo-cache", "99\n");
-  EXPECT_EQ(code(cache), "not-a-cache");
+  for (const char* mark : {"99\n", "1", "\x31\x8a", ""}) {  // or damaged
+    write(cache / "terrazzo-cache", mark);
+    EXPECT_EQ(code(cache), "cache-unusable") << mark;
+    EXPECT_EQ(code_of([&] { require_cache_folder(cache); }), "usage");
+    Store store(test::value_types(), cache);
+    EXPECT_NE(store.trouble().find("its mark 'terrazzo-cache'"), std::string::npos) << store.trouble();
+    EXPECT_FALSE(store.keeps_on_disk());
+  }
+}
+
+TEST_F(CacheFolder, ThatCannotBeListedIsUnusable) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may list every folder";
+  fs::create_directories(cache);
+  ASSERT_EQ(::chmod(cache.c_str(), 0300), 0);
+  EXPECT_EQ(code(cache), "cache-unusable");
+  ASSERT_EQ(::chmod(cache.c_str(), 0700), 0);
 }
 
 TEST_F(CacheFolder, OfAVersionWithoutMarksIsTakenOver) {

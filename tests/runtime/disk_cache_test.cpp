@@ -5,8 +5,10 @@
 #include <sys/stat.h>
 
 #include <fstream>
+#include <functional>
 
 #include "nodes/data/table.h"
+#include "runtime/cache_folder.h"
 #include "runtime/evaluate.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
@@ -122,6 +124,51 @@ TEST_F(DiskCache, VerifyFindsARecordThatLies) {
   ASSERT_EQ(v.differing.size(), 1u);
   EXPECT_NE(v.differing[0].find("Constant " + r.nodes[0].key.text()), std::string::npos);
   EXPECT_EQ(paths(g, run(g), Status::Computed), (Paths{"a"}));
+}
+
+// As of a plugin that was changed without a new version.
+TEST_F(DiskCache, ARecordWithOtherOutputsIsComputedAgain) {
+  const Graph g = graph_of(three);
+  const RunResult first = run(g);
+  const auto damage = [&](const auto& change) {
+    Store store(test::value_types(), cache);
+    for (const auto& n : first.nodes) {
+      Tier tier;
+      ActionRecord r = *store.find_action(n.record, tier);
+      change(r);
+      store.put_action(n.record, std::make_shared<const ActionRecord>(std::move(r)));
+    }
+  };
+  const auto rename = [](ActionRecord& r) {
+    r.outputs["other"] = r.outputs.at("out");
+    r.outputs.erase("out");
+  };
+  const auto another_type = [](ActionRecord& r) { r.outputs.at("out").type = "Image"; };
+  const auto none = [](ActionRecord& r) { r.outputs.clear(); };
+  for (const std::function<void(ActionRecord&)>& change :
+       {std::function<void(ActionRecord&)>(rename), std::function<void(ActionRecord&)>(another_type),
+        std::function<void(ActionRecord&)>(none)}) {
+    damage(change);
+    const RunResult r = run(g);
+    EXPECT_EQ(count(r, Status::Computed), 3);
+    EXPECT_EQ(count(run(g), Status::Disk), 3);
+    damage(change);
+    EXPECT_EQ(verify(0).damaged.size(), 3u);
+    EXPECT_EQ(cache_stats(cache).records.count, 0u);
+    run(g);
+  }
+}
+
+TEST_F(DiskCache, AValueOfAnotherSizeIsNotRead) {
+  const Graph g = graph_of(three);
+  const RunResult first = run(g);
+  const OutputRecord& big = first.nodes[static_cast<std::size_t>(g.find("big"))].outputs.at("out");
+  const fs::path file = cache_entry(cache, "values", big.content);
+  fs::resize_file(file, std::uintmax_t{200} << 30);
+  Store store(test::value_types(), cache);
+  EXPECT_FALSE(store.get_value(big));
+  EXPECT_FALSE(fs::exists(file));
+  EXPECT_EQ(verify(0).lost, 1u);
 }
 
 TEST_F(DiskCache, CountsWhatAnotherProcessComputedMeanwhile) {

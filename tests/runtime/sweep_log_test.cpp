@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/stat.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -31,6 +33,17 @@ TEST(SweepLog, GivesEachCompleteLineOnceAndLeavesOutDamagedOnes) {
   EXPECT_TRUE(later.news().empty());
   EXPECT_TRUE(log.write({{"event", "stopped"}}));
   EXPECT_EQ(later.news().size(), 1u);
+  // Entries of other types than somebody reads.
+  std::ofstream(file, std::ios::app) << "{\"event\": 1}\n{\"event\": \"started\", \"point\": -1}\n"
+                                        "{\"event\": \"finished\", \"errors\": [1]}\n"
+                                        "{\"event\": \"started\", \"time\": \"now\"}\n";
+  EXPECT_TRUE(later.news().empty());
+  EXPECT_EQ(later.damaged(), 4u);
+  // A pipe in its place neither waits nor gets anything.
+  const auto pipe = file.parent_path() / "pipe.jsonl";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_FALSE(WorkerLog(pipe).write({{"event", "started"}}));
+  EXPECT_TRUE(LogReader(pipe, false).news().empty());
   EXPECT_FALSE(WorkerLog(file / "none").write({{"event", "started"}}));
 }
 

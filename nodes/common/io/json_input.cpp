@@ -2,27 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "nodes/common/io/reading.h"
 #include "runtime/context.h"
 
 namespace terrazzo {
 
-// Each value takes 16 bytes, twice while its list grows; each list or object 80 more. A comma separates two.
-double memory_to_read_json(const std::string& text) {
-  return 64.0 * static_cast<double>(std::count(text.begin(), text.end(), ',') +
-                                    std::count(text.begin(), text.end(), '[') +
-                                    std::count(text.begin(), text.end(), '{')) +
-         static_cast<double>(text.size());
-}
-
 nlohmann::json parse_json(const std::string& text, const std::string& inner, const JsonSource& source) {
   nlohmann::json json;
   try {
-    json = nlohmann::json::parse(text);
-  } catch (const nlohmann::json::exception& e) {
-    throw Error("unreadable-file", fmt::format("'{}' is not JSON: {}", source.file, printable(e.what())),
+    json = terrazzo::parse_json(text);
+  } catch (const Error& e) {
+    throw Error("unreadable-file",
+                fmt::format("'{}' is not JSON: {}", source.file, printable(e.diagnostic().message)),
                 source.hint)
         .parameter("path");
   }

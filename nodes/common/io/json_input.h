@@ -8,13 +8,11 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
+#include "runtime/json_input.h"
 
 namespace terrazzo {
 
 class Context;
-
-// Upper bound of the bytes that parsing needs, without the text.
-double memory_to_read_json(const std::string& text);
 
 // How messages refer to a file: its name, and what to use instead of a wrong one.
 struct JsonSource {

@@ -9,6 +9,7 @@
 #include "nodes/common/io/provenance_text.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/common/io/vdb_header.h"
+#include "runtime/json_input.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {
@@ -16,7 +17,6 @@ namespace {
 
 // glTF 2.0, 4.4: a header of 12 bytes, then the length and type of the JSON chunk.
 std::string from_glb(const std::filesystem::path& path, const Reading& reading) {
-  constexpr int deepest = 100;     // maximum nesting kept, since it is serialized recursively
   constexpr double per_byte = 40;  // memory of parsed JSON per byte of text
   try {
     const std::string data = read_whole(path, reading);
@@ -25,10 +25,7 @@ std::string from_glb(const std::filesystem::path& path, const Reading& reading) 
     std::memcpy(&length, data.data() + 12, sizeof length);
     if (length > data.size() - 20) return "";
     require_memory(per_byte * length, reading.memory, "'" + path.string() + "'");
-    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
-      return depth < deepest;
-    };
-    const auto json = nlohmann::json::parse(data.data() + 20, data.data() + 20 + length, shallow, false);
+    const auto json = json_or_null(std::string_view(data).substr(20, length));
     const auto extras = nlohmann::json::json_pointer("/asset/extras");
     return json.is_object() && json.contains(extras) ? json_text(json.at(extras)) : "";
   } catch (const Error&) {

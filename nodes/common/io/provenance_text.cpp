@@ -1,15 +1,16 @@
 #include "nodes/common/io/provenance_text.h"
 
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <sstream>
 
+#include "graph/input_file.h"
 #include "runtime/base64.h"
 
 namespace terrazzo {
@@ -17,13 +18,7 @@ namespace {
 
 constexpr std::size_t kLongest = std::size_t{16} << 20;  // bytes of provenance
 
-std::string beginning_of(const std::filesystem::path& path) {
-  std::string text(kLongest, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount())));
-  return text;
-}
+std::string beginning_of(const std::filesystem::path& path) { return read_beginning(path, kLongest); }
 
 }  // namespace
 
@@ -93,9 +88,11 @@ std::string provenance_in_vti(const std::filesystem::path& path) {
 }
 
 std::string provenance_in_nifti(const std::filesystem::path& path) {
+  const InputFile opened(path);
   const auto close = [](gzFile_s* f) { gzclose(f); };
-  const std::unique_ptr<gzFile_s, decltype(close)> file(gzopen(path.c_str(), "rb"),
-                                                        close);  // also uncompressed
+  // Also reads what is not compressed. Closes its own descriptor.
+  const std::unique_ptr<gzFile_s, decltype(close)> file(
+      opened ? gzdopen(::dup(opened.descriptor()), "rb") : nullptr, close);
   std::array<char, 360> head;
   if (!file || gzread(file.get(), head.data(), head.size()) != static_cast<int>(head.size()) ||
       head[348] != 1)

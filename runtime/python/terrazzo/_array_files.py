@@ -22,12 +22,24 @@ def write_arrays(graph, folder):
         value = graph._given_value(name)
         if value.type not in _writers:
             _not_savable(name, f"no node reads {value.type} from a file")
+        _require_free(graph, folder, name)
         os.makedirs(folder, exist_ok=True)
         kind, port, parameters = _writers[value.type](value, os.path.join(folder, name))
         if Graph(cache=False)._add(kind, dict(parameters)).output(port).value() != value:
             _not_savable(name, f"{parameters.get('path', kind)} does not give the same value when it is read again")
         out[name] = kind, port, parameters
     return out
+
+
+def _require_free(graph, folder, name):
+    """Raises Error if a file that may be written for this node is one that the graph reads."""
+    stem = os.path.join(folder, name)
+    for ending in (".exr", ".tif", ".vdb", ".json", "_classes.exr"):
+        graph._require_other_file(stem + ending)
+    for sections in (stem, stem + "_classes"):
+        if os.path.isdir(sections):
+            for file in os.listdir(sections):
+                graph._require_other_file(os.path.join(sections, file))
 
 
 def _not_savable(node, why):

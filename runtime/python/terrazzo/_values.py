@@ -81,8 +81,12 @@ def _save(self, file):
     port = _export_ports.get(self.type)
     if port is None:
         raise TypeError(f"no node writes values of type {self.type} to files")
-    graph.Export(**{port: self}, path=os.path.basename(file))
-    graph.start(out=os.path.dirname(file)).wait(False)._settled(report=False)
+    folder, name = os.path.split(file)
+    if _core.is_reserved_output(name):  # in an output folder, but this is any folder
+        folder, inner = os.path.split(os.path.realpath(folder))
+        name = os.path.join(inner, name)
+    graph.Export(**{port: self}, path=name)
+    graph.start(out=folder).wait(False)._settled(report=False)
 
 
 def _ports_of_export():

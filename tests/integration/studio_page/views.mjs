@@ -196,7 +196,7 @@ try {
   await page.fill('.note textarea', 'Why marble?');
   await page.click('.react-flow__pane', { position: { x: 30, y: 500 } });
   await page.waitForTimeout(800);
-  result.note = existsSync(join(folder, 'solids.studio.json')) && JSON.parse(readFileSync(join(folder, 'solids.studio.json'), 'utf8')).notes?.[0]?.text;
+  result.note = existsSync(join(folder, 'solids.yaml.studio.json')) && JSON.parse(readFileSync(join(folder, 'solids.yaml.studio.json'), 'utf8')).notes?.[0]?.text;
   await page.mouse.move(300, 300);
   await page.keyboard.press('Tab');
   await page.keyboard.type('TextureNib');

@@ -24,6 +24,7 @@ class StudioDocument : public ::testing::Test {
   StudioDocument() { write_text_atomically(file, kDocumentText); }
   std::string beside() const { return read_file(file.parent_path() / ".graph.yaml.unsaved").value_or(""); }
   const fs::path file = test::temporary_folder() / "graph.yaml";
+  const fs::path second = file.parent_path() / ".graph.yaml.unsaved_2";
 };
 
 TEST_F(StudioDocument, UndoGoesBackToTheFirstTextAndForward) {
@@ -95,8 +96,15 @@ TEST_F(StudioDocument, AnEditBeforeTheQuestionIsAnsweredLosesNothing) {
   Document d(file);
   d.edit({value("7")});
   EXPECT_EQ(beside(), left);
+  EXPECT_EQ(read_file(second), d.text());  // kept too
+  d.save(false);
+  EXPECT_EQ(d.recovered(), left);  // saving something else is no answer
+  EXPECT_EQ(beside(), left);
+  EXPECT_FALSE(fs::exists(second));
+  d.edit({value("8")});
   d.recover(false);
-  EXPECT_EQ(beside(), d.text());
+  EXPECT_EQ(beside(), "");
+  EXPECT_EQ(read_file(second), d.text());
 }
 
 const std::string kPlaced = studio::arrangement_text({{"places", {{"a", {10, 20}}}}});
@@ -174,8 +182,10 @@ TEST_F(StudioDocument, AnArrangementFollowsTheGraphToAnotherName) {
 TEST_F(StudioDocument, WhatCannotBeWrittenIsReportedAndStaysInMemory) {
   const auto block = [](const fs::path& p) { fs::create_directories(p / "full"); };
   Document d(file);
-  block(file.parent_path() / ".graph.yaml.unsaved");
+  const fs::path elsewhere = test::temporary_folder() / "away";
+  fs::rename(file.parent_path(), elsewhere);
   d.edit({value("6")});
+  fs::rename(elsewhere, file.parent_path());
   EXPECT_NE(d.text().find("value: 6"), std::string::npos);
   EXPECT_NE(d.trouble().find("unsaved changes cannot be kept"), std::string::npos) << d.trouble();
   fs::remove(file);
@@ -183,7 +193,6 @@ TEST_F(StudioDocument, WhatCannotBeWrittenIsReportedAndStaysInMemory) {
   EXPECT_EQ(test::code_of([&] { d.save(true); }), "write-failed");
   EXPECT_FALSE(d.saved());
   fs::remove_all(file);
-  fs::remove_all(file.parent_path() / ".graph.yaml.unsaved");
   d.save(true);
   EXPECT_EQ(*read_file(file), d.text());
   EXPECT_EQ(d.trouble(), "");

@@ -254,12 +254,30 @@ TEST_F(Studio, TellsThePriceOfAnEditAndDoesNotMakeIt) {
   EXPECT_EQ(post("/api/price", {{"edits", {{{"op", "remove"}, {"node", "x"}}}}}), 400);
 }
 
+TEST_F(Studio, DeepJsonIsRefused) {
+  const std::string deep(1'000'000, '[');
+  std::string objects;
+  for (int k = 0; k < 1'000'000; ++k) objects += "{\"a\":";
+  for (const std::string& body :
+       {deep, objects,
+        "{\"edits\": [{\"op\": \"set\", \"node\": \"a\", \"param\": \"value\", \"value\": " + deep +
+            std::string(deep.size(), ']') + "}]}"}) {
+    const auto r = client().Post("/api/edit", body, "application/json");
+    ASSERT_TRUE(r);
+    EXPECT_EQ(r->status, 400);
+    EXPECT_NE(r->body.find("nested more than 100 deep"), std::string::npos) << r->body;
+  }
+  const auto bad = client().Post("/api/edit", "{\"edits\": 5", "application/json");
+  EXPECT_EQ(bad->body.find("json.exception"), std::string::npos) << bad->body;
+  EXPECT_EQ(get("/api/state")["document"]["saved"], true);
+}
+
 TEST_F(Studio, KeepsWhereNodesAreBesideTheGraph) {
   const json mine = {
       {"places", {{"a", {10, 20}}}},
       {"notes", {{{"x", 1}, {"y", 2}, {"width", 30}, {"height", 40}, {"text", "why"}, {"frame", false}}}}};
   ASSERT_EQ(post("/api/arrange", {{"arrangement", mine}}), 200);
-  const fs::path beside = file.parent_path() / "graph.studio.json";
+  const fs::path beside = file.parent_path() / "graph.yaml.studio.json";
   EXPECT_EQ(json::parse(*read_file(beside)), mine);
   EXPECT_EQ(get("/api/state")["document"]["arrangement"], mine);
   EXPECT_EQ(get("/api/state")["document"]["saved"], true);  // it is no part of the graph
