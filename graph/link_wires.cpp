@@ -85,6 +85,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
             return out;
           }
   if (list != scope.lists.end()) {
+    if (!take_elements(list->second.size(), ref)) return {};
     std::vector<Wire> out;
     for (const auto& element : list->second)
       for (Wire& w : resolve(scope, {element + ref.text.substr(name.size()), ref.place}, depth + 1))
@@ -222,10 +223,21 @@ void Linker::attach(Scope& scope, int index, const Port& port, const RawReferenc
   }
 }
 
+bool Linker::take_elements(std::size_t count, const RawReference& ref) {
+  if (too_large_) return false;
+  elements_ += count;
+  if (elements_ <= 2 * max_expanded_wires) return true;
+  too_large_ = true;
+  fail("too-large", fmt::format("the wires lead to more than {} elements", 2 * max_expanded_wires), ref.place,
+       "connect lists to fewer elements");
+  return false;
+}
+
 bool Linker::take_wires(std::size_t wires, const RawReference& ref) {
-  if (wires_ > max_expanded_wires) return false;
+  if (too_large_) return false;
   wires_ += wires;
   if (wires_ <= max_expanded_wires) return true;
+  too_large_ = true;
   fail("too-large", fmt::format("the graph expands to more than {} wires", max_expanded_wires), ref.place,
        "connect lists to fewer elements");
   return false;

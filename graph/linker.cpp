@@ -6,17 +6,19 @@
 #include "graph/element_name.h"
 #include "graph/linker.h"
 #include "graph/nearest.h"
+#include "graph/numeric_environment.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;
 
 Graph Linker::link(RawDocument doc) {
+  const NumericEnvironment numbers;
   graph_.name = doc.name.empty() ? doc.file.stem().string() : doc.name;
   graph_.doc = doc.doc;
   graph_.file = doc.file.string();
   files_.emplace(doc);
   if (!check_size(doc)) return std::move(graph_);
-  expanded_ = files_->root().nodes;
+  expanded_ = files_->root().nodes, bytes_ = files_->root().bytes;
   std::map<std::string, Given> given;
   for (const auto& [name, text] : overrides_.parameters)
     given[name] = from_command_line(text, "--param " + name);
@@ -28,16 +30,12 @@ Graph Linker::link(RawDocument doc) {
       graph_.parameters.back().declaration.value = read_parameter(p.declaration, it->second.written, why);
     }
   }
-  apply_set();
-  check_parameters();
-  check_output_paths();
-  for (auto& [prefix, scope] : scopes_)
-    for (const auto& node : scope->doc.nodes) connect(*scope, node);
-  check_wiring_of_ports();
-  for (const auto& [name, ref] : root.doc.outputs) add_output(name, resolve(root, ref));
-  describe_inputs(root);
-  report_unused_wires();
-  if (sort()) remove_bypassed();
+  if (!too_large_) {
+    apply_set();
+    check_parameters();
+    check_output_paths();
+    connect_all(root);
+  }
   drop_repeated_messages();
   add_uses_to_messages();
   // In the order of the file.
@@ -46,6 +44,18 @@ Graph Linker::link(RawDocument doc) {
            std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
   });
   return std::move(graph_);
+}
+
+void Linker::connect_all(Scope& root) {
+  for (auto& [prefix, scope] : scopes_)
+    for (const auto& node : scope->doc.nodes)
+      if (!too_large_) connect(*scope, node);
+  if (too_large_) return;
+  check_wiring_of_ports();
+  for (const auto& [name, ref] : root.doc.outputs) add_output(name, resolve(root, ref));
+  describe_inputs(root);
+  report_unused_wires();
+  if (sort()) remove_bypassed();
 }
 
 void Linker::fail(std::string code, std::string message, Place at, std::string hint, std::string node,
@@ -90,6 +100,11 @@ int Linker::find(const std::string& path) const {
   return it == index_.end() ? -1 : it->second;
 }
 
+std::string Linker::too_much_text(std::uint64_t bytes) {
+  return fmt::format("the graph expands to {} MiB of values and wires; the limit is {}", bytes >> 20,
+                     max_expanded_bytes >> 20);
+}
+
 bool Linker::check_size(const RawDocument& root) {
   const SubgraphFile& all = files_->root();
   const auto larger = [&](const RawNode& a, const RawNode& b) {
@@ -109,7 +124,10 @@ bool Linker::check_size(const RawDocument& root) {
                      files_->expansion(root, node).nodes, node.name, max_expanded_nodes),
          node.kind_place, "use fewer subgraphs, or split the graph into several", node.name);
   }
-  return all.nesting <= max_nesting && all.nodes <= max_expanded_nodes;
+  if (all.bytes > max_expanded_bytes)
+    fail("too-large", too_much_text(all.bytes), {root.file.string(), 0, 0},
+         "use fewer subgraphs, or shorter lists");
+  return all.nesting <= max_nesting && all.nodes <= max_expanded_nodes && all.bytes <= max_expanded_bytes;
 }
 
 Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
@@ -129,7 +147,10 @@ Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const Ra
   repeat_nodes(scope);
   index();
   override_wires(scope);
-  for (const auto& raw : scope.doc.nodes) raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);
+  for (const auto& raw : scope.doc.nodes) {
+    if (too_large_) break;
+    raw.graph.empty() ? add_node(scope, raw) : add_subgraph(scope, raw);
+  }
   return scope;
 }
 

@@ -63,6 +63,7 @@ class Linker {
   // Where a scope and its enclosing subgraphs are used, innermost first.
   static std::vector<Place> uses(const Scope&);
   void add_uses_to_messages();
+  static std::string too_much_text(std::uint64_t bytes);
 
   Given from_command_line(const std::string& text, const std::string& what);
 
@@ -99,7 +100,8 @@ class Linker {
 
   // --- scopes
 
-  // Rejects a graph that would expand to too many nodes. Counts exactly the nodes that would be built.
+  // Rejects a graph that would expand to too many nodes. Counts exactly the nodes that would be built,
+  // without repeated ones, which depend on values.
   bool check_size(const RawDocument& root);
 
   Scope& open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,
@@ -128,6 +130,8 @@ class Linker {
   void connect(Scope& scope, const RawNode& raw);
 
   void attach(Scope& scope, int index, const Port& port, const RawReference& ref);
+  // Counts the elements of lists that wires lead through. Like take_wires().
+  bool take_elements(std::size_t, const RawReference&);
   // Counts wires. Reports once that there are too many; false from then on.
   bool take_wires(std::size_t, const RawReference&);
   // Adds an output of the graph: one value, or several that are named "output[#0]", "output[#1]", …
@@ -136,6 +140,8 @@ class Linker {
   void check_subgraph_inputs(Scope& scope, const RawNode& raw);
 
   void check_wiring_of_ports();
+  // Connects all nodes and outputs, and sorts the graph.
+  void connect_all(Scope& root);
   // Adds the graph's inputs with the types of the ports that they name. Reports names that do not exist.
   void describe_inputs(Scope& root);
 
@@ -149,8 +155,12 @@ class Linker {
   const Registry& registry_;
   const Overrides& overrides_;
   Diagnostics& found_;
+  // The graph is too large, so nothing more is expanded or connected.
+  bool too_large_ = false;
   std::uint64_t expanded_ = 0;           // nodes after expansion, as far as scopes are open
+  std::uint64_t bytes_ = 0;              // of these nodes as text
   std::size_t wires_ = 0;                // connected so far
+  std::size_t elements_ = 0;             // of lists, followed so far
   std::vector<bool> used_, used_wires_;  // per override: was it applied?
   Graph graph_;
   std::optional<SubgraphFiles> files_;

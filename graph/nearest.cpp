@@ -33,9 +33,13 @@ std::string lower(std::string s) {
 }  // namespace
 
 std::string nearest(const std::string& name, const std::vector<std::string>& candidates) {
+  // A graph may have a hundred thousand names, and as many mistakes.
+  constexpr std::size_t longest = 100, most = 1000;
+  if (name.size() > longest || candidates.size() > most) return {};
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, name.size() / 2);
   for (const auto& c : candidates) {
+    if (c.size() > name.size() + best_distance || name.size() > c.size() + best_distance) continue;
     const std::size_t d = edit_distance(lower(name), lower(c));
     if (d < best_distance || (d == best_distance && best.empty())) best = c, best_distance = d;
   }

@@ -126,9 +126,19 @@ std::optional<T> parse_number(const std::string& s) {
   return v;
 }
 
+// Squares and reciprocals of smaller numbers leave the range of floats.
+constexpr double kSmallest = 1e-30;
+constexpr double kMostColor = 1e6;  // of a color's component; 1 is white
+
+bool too_small(double v) { return v != 0 && std::abs(v) < kSmallest; }
+
 bool in_range(const Parameter& p, double v, std::string& why) {
   if (!std::isfinite(v)) {
     why = fmt::format("{} is not a finite number", v);
+    return false;
+  }
+  if (too_small(v)) {
+    why = fmt::format("{} is too close to 0: write 0, or at least {} in magnitude", v, kSmallest);
     return false;
   }
   if (v > p.min || (v == p.min && !p.min_open)) {
@@ -171,8 +181,9 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
   if (w.is_list && w.items.size() == 3) {
     for (const auto& item : w.items) {
       const auto v = parse_number<double>(item);
-      if (!v || !std::isfinite(*v) || *v < 0)
-        return why = "'" + item + "' is not a valid color component: it must be a number of at least 0",
+      if (!v || !(*v >= 0 && *v <= kMostColor) || too_small(*v))
+        return why = fmt::format("'{}' is not a valid color component: it must be a number from 0 to {}",
+                                 item, kMostColor),
                std::nullopt;
       rgb.push_back(*v);
     }

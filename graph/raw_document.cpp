@@ -4,7 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -15,19 +15,12 @@
 #include "graph/element_name.h"
 #include "graph/nearest.h"
 #include "graph/number_text.h"
+#include "graph/read_number.h"
 #include "graph/utf8.h"
 #include "graph/yaml_mistakes.h"
 
 namespace terrazzo {
 namespace {
-
-// A number as YAML writes it.
-std::optional<double> yaml_number(std::string_view text) {
-  if (text == ".inf" || text == "+.inf") return std::numeric_limits<double>::infinity();
-  if (text == "-.inf") return -std::numeric_limits<double>::infinity();
-  if (text.starts_with('+')) text.remove_prefix(1);
-  return number_in_text<double>(text);
-}
 
 class DocumentReader {
  public:
@@ -218,11 +211,10 @@ class DocumentReader {
     p.place = place(key.Mark());
     bool has_type = false;
     const auto number = [&](const YAML::Node& n, double& out) {
-      const auto v = n.IsScalar() ? yaml_number(n.Scalar()) : std::nullopt;
-      if (v)
-        out = *v;
-      else
-        fail("bad-value", "min and max must be numbers", place(n.Mark()));
+      const auto value = n.IsScalar() ? read_number(n.Scalar()) : std::nullopt;
+      if (!value || !std::isfinite(*value))
+        return fail("bad-value", "min and max must be numbers", place(n.Mark()));
+      out = *value;
     };
     each_key(v, {"type", "default", "doc", "unit", "min", "max", "choices", "keywords"},
              "parameter '" + name + "'",

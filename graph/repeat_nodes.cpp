@@ -36,6 +36,7 @@ std::vector<Given> Linker::read_values(const Scope& scope, const RawNode& raw, c
                                        const RawValue& value) {
   const std::string path = scope.prefix + raw.name;
   const auto wrong = [&](std::string code, const std::string& why, Place at, std::string hint = {}) {
+    too_large_ = too_large_ || code == "too-large";
     fail(std::move(code), fmt::format("the values of '{}'{}", name, why), std::move(at), std::move(hint),
          path);
     return std::vector<Given>();
@@ -70,12 +71,14 @@ void Linker::repeat_nodes(Scope& scope) {
   if (std::none_of(nodes.begin(), nodes.end(), [](const RawNode& n) { return !n.each.empty(); })) return;
   std::vector<RawNode> out;
   for (const RawNode& raw : nodes) {
+    if (too_large_) break;
     if (raw.each.empty()) {
       out.push_back(raw);  // a copy, because scope.nodes points to the original
       continue;
     }
     const std::string path = scope.prefix + raw.name;
     const auto refuse = [&](std::string code, std::string message, Place at, std::string hint = {}) {
+      too_large_ = too_large_ || code == "too-large";
       fail(std::move(code), std::move(message), std::move(at), std::move(hint), path);
       unknown_.insert(path);
     };
@@ -99,17 +102,21 @@ void Linker::repeat_nodes(Scope& scope) {
     }
     if (unknown_.count(path)) continue;
     // files_ counted the node once.
-    const std::uint64_t more = (count - 1) * files_->expansion(scope.doc, raw).nodes;
-    if (expanded_ + more > max_expanded_nodes) {
+    const Expansion one = files_->expansion(scope.doc, raw);
+    expanded_ += (count - 1) * one.nodes, bytes_ += (count - 1) * one.bytes;
+    if (expanded_ > max_expanded_nodes) {
       refuse(
           "too-large",
           fmt::format("the graph expands to {} nodes, {} of them in the {} elements of '{}'; the limit is {}",
-                      expanded_ + more, count * files_->expansion(scope.doc, raw).nodes, count, raw.name,
-                      max_expanded_nodes),
+                      expanded_, count * one.nodes, count, raw.name, max_expanded_nodes),
           raw.each.front().second.place, "use fewer values, or split the graph into several");
-      continue;
+      break;
     }
-    expanded_ += more;
+    if (bytes_ > max_expanded_bytes) {
+      refuse("too-large", too_much_text(bytes_), raw.each.front().second.place,
+             "use fewer values, or shorter lists");
+      break;
+    }
     std::vector<RawNode> elements;
     each_element(variables, count, [&](const std::vector<std::size_t>& at) {
       std::vector<ElementValue> values;

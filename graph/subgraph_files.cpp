@@ -20,6 +20,22 @@ fs::path identity(const fs::path& file) {
   return (error ? folder : real) / file.filename();
 }
 
+// What a copy of a node takes: its values and wires, and their places.
+std::uint64_t bytes_of(const RawNode& node) {
+  constexpr std::uint64_t per_item = 64;
+  std::uint64_t bytes = per_item + node.doc.size();
+  const auto add = [&](const std::string& text) { bytes += per_item + text.size(); };
+  for (const auto* values : {&node.each, &node.params})
+    for (const auto& [name, value] : *values)
+      for (const auto& item : value.written.items) add(item);
+  for (const auto& [port, references] : node.inputs)
+    for (const auto& reference : references) add(reference.text);
+  return bytes;
+}
+
+// Clamped to avoid overflow. Far beyond the limit, the exact number does not matter.
+void add(std::uint64_t& sum, std::uint64_t more) { sum = std::min(sum + more, std::uint64_t{1} << 60); }
+
 }  // namespace
 
 SubgraphFiles::SubgraphFiles(const RawDocument& root) {
@@ -29,7 +45,7 @@ SubgraphFiles::SubgraphFiles(const RawDocument& root) {
 
 void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level) {
   for (const auto& node : doc.nodes) {
-    Expansion e;
+    Expansion e{.bytes = bytes_of(node)};
     if (!node.graph.empty()) {
       const fs::path id = identity(file_of(doc, node));
       if (around_.count(id)) {
@@ -45,11 +61,10 @@ void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level)
             around_.erase(id);
           }
         }
-        e = {file.nodes + 1, file.nesting + 1};
+        e = {file.nodes + 1, file.bytes + e.bytes, file.nesting + 1};
       }
     }
-    // Clamped to avoid overflow. Far beyond the limit, the exact number does not matter.
-    into.nodes = std::min(into.nodes + e.nodes, std::uint64_t{1} << 60);
+    add(into.nodes, e.nodes), add(into.bytes, e.bytes);
     into.nesting = std::max(into.nesting, e.nesting);
   }
 }
@@ -59,9 +74,11 @@ const SubgraphFile& SubgraphFiles::open(const RawDocument& doc, const RawNode& n
 }
 
 Expansion SubgraphFiles::expansion(const RawDocument& doc, const RawNode& node) const {
-  if (node.graph.empty()) return {};
+  Expansion out{.bytes = bytes_of(node)};
+  if (node.graph.empty()) return out;
   const auto it = files_.find(identity(file_of(doc, node)));
-  return it == files_.end() ? Expansion{} : Expansion{it->second.nodes + 1, it->second.nesting + 1};
+  if (it == files_.end()) return out;
+  return {it->second.nodes + 1, it->second.bytes + out.bytes, it->second.nesting + 1};
 }
 
 }  // namespace terrazzo

@@ -16,6 +16,7 @@ namespace terrazzo {
 inline constexpr std::uint64_t max_expanded_nodes = 100'000;
 inline constexpr std::size_t max_expanded_wires = 2'000'000;
 inline constexpr int max_nesting = 32;
+inline constexpr std::uint64_t max_expanded_bytes = 1 << 30;  // of everything written in the nodes
 
 struct SubgraphFile {
   std::optional<RawDocument> doc;   // none if the file cannot be read
@@ -23,12 +24,14 @@ struct SubgraphFile {
   std::set<std::string> recursive;  // nodes whose graph is this file or one that uses it
   // Number of nodes after expansion, subgraph nodes included. Repeated nodes count once.
   std::uint64_t nodes = 0;
-  int nesting = 0;  // levels of subgraphs below it
+  std::uint64_t bytes = 0;  // that these nodes take as text, estimated
+  int nesting = 0;          // levels of subgraphs below it
 };
 
-// The nodes and levels that a node expands to: 1 and 0 unless it is a subgraph.
+// What a node expands to. Nodes and levels are 1 and 0 unless it is a subgraph.
 struct Expansion {
   std::uint64_t nodes = 1;
+  std::uint64_t bytes = 0;
   int nesting = 0;
 };
 

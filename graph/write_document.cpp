@@ -9,7 +9,7 @@
 #include <map>
 #include <optional>
 
-#include "graph/number_text.h"
+#include "graph/read_number.h"
 #include "graph/yaml_text.h"
 
 namespace terrazzo {
@@ -22,8 +22,7 @@ std::string number(double v) {
   std::string text = fmt::format("{}", v);
   if (text.find('e') == std::string::npos || std::abs(v) < 1e-9 || std::abs(v) > 1e15) return text;
   for (int digits = 0; digits < 20; ++digits)
-    if (std::string fixed = fmt::format("{:.{}f}", v, digits); number_in_text<double>(fixed) == v)
-      return fixed;
+    if (std::string fixed = fmt::format("{:.{}f}", v, digits); read_number(fixed) == v) return fixed;
   return text;
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/node_type.h"
-#include "graph/number_text.h"
+#include "graph/read_number.h"
 #include "runtime/base64.h"
 
 namespace terrazzo {
@@ -39,13 +39,14 @@ OutputRecord output_from(const json& j) {
   }
   return out;
 }
-double metric_from(const json& j) {
-  const auto v = number_in_text<double>(j.get_ref<const std::string&>());
-  if (!v) throw Error("damaged", "a cache entry has a metric that is no number");
-  return *v;
-}
 FileRecord file_from(const json& j) {
   return {j.at("path"), Hash::parse(j.at("content").get<std::string>())};
+}
+
+double number_from(const json& j) {
+  const auto value = read_number(j.get_ref<const std::string&>());
+  if (!value) throw Error("damaged", "a cache entry has a metric that is not a number");
+  return *value;
 }
 
 // Stores the kind along with the value, because an empty list does not reveal its element type.
@@ -91,7 +92,7 @@ json to_json(const ActionRecord& r) {
 ActionRecord action_record_from_json(const json& j) {
   ActionRecord r;
   for (const auto& [port, o] : j.at("outputs").items()) r.outputs[port] = output_from(o);
-  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = metric_from(v);
+  for (const auto& [name, v] : j.at("metrics").items()) r.metrics[name] = number_from(v);
   r.warnings = j.at("warnings").get<std::vector<std::string>>();
   for (const auto& f : j.at("files")) r.files.push_back(file_from(f));
   r.seconds = j.at("seconds");

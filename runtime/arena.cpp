@@ -4,6 +4,8 @@
 #include <mutex>
 #include <vector>
 
+#include "graph/numeric_environment.h"
+
 namespace terrazzo {
 namespace {
 
@@ -30,6 +32,7 @@ Arena::Arena(int threads) : threads_(threads) {
     }
   }
   if (!arena_) {
+    const NumericEnvironment numbers;  // which its threads and their loops get
     arena_ = std::make_unique<tbb::task_arena>();
     arena_->initialize(threads);
   }

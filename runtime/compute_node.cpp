@@ -4,6 +4,7 @@
 #include <new>
 
 #include "graph/exception_text.h"
+#include "graph/numeric_environment.h"
 #include "graph/output_path.h"
 #include "graph/utf8.h"
 #include "runtime/files.h"
@@ -98,6 +99,7 @@ class NodeContext : public Context {
 
 ComputeResult compute_node(ComputeRequest request) {
   const NodeType& type = *request.type;
+  const NumericEnvironment numbers;
   try {
     NodeContext context(std::move(request));
     context.work().check();

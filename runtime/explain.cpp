@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <optional>
 #include <set>
 #include <string_view>
 
-#include "graph/number_text.h"
+#include "graph/read_number.h"
 
 namespace terrazzo {
 namespace {
@@ -19,24 +17,14 @@ std::string at(const GraphNode& node, const std::string& parameter) {
   return it == node.parameters.end() ? "its default" : it->second.place.text();
 }
 
-// The color of "[0.5,0.25,1]".
-std::optional<std::array<double, 3>> color_in(std::string_view text) {
-  std::array<double, 3> rgb{};
-  for (double& v : rgb) {
-    if (!text.starts_with('[') && !text.starts_with(',')) return {};
-    text.remove_prefix(1);
-    const auto number = take_number<double>(text);
-    if (!number) return {};
-    v = *number;
-  }
-  return rgb;
-}
-
 // A value of a parameter as people write it: a color as "#c7bda8", a list of one as its element.
 std::string shown(const Parameter& p, const std::string& written) {
-  if (p.kind == ParameterKind::Color)
-    if (const auto rgb = color_in(written)) return color_text(*rgb);
-  const bool one = written.size() > 2 && written.front() == '[' && written.find(',') == std::string::npos;
+  const bool list = written.size() > 2 && written.front() == '[' && written.back() == ']';
+  if (list && p.kind == ParameterKind::Color)
+    if (const auto rgb = read_numbers(std::string_view(written).substr(1, written.size() - 2));
+        rgb && rgb->size() == 3)
+      return color_text({rgb->at(0), rgb->at(1), rgb->at(2)});
+  const bool one = list && written.find(',') == std::string::npos;
   return one ? written.substr(1, written.size() - 2) : written;
 }
 

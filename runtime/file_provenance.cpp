@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/write_graph.h"
+#include "runtime/given.h"
 #include "runtime/json_input.h"
 #include "runtime/json_text.h"
 
@@ -22,6 +23,7 @@ std::string file_provenance(const Graph& graph, int node, const RunResult& resul
                               {"name", fs::path(f.path).filename().string()},
                               {"content", f.content.text()}});
   }
+  if (auto values = given_values_json(graph, upstream); !values.empty()) all["values"] = std::move(values);
   all["document"] = write_graph_without_folders(graph, upstream);
   return json_text(all);
 }

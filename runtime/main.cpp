@@ -2,6 +2,7 @@
 #include <iostream>
 
 #include "runtime/cli/command_line.h"
+#include "runtime/given.h"
 #include "runtime/plugin.h"
 #include "runtime/studio/library.h"
 #include "runtime/studio/paint_options.h"
@@ -17,6 +18,7 @@ const terrazzo::NodeSet& nodes() {
     library.register_nodes(set.registry);
     library.register_value_types(set.types);
     set.read_provenance = library.read_provenance;
+    if (!with_plugins) terrazzo::register_given_types(set.registry, set.types);  // for `terrazzo reproduce`
     if (const char* plugins = std::getenv("TERRAZZO_PLUGIN_PATH"); plugins && with_plugins)
       for (const auto& d : terrazzo::load_plugins(plugins, set.registry, set.types))
         std::cerr << d.text() << '\n';

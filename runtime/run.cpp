@@ -7,6 +7,8 @@
 #include <chrono>
 #include <thread>
 
+#include "graph/numeric_environment.h"
+
 namespace terrazzo {
 
 Run::Run(Evaluator& e, const Graph& graph, const RunOptions& options)
@@ -34,6 +36,7 @@ Work Run::work(int i, const Work::Report* report) const {
 }
 
 RunResult Run::run() {
+  const NumericEnvironment numbers;
   const auto start = std::chrono::steady_clock::now();
   const auto targets = options_.targets.empty() ? graph_.sinks() : options_.targets;
   const auto needed = needed_nodes(graph_, targets);
@@ -69,6 +72,7 @@ RunResult Run::run() {
 
 void Run::visit(int i) {
   mark_.after();
+  const NumericEnvironment numbers;  // an arena sets no locale
   try {
     if (!evaluate(i)) return;  // visited again once another node or run has computed the same key
   } catch (const Cancelled&) {

@@ -9,6 +9,7 @@
 #include "runtime/json_input.h"
 #include "runtime/json_text.h"
 #include "runtime/provenance.h"
+#include "runtime/report_format.h"
 #include "runtime/sweep_log.h"
 
 namespace terrazzo {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "runtime/files.h"
+#include "runtime/report_format.h"
 #include "runtime/sweep_log.h"
 
 namespace terrazzo {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "graph/diagnostic.h"
+#include "graph/numeric_environment.h"
 #include "runtime/thread_marks.h"
 
 namespace terrazzo {
@@ -36,9 +37,13 @@ void Work::parallel(std::size_t n, std::size_t grain,
     ThreadMark& mark;
     ~Joined() { mark.after(); }
   } joined{end};
+  const NumericEnvironment calling;
+  tbb::task_group_context context;
+  context.capture_fp_settings();  // also for the loops that a range starts
   start.before();
-  tbb::parallel_for(std::size_t{0}, ranges, [&](std::size_t r) {
+  const auto range = [&](std::size_t r) {
     start.after();
+    const NumericEnvironment working;
     const struct Leaves {
       ThreadMark& mark;
       ~Leaves() { mark.before(); }
@@ -47,7 +52,8 @@ void Work::parallel(std::size_t n, std::size_t grain,
     body(r * grain, std::min(n, (r + 1) * grain));
     const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
     if (report_ && ranges > 1) progress(static_cast<double>(k) / static_cast<double>(ranges));
-  });
+  };
+  tbb::parallel_for(std::size_t{0}, ranges, range, context);
   // If this loop runs inside another loop in which a range failed, TBB ends this one early without an error.
   // Continuing with partial results would be wrong, so throw. The outer loop reports the failure.
   if (done.load() != ranges) throw Cancelled();

@@ -4,13 +4,16 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 #include "graph/diagnostic.h"
+#include "graph/read_number.h"
 #include "nodes/common/texture/footprint.h"
 
 namespace terrazzo::edit_labels {
 namespace {
+
+constexpr int kMostSections = 1 << 20;
+constexpr const char* kBetween = " \t\r\n,";
 
 struct Word {
   const char* name;
@@ -219,27 +222,27 @@ void renumber(Labels& l) {
 }  // namespace
 
 Edit read_edit(const std::string& text) {
-  std::string words = text;
-  std::replace(words.begin(), words.end(), ',', ' ');
+  std::string_view words = text;
   Edit e;
   if (const auto colon = words.find(':'); colon != std::string::npos) {
-    std::istringstream in(words.substr(0, colon));
-    std::string rest;
-    if (!(in >> e.section) || e.section < 0 || in >> rest)
-      bad_edit(text, "'" + words.substr(0, colon) + "' is not a section, from 0");
-    words.erase(0, colon + 1);
+    const auto section = read_numbers(words.substr(0, colon));
+    if (!section || section->size() != 1 || !(section->at(0) >= 0 && section->at(0) < kMostSections) ||
+        section->at(0) != std::floor(section->at(0)))
+      bad_edit(text, "'" + text.substr(0, colon) + "' is not a section, from 0");
+    e.section = static_cast<int>(section->at(0));
+    words.remove_prefix(colon + 1);
   }
-  std::istringstream in(words);
-  std::string kind;
-  in >> kind;
+  words.remove_prefix(std::min(words.find_first_not_of(kBetween), words.size()));
+  const std::string kind(words.substr(0, words.find_first_of(kBetween)));
+  words.remove_prefix(kind.size());
   const auto word = std::find_if(kWords.begin(), kWords.end(), [&](const Word& w) { return kind == w.name; });
   if (word == kWords.end()) bad_edit(text, kind.empty() ? "it is empty" : "there is no edit '" + kind + "'");
   e.kind = word->kind;
-  std::vector<double> v;
-  for (double x = 0; in >> x;) v.push_back(x);
-  if (!in.eof() || v.size() % 2 != 0 ||
-      !std::all_of(v.begin(), v.end(), [](double x) { return std::isfinite(x); }))
-    bad_edit(text, "its points are not pairs of numbers");
+  const auto numbers = read_numbers(words);
+  if (!numbers || numbers->size() % 2 != 0 ||
+      !std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::abs(x) <= 1e6; }))
+    bad_edit(text, "its points are not pairs of numbers up to 1,000,000");
+  const std::vector<double>& v = *numbers;
   if (v.size() < 2 * word->least)
     bad_edit(text, kind + " needs " + std::to_string(word->least) +
                        (word->least == 1 ? " point" : " points") + " or more");

@@ -12,14 +12,16 @@
 #include "runtime/files.h"
 #include "runtime/json_input.h"
 #include "runtime/memory.h"
+#include "runtime/report_format.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-Made made_from_report(const json& report) {
-  Made made{report.at("document"), {}, {}, {}};
+Made made_from_report(const json& report, const fs::path& file, const ValueTypes& types) {
+  check_report_format(report, file);
+  Made made{report.at("document"), {}, {}, {}, {}, give_values(report.value("values", json::object()), types)};
   for (const auto& node : report.at("nodes")) {
     made.keys[node.at("name")] = node.at("key");
     if (node.contains("reads"))
@@ -33,7 +35,7 @@ Made made_from_report(const json& report) {
 }
 
 // Formats without metadata fall back to a report.json in the file's folder or up to three folders above it.
-std::optional<Made> made_by_report_beside(const fs::path& file) {
+std::optional<Made> made_by_report_beside(const fs::path& file, const ValueTypes& types) {
   const fs::path path = fs::absolute(file).lexically_normal();
   fs::path folder = path.parent_path();
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {
@@ -42,21 +44,22 @@ std::optional<Made> made_by_report_beside(const fs::path& file) {
     const std::string name = path.lexically_relative(folder).string();
     for (const auto& node : report.at("nodes"))
       for (const auto& f : node.at("files"))
-        if (f.at("path") == name) return made_from_report(report);
+        if (f.at("path") == name) return made_from_report(report, folder / "report.json", types);
   }
   return {};
 }
 
-Made provenance_of(const fs::path& file, std::string (*read_provenance)(const fs::path&)) {
+Made provenance_of(const fs::path& file, const ValueTypes& types,
+                   std::string (*read_provenance)(const fs::path&)) {
   if (const InputFile opened(file); !opened)
     throw Error("usage", "cannot read '" + file.string() + "': " + opened.trouble());
   try {
     if (file.extension() == ".json")
       if (const json j = read_json_file(file); j.is_object() && j.contains("document"))
-        return made_from_report(j);
+        return made_from_report(j, file, types);
     const std::string inside = read_provenance ? read_provenance(file) : "";
     if (const json j = json_or_null(inside); j.is_object() && j.contains("document")) {
-      Made made{j.at("document"), {}, {}, {}};
+      Made made{j.at("document"), {}, {}, {}, {}, give_values(j.value("values", json::object()), types)};
       for (const auto& [node, key] : j.at("keys").items()) made.keys[node] = key;
       if (j.contains("files"))
         for (const auto& f : j.at("files")) {
@@ -64,10 +67,10 @@ Made provenance_of(const fs::path& file, std::string (*read_provenance)(const fs
           if (f.contains("node")) made.contents_of[f.at("node")].insert(f.at("content"));
         }
       // The file itself tells no folders, but the report beside it may.
-      if (const auto beside = made_by_report_beside(file)) made.places = beside->places;
+      if (const auto beside = made_by_report_beside(file, types)) made.places = beside->places;
       return made;
     }
-    if (const auto made = made_by_report_beside(file)) return *made;
+    if (const auto made = made_by_report_beside(file, types)) return *made;
   } catch (const json::exception& e) {
     throw Error("usage", "the provenance of '" + file.string() + "' is damaged: " + json_problem(e));
   }
@@ -146,15 +149,18 @@ class InputSearch {
 
 }  // namespace
 
-Made how_made(const fs::path& file, std::string (*read_provenance)(const fs::path&)) {
-  Made made = provenance_of(file, read_provenance);
+Made how_made(const fs::path& file, const ValueTypes& types,
+              std::string (*read_provenance)(const fs::path&)) {
+  Made made = provenance_of(file, types, read_provenance);
   refuse_subgraphs(made);
   return made;
 }
 
 Graph open_made(const Registry& registry, const Made& made, const fs::path& file, const Overrides& overrides,
                 const std::vector<std::string>& folders, Diagnostics& found) {
-  const fs::path document = fs::absolute(file).lexically_normal().parent_path() / "document.yaml";
+  // No such file exists; messages name it.
+  const fs::path document = fs::absolute(file).lexically_normal().parent_path() /
+                            ("graph in " + file.filename().string());
   Graph graph = load_graph_text(made.document, document, registry, overrides, found);
   const InputSearch search(document.parent_path(), folders, made);
   for (auto& node : graph.nodes)
@@ -163,6 +169,7 @@ Graph open_made(const Registry& registry, const Made& made, const fs::path& file
                                                         it != node.parameters.end() &&
                                                         !is_from_command_line(it->second))
         it->second.value = search.find(node, std::get<std::string>(it->second.value)).string();
+  if (!has_errors(found)) require_given_values(graph, file.string());
   return graph;
 }
 

@@ -9,7 +9,9 @@
 
 #include "graph/utf8.h"
 #include "graph/write_graph.h"
+#include "runtime/given.h"
 #include "runtime/json_text.h"
+#include "runtime/report_format.h"
 
 namespace terrazzo::cli {
 using nlohmann::json;
@@ -61,13 +63,16 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
   json set = json::object();
   for (const auto& [name, value] : overrides.set) set[name] = value;
   for (const auto& [name, value] : overrides.parameters) set[name] = value;
-  return {{"graph", graph.file},
-          {"set", set},
-          {"document", write_graph(graph, needed, folder.empty() ? "." : folder)},
-          {"seconds", run.seconds},
-          {"threads", threads},
-          {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
-          {"nodes", nodes}};
+  json report = {{"format", report_format},
+                 {"graph", graph.file},
+                 {"set", set},
+                 {"document", write_graph(graph, needed, folder.empty() ? "." : folder)},
+                 {"seconds", run.seconds},
+                 {"threads", threads},
+                 {"peak_bytes", static_cast<std::uint64_t>(usage.ru_maxrss) * 1024},
+                 {"nodes", nodes}};
+  if (json values = given_values_json(graph, needed); !values.empty()) report["values"] = std::move(values);
+  return report;
 }
 
 void print_table(std::ostream& out, const Graph& graph, const RunResult& run) {

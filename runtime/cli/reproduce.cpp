@@ -95,7 +95,7 @@ bool confirmed(const ReproduceCommand& o) {
 
 int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   const Program program{with_plugins.nodes_without_plugins, with_plugins.nodes_without_plugins, nullptr};
-  const Made made = how_made(o.file, program.nodes().read_provenance);
+  const Made made = how_made(o.file, program.nodes().types, program.nodes().read_provenance);
   Diagnostics found;
   const Graph graph = open_made(program.registry(), made, o.file, overrides(o), o.allow_read, found);
   print(found);
@@ -109,6 +109,9 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   std::cout << text << "\nThis graph\n";
   const bool may_read = show_reads(graph, made, o);
   show_writes(graph, path, o);
+  if (!made.values.empty())
+    std::cout << "  contains arrays that Python gave, so only `terrazzo reproduce` can run it. In Python,\n"
+                 "  t.reproduce(FILE).save(GRAPH, arrays=FOLDER) writes them to files\n";
   if (!may_read)
     throw Error(
         "usage", "the graph would read files that the provenance does not name",

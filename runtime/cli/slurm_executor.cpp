@@ -14,6 +14,7 @@
 #include "runtime/cli/slurm_detached.h"
 #include "runtime/cli/slurm_job.h"
 #include "runtime/files.h"
+#include "runtime/report_format.h"
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;

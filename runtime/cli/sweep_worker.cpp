@@ -11,6 +11,7 @@
 #include "runtime/cli/sweep_point.h"
 #include "runtime/files.h"
 #include "runtime/json_text.h"
+#include "runtime/report_format.h"
 #include "runtime/sweep_file.h"
 #include "runtime/sweep_log.h"
 

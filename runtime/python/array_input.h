@@ -46,10 +46,14 @@ py::array_t<T, py::array::c_style | py::array::forcecast> numbers(const py::arra
   return out;
 }
 
-inline double positive(double v, const char* name, const char* unit) {
-  if (!(v > 0) || !std::isfinite(v))
-    throw Error("bad-value", fmt::format("{} must be above 0 {}; it is {}", name, unit, v)).parameter(name);
-  return v;
+// Lengths as parameters of nodes take them.
+inline constexpr double kSmallestLength = 1e-9, kLargestLength = 1e9;  // mm
+
+inline void require_length(double v, const char* name) {
+  if (!(v >= kSmallestLength && v <= kLargestLength))
+    throw Error("bad-value", fmt::format("{} must be from {} to {} mm; it is {}", name, kSmallestLength,
+                                         kLargestLength, v))
+        .parameter(name);
 }
 
 }  // namespace terrazzo::python

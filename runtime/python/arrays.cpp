@@ -47,7 +47,7 @@ py::object image(const py::object& object, double pixel_size, bool srgb) {
                     "width, 3), not {}",
                     text_of(a)),
         "for a stack of gray sections, repeat the values along a last axis of 3");
-  positive(pixel_size, "pixel_size", "mm");
+  require_length(pixel_size, "pixel_size");
   const Extent e = extent_of(a, color, "the image");
   // Whole numbers are scaled by their largest value, as image files store them.
   double scale = 1;
@@ -93,7 +93,7 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
   if (!is_whole(a))
     throw Error("wrong-type", fmt::format("labels are whole numbers, not {}", text_of(a)),
                 "convert them with .astype('int32')");
-  positive(pixel_size, "pixel_size", "mm");
+  require_length(pixel_size, "pixel_size");
   const Extent e = extent_of(a, false, "the array of labels");
   const auto data = numbers<std::int64_t>(a, "the labels");  // uint64 beyond int64 becomes negative
   const std::int64_t* in = data.data();
@@ -169,8 +169,9 @@ Mesh mesh_of(const py::object& vertices, const py::object& triangles) {
   Mesh mesh;
   for (py::ssize_t i = 0; i < v.shape(0); ++i) {
     const Vec3 p(points.at(i, 0), points.at(i, 1), points.at(i, 2));
-    if (!p.allFinite())
-      throw Error("bad-mesh", fmt::format("vertex {} is ({}, {}, {})", i, p.x(), p.y(), p.z()));
+    if (!(p.array().abs() <= kLargestLength).all())  // also NaN
+      throw Error("bad-mesh", fmt::format("vertex {} is ({}, {}, {}), which is not within {} mm", i, p.x(),
+                                          p.y(), p.z(), kLargestLength));
     mesh.vertices.push_back(p);
   }
   for (py::ssize_t i = 0; i < t.shape(0); ++i) {
@@ -199,27 +200,28 @@ py::object mesh(const py::object& vertices, const py::object& triangles, const s
   return to_python(Value::of(std::move(out)));
 }
 
-std::vector<double> list_of(const py::object& object, const char* name) {
+std::vector<double> list_of(const py::object& object, const char* name, double most) {
   const py::array a = array_of(object, name);
   if (a.ndim() != 1)
     throw Error("wrong-shape", fmt::format("{} is a list of numbers, not {}", name, text_of(a)));
   const auto data = numbers<double>(a, name);
   std::vector<double> out(data.data(), data.data() + data.size());
   for (const double v : out)
-    if (!std::isfinite(v) || v < 0)
-      throw Error("bad-value", fmt::format("{} must be finite and at least 0; an element is {}", name, v))
+    if (!(v >= 0 && v <= most))
+      throw Error("bad-value", fmt::format("{} must be from 0 to {}; an element is {}", name, most, v))
           .parameter(name);
   return out;
 }
 
 py::object sizes(const py::object& class_edges, const py::object& N_V, const py::object& low,
                  const py::object& high) {
+  constexpr double most = 1e18;  // per mm³, as in Distribution
   distribution::SizeLaw law;
   law.kind = distribution::LawKind::Classes;
-  law.class_edges = list_of(class_edges, "class_edges");
-  law.N_V = list_of(N_V, "N_V");
-  if (!low.is_none()) law.low = list_of(low, "low");
-  if (!high.is_none()) law.high = list_of(high, "high");
+  law.class_edges = list_of(class_edges, "class_edges", kLargestLength);
+  law.N_V = list_of(N_V, "N_V", most);
+  if (!low.is_none()) law.low = list_of(low, "low", most);
+  if (!high.is_none()) law.high = list_of(high, "high", most);
   return to_python(Value::of(distribution::make_distribution(law, nullptr)));
 }
 

@@ -58,6 +58,10 @@ void GraphObject::open_text(const std::string& text, const fs::path& file) {
   if (doc.file.empty()) doc.file = document_.file;
   document_ = std::move(doc), original_ = text, overrides_ = {};
   opened_ = file.empty() ? fs::path() : document_.file;
+  given_.clear();
+  for (const RawNode& node : document_.nodes)
+    if (is_given_type(node.type) && !node.params.empty())
+      if (auto value = find_given(node.params[0].second.written.text())) given_[value->content] = value;
   reindex();
   changed();
 }

@@ -7,8 +7,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "runtime/given.h"
 #include "runtime/python/bind.h"
-#include "runtime/python/given.h"
 #include "runtime/session.h"
 
 namespace terrazzo::python {

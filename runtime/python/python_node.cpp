@@ -5,7 +5,7 @@
 #include <mutex>
 
 #include "runtime/context.h"
-#include "runtime/python/given.h"
+#include "runtime/given.h"
 #include "runtime/python/graph_object.h"
 #include "runtime/python/python_node.h"
 #include "runtime/python/value_object.h"

@@ -7,18 +7,19 @@
 #include "nodes/register_nodes.h"
 #include "runtime/cli/made.h"
 #include "runtime/json_text.h"
-#include "runtime/python/bind.h"
+#include "runtime/python/graph_object.h"
 
 namespace terrazzo::python {
 namespace {
 
-// The text of the graph with absolute paths, the action keys of its nodes, and the files that it reads.
-py::tuple made(const std::string& file, const std::vector<std::string>& allow_read) {
+// Opens the graph that made a file. Returns the action keys of its nodes, and the files that it reads.
+py::tuple open_made(GraphObject& into, const std::string& file, const std::vector<std::string>& allow_read) {
   // The file may come from a stranger, so its graph may use built-in nodes only, as `terrazzo reproduce`
   // does.
   Registry built_in;
   register_nodes(built_in);
-  const cli::Made made = cli::how_made(file, read_provenance);
+  register_given_types(built_in, value_types());
+  const cli::Made made = cli::how_made(file, value_types(), read_provenance);
   Diagnostics found;
   const Graph graph = cli::open_made(built_in, made, file, {}, allow_read, found);
   if (has_errors(found)) raise(found);
@@ -31,13 +32,14 @@ py::tuple made(const std::string& file, const std::vector<std::string>& allow_re
                   "if you trust it, allow its folder: allow_read=[…]");
     reads.append(read.file.string());
   }
-  return py::make_tuple(write_graph(graph), made.keys, reads);
+  into.open_text(write_graph(graph), "");
+  return py::make_tuple(made.keys, reads);
 }
 
 }  // namespace
 
 void bind_reproduce(py::module_& m) {
-  m.def("made", made);
+  m.def("open_made", open_made);
   m.def("describe_graph_file", [](const std::string& file) {
     Diagnostics found;
     const Graph graph = load_graph(file, registry(), {}, found);

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "runtime/hash.h"
+#include "runtime/given.h"
 #include "runtime/python/bind.h"
 
 namespace terrazzo::python {
@@ -12,9 +12,6 @@ struct ValueObject {
   explicit ValueObject(Value v) : value(std::move(v)) {}
   Value value;
 };
-
-// The hash of the type and the encoded value, as the store computes it.
-Hash content_of(const Value&);
 
 py::object volume_object(const Value&);
 

@@ -10,17 +10,11 @@
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
 #include "runtime/hash.h"
+#include "runtime/json_summary.h"
 #include "runtime/json_text.h"
 #include "runtime/python/value_views.h"
 
 namespace terrazzo::python {
-
-Hash content_of(const Value& v) {
-  HashWriter w;
-  w.text(v.type().name);
-  v.type().encode(v.data(), w);
-  return w.hash();
-}
 
 py::object to_python(const Value& v) {
   const std::string& name = v.type().name;
@@ -57,8 +51,13 @@ void bind_values(py::module_& m) {
           "Hash of the value's content. Equal values have equal hashes.")
       .def(
           "describe",
-          [](const ValueObject& v) { return from_json(json_text(v.value.type().describe(v.value.data()))); },
-          "The value as dictionaries and lists, like `terrazzo show --json`.")
+          [](const ValueObject& v, bool full) {
+            const nlohmann::json all = v.value.type().describe(v.value.data());
+            return from_json(json_text(full ? all : summary_json(all)));
+          },
+          py::arg("full") = false,
+          "The value as dictionaries and lists. Long lists are shortened: {'shown': [first entries], 'of': "
+          "number}. full: all of it, like `terrazzo show --json`.")
       .def("__eq__",
            [](const ValueObject& a, const py::object& b) {
              if (!is_value(b)) return false;

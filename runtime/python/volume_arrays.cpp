@@ -11,7 +11,6 @@
 namespace terrazzo::python {
 namespace {
 
-constexpr double kSmallestSpacing = 1e-9;     // mm
 constexpr py::ssize_t kMostVoxels = 1 << 24;  // along an axis
 
 Vec3 spacing_of(const std::vector<double>& given) {
@@ -20,10 +19,7 @@ Vec3 spacing_of(const std::vector<double>& given) {
   Vec3 out;
   for (int k = 0; k < 3; ++k) {
     out[k] = given[given.size() == 3 ? static_cast<std::size_t>(k) : 0];
-    if (!(out[k] >= kSmallestSpacing) || !std::isfinite(out[k]))
-      throw Error("bad-value",
-                  fmt::format("voxel_size must be finite and at least 1e-9 mm; it is {}", out[k]))
-          .parameter("voxel_size");
+    require_length(out[k], "voxel_size");
   }
   return out;
 }

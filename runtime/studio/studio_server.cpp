@@ -1,12 +1,14 @@
 #include "runtime/studio/studio_server.h"
 
+#include <fmt/format.h>
+
 #include <atomic>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
 #include "graph/number_text.h"
+#include "graph/read_number.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/graph_routes.h"
 #include "runtime/studio/live_graph.h"
@@ -83,14 +85,13 @@ struct StudioServer::Impl {
   }
 
   ValueView view(const httplib::Request& in, const Value& v) {
-    const auto real = [&](const char* name, double otherwise) {
+    const auto real = [&](const char* name, double otherwise, double most) {
       const std::string text = in.get_param_value(name);
-      double out = otherwise;
-      if (text.empty()) return out;
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-      if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(out))
-        throw Error("bad-request", std::string("'") + name + "' is not a number");
-      return out;
+      if (text.empty()) return otherwise;
+      const auto value = read_number(text);
+      if (!value || !(std::abs(*value) <= most))
+        throw Error("bad-request", fmt::format("'{}' is not a number from {} to {}", name, -most, most));
+      return *value;
     };
     const std::string shapes = in.get_param_value("shapes");
     return view_of(v, in.get_param_value("as"),
@@ -98,10 +99,10 @@ struct StudioServer::Impl {
                     .slice = {.grid = in.get_param_value("grid"),
                               .axis = number_in(in, "axis", 2, 0, 2),
                               .index = number_in(in, "section", 0, 0, 1 << 20),
-                              .lo = real("lo", 0),
-                              .hi = real("hi", 1)},
+                              .lo = real("lo", 0, 1e30),
+                              .hi = real("hi", 1, 1e30)},
                     .shapes = shapes.empty() ? Value() : live.value(shapes),
-                    .azimuth = real("azimuth", -41)});
+                    .azimuth = real("azimuth", -41, 360)});
   }
 
   void value(const httplib::Request& in, httplib::Response& out) {

@@ -10,6 +10,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
+#include "runtime/json_summary.h"
 #include "runtime/json_text.h"
 #include "runtime/studio/geometry_views.h"
 #include "runtime/studio/solid_picture.h"
@@ -22,22 +23,6 @@ namespace {
 constexpr std::size_t kShown = 200;          // entries of a list in a summary
 constexpr std::size_t kMostJson = 48 << 20;  // bytes
 const char* const kBytes = "application/octet-stream";
-
-// Cuts long lists. Numbers stay together, so that curves are complete up to a limit.
-void reduce(json& j) {
-  if (j.is_array() && j.size() > kShown) {
-    const bool numbers = j[0].is_number() && j.size() <= 20 * kShown;
-    if (!numbers) {
-      const std::size_t all = j.size();
-      j.erase(j.begin() + kShown, j.end());
-      for (auto& x : j) reduce(x);
-      j = {{"shown", j}, {"of", all}};
-      return;
-    }
-  }
-  if (j.is_structured())
-    for (auto& x : j) reduce(x);
-}
 
 struct Raster {
   int width, height, sections, section, factor;
@@ -176,7 +161,7 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
   if (as == "json") return json_view(value.type().describe(value.data()));
   if (as == "summary") {
     json j = value.type().describe(value.data());
-    reduce(j);
+    shorten_lists(j, kShown);
     return json_view(j);
   }
   if (as == "pixels" && value.is<Image>()) return pixels(value.as<Image>(), section, most);

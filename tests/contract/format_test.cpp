@@ -1,11 +1,16 @@
-// Every C++ source is formatted as ./dev format does it.
+// Rules for every C++ source: ./dev format has formatted it, and it reads numbers in any locale.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
 #include <string>
 
 namespace terrazzo {
 namespace {
+namespace fs = std::filesystem;
 
 TEST(Sources, AreFormatted) {
   if (std::system("clang-format --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "no clang-format";
@@ -14,6 +19,39 @@ TEST(Sources, AreFormatted) {
       "' && find graph runtime nodes tests -name '*.cpp' -print0 -o -name '*.h' -print0 | "
       "xargs -0 clang-format --dry-run -Werror";
   EXPECT_EQ(std::system(command.c_str()), 0) << "run ./dev format";
+}
+
+// Files whose streams carry words, lines or binary data, but no numbers as text.
+const std::set<std::string> kStreams = {
+    "nodes/common/io/color_config.cpp", "nodes/common/io/provenance_text.cpp", "nodes/data/volume.cpp",
+    "nodes/load_volume/vdb.cpp",        "nodes/render_volume/tissue.cpp",      "runtime/base64.cpp",
+    "runtime/studio/past_states.cpp"};
+
+// A program that contains Terrazzo may have set a locale in which 1,5 is a number and 1.5 is not.
+TEST(Sources, ReadNumbersInAnyLocale) {
+  const std::regex forbidden(
+      R"(\b(stod|stof|stold|strtod|strtof|strtold|atof|as_double|as_float|setlocale)\b)"
+      R"(|\.as<(double|float)>|\b(sn?printf|v?s?scanf|fscanf)\(.*%[-+ #0-9.*]*l?[aefgAEFG])");
+  const std::regex streams(R"(\b([io]?stringstream)\b)");
+  int files = 0;
+  for (const char* layer : {"graph", "runtime", "nodes"})
+    for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / layer)) {
+      if (e.path().extension() != ".h" && e.path().extension() != ".cpp") continue;
+      const std::string name = e.path().lexically_relative(TERRAZZO_SOURCE).string();
+      std::ifstream in(e.path());
+      int number = 0;
+      for (std::string line; std::getline(in, line); ++number) {
+        const std::string code = line.substr(0, line.find("//"));
+        EXPECT_FALSE(std::regex_search(code, forbidden))
+            << name << ":" << number + 1 << ": use graph/read_number.h or fmt: " << line;
+        EXPECT_FALSE(std::regex_search(code, streams) && !kStreams.count(name))
+            << name << ":" << number + 1
+            << ": numbers in streams depend on the locale; use graph/read_number.h or "
+            << "fmt, or name the file here if it has no numbers: " << line;
+      }
+      ++files;
+    }
+  EXPECT_GT(files, 500);
 }
 
 }  // namespace

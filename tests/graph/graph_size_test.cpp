@@ -54,6 +54,60 @@ TEST_F(GraphSize, AMillionNodesInSevenFilesAreRefusedWithTheirNumber) {
               "expands to 2111110 nodes, 211111 of them in 'n0'; the limit is 100000");
 }
 
+// Each of the 50,000 would refuse its 100,000 elements, and find them out first.
+TEST_F(GraphSize, RepeatedNodesInRepeatedSubgraphsStopAtTheFirstRefusal) {
+  write("inner.yaml", "nodes:\n  c: {type: Constant, each: {k: 1:100000:1}}\n");
+  write("outer.yaml", "nodes:\n  s: {graph: inner.yaml, each: {k: 1:50000:1}}\n");
+  EXPECT_TRUE(load("outer.yaml").nodes.empty());
+  expect_only("too-large", "inner.yaml", 3, "expands to 199999 nodes, 100000 of them in the 100000 elements");
+  write("outer.yaml", "nodes:\n  s: {graph: inner.yaml, each: {k: 1:50000:1}}\n  other: {type: Nope}\n");
+  load("outer.yaml");
+  EXPECT_EQ(found.size(), 1u) << all();
+}
+
+TEST_F(GraphSize, RepeatedSubgraphsOfSubgraphsAreCounted) {
+  write("c.yaml", "nodes:\n  c: {type: Constant, each: {k: 1:100:1}}\n");
+  write("b.yaml", "nodes:\n  c: {graph: c.yaml, each: {k: 1:100:1}}\n");
+  write("a.yaml", "nodes:\n  b: {graph: b.yaml, each: {k: 1:100:1}}\n");
+  load("a.yaml");
+  ASSERT_EQ(found.size(), 1u) << all();
+  EXPECT_EQ(found[0].code, "too-large");
+  write("a.yaml", "nodes:\n  b: {graph: b.yaml, each: {k: 1:9:1}}\n");
+  EXPECT_EQ(load("a.yaml").nodes.size(), 90000u) << all();
+}
+
+// Without this limit, copies of long lists would fill the memory before the number of nodes does.
+TEST_F(GraphSize, CopiesOfLongListsAreCounted) {
+  std::string list = "[1";
+  for (int i = 2; i <= 1000; ++i) list += ", " + std::to_string(i);
+  list += "]";
+  write("values.yaml",
+        "nodes:\n  c: {type: Constant, each: {k: 1:60000:1}, params: {value: " + list + "}}\n");
+  load("values.yaml");
+  expect_only("too-large", "values.yaml", 3, "MiB of values and wires; the limit is 1024");
+  write("inner.yaml", "nodes:\n  c: {type: Constant, params: {value: " + list + "}}\n");
+  write("outer.yaml", "nodes:\n  s: {graph: inner.yaml, each: {k: 1:50000:1}}\n");
+  load("outer.yaml");
+  expect_only("too-large", "outer.yaml", 3, "MiB of values and wires");
+  // Wires to lists in inputs that a subgraph lacks.
+  write("none.yaml", "nodes:\n  c: {type: Constant}\n");
+  write("lists.yaml",
+        "nodes:\n  c: {type: Constant, each: {k: 1:10000:1}}\n"
+        "  s: {graph: none.yaml, each: {k: 1:1000:1}, inputs: {in: c.out}}\n");
+  load("lists.yaml");
+  EXPECT_NE(all().find("the wires lead to more than 4000000 elements"), std::string::npos) << all();
+}
+
+TEST_F(GraphSize, ManyMistakesAreFoundQuickly) {
+  std::string nodes = "nodes:\n";
+  for (int i = 0; i < 20000; ++i)
+    nodes +=
+        "  n" + std::to_string(i) + ": {type: Clamp, inputs: {in: missing" + std::to_string(i) + ".out}}\n";
+  write("wrong.yaml", nodes);
+  load("wrong.yaml");
+  EXPECT_EQ(found.size(), 20000u);
+}
+
 TEST_F(GraphSize, EmptySubgraphsCountToo) {
   for (int level = 0; level < 30; ++level)
     write(name(level),

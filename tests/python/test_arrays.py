@@ -71,8 +71,15 @@ def test_wrong_images():
     assert code(t.image, np.array([[object()]])) == "wrong-type"
     assert code(t.image, object()) in ("wrong-type", "wrong-shape")
     assert code(t.image, None) in ("wrong-type", "wrong-shape")
-    for size in (0, -1, np.nan, np.inf):
+    for size in (0, -1, np.nan, np.inf, 1e300, 5e-324):
         assert code(t.image, np.zeros((2, 2, 3)), size) == "bad-value"
+
+
+def test_numbers_have_limits():
+    tetrahedron = [[0, 0, 0], [1e300, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
+    assert code(t.mesh, *tetrahedron) == "bad-mesh"
+    assert code(t.sizes, [1, 1e300], [1]) == code(t.sizes, [1, 2], [1e300]) == "bad-value"
+    assert code(t.volume, np.zeros((2, 2, 2)), 1e300) == code(t.volume, np.zeros((2, 2, 2)), 5e-324) == "bad-value"
 
 
 def test_masked_arrays_are_refused():

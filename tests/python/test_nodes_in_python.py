@@ -4,6 +4,7 @@ import functools
 import gc
 import time
 import traceback
+import warnings
 import weakref
 from typing import Annotated, Literal
 
@@ -337,3 +338,23 @@ except KeyboardInterrupt:
     print("stopped")
 ''', timeout=30)
     assert done.stdout == "stopped\n", done.stderr
+
+
+def test_warnings_are_given_once_for_a_result():
+    @t.node(version=1)
+    def fussy(level: int = 1) -> t.Table:
+        t.warn(f"level {level}")
+        return t.table({"level": [level]})
+
+    g = t.Graph(cache=False)
+    table = g.Fussy(name="fussy").table
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(3):
+            table.value()
+            g.run()
+        g["fussy"]["level"] = 2
+        table.value()
+        g["fussy"]["level"] = 1
+        table.value()
+    assert [str(w.message) for w in caught] == ["fussy: level 1", "fussy: level 2"]

@@ -1,5 +1,6 @@
 """Graphs that contain arrays, saved with their arrays beside them."""
 
+import json
 import os
 import subprocess
 
@@ -149,3 +150,85 @@ def test_what_cannot_be_saved(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OSError):
         g.save(tmp_path / "g.yaml", arrays="file")
+
+
+def exported(folder, **arrays):
+    """A picture made from arrays, written to a file."""
+    ids = np.zeros((40, 60), int)
+    ids[5:15, 8:30], ids[20:35, 30:50] = 1, 2
+    image = arrays.get("image", np.where(ids > 0, 0.8, 0.2))
+    g = t.Graph(cache=False)
+    segment = g.Segment(image=t.image(image, 0.5), labels=t.labels(ids, 0.5))
+    g.Export(labels=segment.labels, path="labels.png", name="picture")
+    g.Export(profiles=segment.profiles, path="profiles.csv", name="numbers")
+    return g.run(out=folder)
+
+
+@pytest.mark.parametrize("made", ["labels.png", "profiles.csv", "report.json"])
+def test_files_made_from_small_arrays_are_reproduced(made, tmp_path):
+    first = exported(tmp_path / "out")
+    again = t.reproduce(tmp_path / "out" / made, cache=False)
+    assert sorted(n.type for n in again.nodes if n.type.startswith("Given")) == ["GivenImage", "GivenLabels"]
+    run = again.run(out=tmp_path / "again")
+    keys = {n["name"]: n["key"] for n in first.nodes}
+    assert all(n["key"] == keys[n["name"]] for n in run.nodes)
+    again.save(tmp_path / "graph.yaml", arrays="arrays")
+    assert t.load(tmp_path / "graph.yaml", cache=False)
+    # The program has never seen the arrays.
+    build = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(t.__file__))))
+    done = subprocess.run([os.path.join(build, "terrazzo"), "reproduce", tmp_path / "out" / made, "--yes", "--no-cache", "--out",
+                           tmp_path / "program"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert "different action key" not in done.stdout and "arrays that Python gave" in done.stdout
+    for file in run.files:
+        if file.endswith(".csv"):
+            assert (tmp_path / "program" / file).read_bytes() == (tmp_path / "out" / file).read_bytes()
+
+
+def test_large_arrays_are_named(tmp_path):
+    exported(tmp_path / "out", image=RNG.random((40, 60, 3)))  # small enough
+    assert t.reproduce(tmp_path / "out" / "labels.png", cache=False)
+    g = t.Graph(cache=False)
+    g.Export(image=g.Grain(image=t.image(RNG.random((200, 200, 3)))).image, path="large.png")
+    g.run(out=tmp_path / "large")
+    assert (tmp_path / "large" / "report.json").stat().st_size < 20_000
+    del g
+    with pytest.raises(t.Error) as e:
+        t.reproduce(tmp_path / "large" / "large.png", cache=False)
+    assert e.value.code == "given-array" and "'image' (Image)" in e.value.message and "arrays/image" in e.value.hint
+    build = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(t.__file__))))
+    done = subprocess.run([os.path.join(build, "terrazzo"), "reproduce", tmp_path / "large" / "large.png", "--yes", "--no-cache",
+                           "--out", tmp_path / "program"], capture_output=True, text=True)
+    assert done.returncode == 2 and "too large for its provenance" in done.stderr, done.stderr
+    assert not (tmp_path / "program").exists()
+
+
+def test_damaged_arrays_are_refused(tmp_path):
+    exported(tmp_path / "out")
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    content, value = next(iter(report["values"].items()))
+    wrongs = [{"data": value["data"][:-8]}, {"data": "!"}, {"bytes": value["bytes"] + 1}, {"bytes": 1 << 60}, {"type": "Volume"},
+              {"type": "None"}]
+    for wrong in wrongs:
+        report["values"] = {content: {**value, **wrong}}
+        (tmp_path / "report.json").write_text(json.dumps(report))
+        with pytest.raises(t.Error) as e:
+            t.reproduce(tmp_path / "report.json", cache=False)
+        assert e.value.code == "damaged", wrong
+    report["values"] = {"0" * 32: value}
+    (tmp_path / "report.json").write_text(json.dumps(report))
+    with pytest.raises(t.Error, match="damaged array"):
+        t.reproduce(tmp_path / "report.json", cache=False)
+
+
+def test_reports_of_newer_versions_are_refused(tmp_path):
+    exported(tmp_path / "out")
+    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    assert report["format"] == 1
+    report["format"] = 2
+    (tmp_path / "report.json").write_text(json.dumps(report))
+    with pytest.raises(t.Error, match="has the format 2, and this program reads up to 1"):
+        t.reproduce(tmp_path / "report.json", cache=False)
+    del report["format"]  # of version 0.2
+    (tmp_path / "report.json").write_text(json.dumps(report))
+    assert t.reproduce(tmp_path / "report.json", cache=False)

@@ -1,6 +1,7 @@
 """Values as numpy arrays."""
 
 import gc
+import json
 import pickle
 
 import numpy as np
@@ -85,7 +86,7 @@ def test_views_keep_the_value_alive(output):
 
 def test_fields_agree_with_the_json_of_the_value(graph):
     p = graph["section"].profiles.value()
-    listed = p.describe()["profiles"]
+    listed = p.describe(full=True)["profiles"]
     assert len(p) == len(listed) > 3
     for field, key in (("area", "area"), ("weight", "weight"), ("centroid", "centroid"), ("color", "color"),
                        ("cls", "class"), ("section", "section"), ("touches_border", "touches_border")):
@@ -95,7 +96,7 @@ def test_fields_agree_with_the_json_of_the_value(graph):
     with pytest.raises(IndexError):
         p.contour(len(p))
     d = graph["unfold"].distribution.value()
-    assert np.allclose(d.entries[0].N_V, d.describe()["shapes"][0]["N_V"])
+    assert np.allclose(d.entries[0].N_V, d.describe(full=True)["shapes"][0]["N_V"])
     assert np.allclose(d.N_V, sum(e.N_V for e in d.entries))
     assert len(d.class_edges) == len(d.N_V) + 1
 
@@ -127,7 +128,7 @@ def test_kmatrix_is_by_row(graph):
     k = graph["kmatrix"].kmatrix.value().entries[0]
     assert k.K.shape == (len(k.K), len(k.K))
     assert np.allclose(np.tril(k.K, -1), 0)  # no profile is larger than its particle
-    assert np.allclose(k.K, graph["kmatrix"].kmatrix.value().describe()["shapes"][0]["K"])
+    assert np.allclose(k.K, graph["kmatrix"].kmatrix.value().describe(full=True)["shapes"][0]["K"])
 
 
 def test_table(graph):
@@ -191,3 +192,16 @@ def test_every_documented_unit(graph):
                        t.SizeDistribution: ["class_edges", "N_V"], t.Particles: ["position", "size"]}.items():
         for name in names:
             assert "mm" in getattr(cls, name).__doc__ or "linear" in getattr(cls, name).__doc__
+
+
+def test_descriptions_are_short(graph):
+    mesh = graph["ball"].shapes.value()
+    ids = np.arange(40_000).reshape(200, 200) + 1
+    labels = t.labels(ids, 0.5)
+    text = t.table({"name": ["x" * 5000] * 3000, "value": range(3000)})
+    for value in (mesh, labels, text, graph["section"].profiles.value(), graph["pack"].particles.value()):
+        assert len(json.dumps(value.describe())) < 25_000, value
+    short = text.describe()["rows"]
+    assert short["of"] == 3000 and len(short["shown"]) < 100
+    assert len(text.describe(full=True)["rows"]) == 3000
+

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <locale>
 
 #include "graph/diagnostic.h"
 
@@ -21,6 +22,7 @@ Error failure(const char* doing, int reason) {
 
 CheckedFile::CheckedFile(const std::filesystem::path& path) {
   errno = 0;
+  stream_.imbue(std::locale::classic());  // whatever the host program has set
   stream_.open(path, std::ios::binary | std::ios::trunc);
   if (!stream_) throw failure("", errno);
   stream_.exceptions(std::ios::badbit | std::ios::failbit);

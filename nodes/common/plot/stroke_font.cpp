@@ -1,8 +1,9 @@
 #include "nodes/common/plot/stroke_font.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <map>
+
+#include "graph/read_number.h"
 
 namespace terrazzo {
 
@@ -138,27 +139,22 @@ constexpr Drawing drawings[] = {
     {U'\uFFFD', 5, "0,0 0,10 5,10 5,0 0,0"},
 };
 
-std::vector<std::vector<Vec2>> read_strokes(const char* at) {
+std::vector<std::vector<Vec2>> read_strokes(std::string_view text) {
   std::vector<std::vector<Vec2>> strokes;
   std::vector<Vec2> stroke;
-  auto number = [&] {
-    char* end = nullptr;
-    const double v = std::strtod(at, &end);
-    at = end;
-    return v;
-  };
-  while (*at) {
-    if (*at == ' ') {
-      ++at;
-    } else if (*at == ';') {
+  const auto number = [&] { return take_number(text).value(); };
+  while (!text.empty()) {
+    if (text[0] == ' ') {
+      text.remove_prefix(1);
+    } else if (text[0] == ';') {
       strokes.push_back(std::move(stroke));
       stroke.clear();
-      ++at;
-    } else if (*at == '(') {
-      ++at;
+      text.remove_prefix(1);
+    } else if (text[0] == '(') {
+      text.remove_prefix(1);
       double a[6];
       for (double& v : a) v = number();
-      ++at;
+      text.remove_prefix(1);
       const int steps = std::max(4, static_cast<int>(std::abs(a[5] - a[4]) / 12));
       for (int i = 0; i <= steps; ++i) {
         const double angle = (a[4] + (a[5] - a[4]) * i / steps) * M_PI / 180;
@@ -166,7 +162,7 @@ std::vector<std::vector<Vec2>> read_strokes(const char* at) {
       }
     } else {
       const double x = number();
-      ++at;
+      text.remove_prefix(1);
       stroke.emplace_back(x, number());
     }
   }

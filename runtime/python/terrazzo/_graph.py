@@ -73,6 +73,7 @@ class Graph(_core.Graph):
                 raise ValueError(f"{what} must be from 0 to {most}, not {n}")
         self._cache = _cache_folder(cache)
         self._threads = threads
+        self._warned = set()  # warnings that were given: keys of results, and texts
         super().__init__(self._cache, memory, file_memory, threads)
         if name or doc:
             self._set_name(name, doc)

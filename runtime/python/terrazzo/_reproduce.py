@@ -13,11 +13,10 @@ def reproduce(file, *, allow_read=(), cache=True):
     Look at it, then graph.run(out="reproduced"). The file may come from a stranger: the graph may use built-in
     nodes only, and read only files whose content the provenance names, and those in the folders `allow_read`.
     graph.made_keys has the action keys of the nodes in the run that made the file; equal keys in run.nodes mean
-    an equal computation.
+    an equal computation. Arrays that the script gave are in the provenance if they are small.
     """
-    text, keys, reads = _core.made(path_text(file), [path_text(f) for f in allow_read])
     graph = Graph(cache=cache)
-    graph._open_text(text, "")
+    keys, reads = _core.open_made(graph, path_text(file), [path_text(f) for f in allow_read])
     graph.check()
     graph.made_keys, graph.made_from = keys, reads
     return graph

@@ -104,6 +104,9 @@ class Run:
             frame, level = frame.f_back, level + 1
         for node in self._core.nodes():
             for text in node["warnings"]:
+                if (node["key"], text) in self._graph._warned:  # of a result that was cached
+                    continue
+                self._graph._warned.add((node["key"], text))
                 warnings.warn(f"{node['name']}: {text}", NodeWarning, stacklevel=level)
             if node["saved"] is not None:
                 warnings.warn(str(node["saved"]), NodeWarning, stacklevel=level)

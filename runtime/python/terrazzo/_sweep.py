@@ -5,6 +5,7 @@ from __future__ import annotations
 import collections.abc
 import csv
 import io
+import itertools
 import os
 
 from . import _core
@@ -113,11 +114,14 @@ def _get(graph, target):
 
 
 def _points(vary):
+    most = 100_000
     points = [()]
     for target, values in vary.items():
-        values = list(values)
+        values = list(itertools.islice(values, most + 1))
         if not values:
             raise ValueError(f"there are no values for '{target}'")
+        if len(points) * len(values) > most:
+            raise ValueError(f"the sweep has more than {most:,} points")
         points = [point + ((target, value),) for point in points for value in values]
     return points
 

@@ -140,7 +140,7 @@ TEST(ExportNpy, ReadsBackAsTheSameGrid) {
                                      test::formula_density);
   EXPECT_EQ(code_of([&] { loaded(density, {{"spacing", "0.25"}, {"grid", "id"}}); }), "bad-labels");
   EXPECT_EQ(code_of([&] { loaded(density); }), "no-spacing");
-  EXPECT_EQ(code_of([&] { loaded(density, {{"spacing", "1e-12"}}); }), "bad-spacing");
+  EXPECT_EQ(code_of([&] { loaded(density, {{"spacing", "1e-12"}}); }), "bad-value");
   const fs::path color = exported("a.npy", {{"volume", v}}, {{"grids", "Cd"}});
   EXPECT_EQ(fs::file_size(color) - fs::file_size(density), 2u * 4 * 120);
   EXPECT_EQ(code_of([&] { loaded(color, {{"spacing", "0.25"}}); }), "not-a-volume");

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "nodes/carving/color_field.h"
 #include "nodes/carving/forms.h"
@@ -13,6 +14,7 @@
 #include "nodes/render_solid/render.h"
 #include "nodes/render_solid/tone.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -43,6 +45,17 @@ Particles scattered(std::uint64_t seed, int n) {
   }
   p.binder_color = Vec3f(0.9f, 0.9f, 0.9f);
   return p;
+}
+
+// Embree would end the process.
+TEST(Carving, CoordinatesThatCannotBeSquaredAreRefused) {
+  for (const double far : {1e16, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
+    Shapes shapes;
+    shapes.shapes = {cube(1)};
+    Particles p = scattered(1, 3);
+    shapes.shapes[0].mesh.vertices[2].y() = far;
+    EXPECT_EQ(test::code_of([&] { ParticleIndex(p, shapes); }), "bad-number") << far;
+  }
 }
 
 TEST(Carving, TheIndexFindsTheParticleThatHoldsAPoint) {

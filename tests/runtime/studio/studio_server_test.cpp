@@ -122,6 +122,9 @@ TEST_F(Studio, ValuesHaveAnETag) {
   const auto wrong = client().Get((path.substr(0, path.find('?')) + "?as=pixels").c_str());
   EXPECT_EQ(wrong->status, 400);
   EXPECT_EQ(wrong->get_header_value("Cache-Control"), "no-store");
+  for (const char* number : {"azimuth=1e308", "azimuth=-361", "azimuth=5e-324x", "lo=1e300", "hi=-1e300",
+                             "hi=nan", "most=99999999999", "axis=-1", "section=1e5"})
+    EXPECT_EQ(client().Get((path + "&" + number).c_str())->status, 400) << number;
   EXPECT_EQ(client().Get("/api/value/0123456789abcdef?as=json")->status, 400);
 }
 
