@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
-#include "runtime/files.h"
 
 namespace terrazzo {
 using nlohmann::json;
@@ -16,14 +15,6 @@ void check_report_format(const json& report, const std::filesystem::path& file) 
               fmt::format("the report '{}' has the format {}, and this program reads up to {}", file.string(),
                           format->dump().substr(0, 40), report_format),
               "use the version of Terrazzo that wrote it, or run again in another folder");
-}
-
-json read_report(const std::filesystem::path& file) {
-  const auto text = read_file(file);
-  json report = text ? json::parse(*text, nullptr, false) : json();
-  if (report.is_discarded()) return nullptr;
-  if (report.is_object()) check_report_format(report, file);
-  return report;
 }
 
 }  // namespace terrazzo

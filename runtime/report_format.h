@@ -14,8 +14,4 @@ inline constexpr int report_format = 1;
 // Throws Error "report-format" if a newer version of the program wrote the report.
 void check_report_format(const nlohmann::json& report, const std::filesystem::path& file);
 
-// The report in a file. Null if there is no such file, or if it contains no JSON. Throws Error
-// "report-format".
-nlohmann::json read_report(const std::filesystem::path&);
-
 }  // namespace terrazzo

@@ -10,6 +10,7 @@
 #include "graph/utf8.h"
 #include "graph/value_range.h"
 #include "runtime/json_input.h"
+#include "runtime/report_format.h"
 
 namespace terrazzo {
 namespace {
@@ -184,6 +185,7 @@ bool is_node_report(const nlohmann::json& node) {
 
 nlohmann::json read_report(const std::filesystem::path& path) {
   nlohmann::json report = read_json_file(path);
+  if (report.is_object()) check_report_format(report, path);
   if (!report.is_object() || (report.contains("sweep") && !has_text(report, "sweep"))) return nullptr;
   const auto nodes = report.find("nodes"), seconds = report.find("seconds");
   if (nodes == report.end() || !nodes->is_array() || seconds == report.end() || !seconds->is_number())

@@ -87,7 +87,8 @@ PointSummary summary_of(const nlohmann::json& report);
 
 // The report in a file. Null if the file cannot be read or is no report of a run: others may have damaged it,
 // and it may be of an earlier version. What this returns has every entry that summary_of(), SweepTable and
-// the functions of runtime/sweep_file.h read.
+// the functions of runtime/sweep_file.h read. Throws Error
+// "report-format" if a newer version of the program wrote it.
 nlohmann::json read_report(const std::filesystem::path&);
 
 // Collects a CSV table with one row per point: the varied values, the status, the time in seconds, and every

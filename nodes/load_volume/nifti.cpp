@@ -180,7 +180,9 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
   if (s.size.cast<double>().prod() <= 2147483648.0)
     check_plausible(s.size.cast<double>().prod() * n.nbyper, n.iname ? n.iname : path.c_str());
   require_voxels(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
-  type->big_endian = n.byteorder == MSB_FIRST;
+  constexpr int most_significant_first =
+      2;  // MSB_FIRST, which the header defines only for the library itself
+  type->big_endian = n.byteorder == most_significant_first;
 
   // Not nifti_image_load, which silently replaces NaN by 0.
   const auto close = [](znzptr* f) {

@@ -27,9 +27,9 @@ constexpr double kEdges = 0.15;       // longest edge of a rounded mesh, in grai
 constexpr double kRoughEdges = 0.13;  // the same of a rough one, in mean grain diameters
 
 constexpr int kDoublings = 8;
-constexpr double kWidest = 0.4;  // of automatic gaps, in the smaller radius
+constexpr double kWidestJoint = 0.4;  // of automatic gaps, in the smaller radius
 // Effort of a plane's share in a norm, and of moving a face inward.
-constexpr double kPowers = 8, kShrink = 500;
+constexpr double kNormTests = 8, kShrinkTests = 500;
 
 double diameter_of(double volume) { return std::cbrt(6 / std::numbers::pi * volume); }
 
@@ -90,7 +90,7 @@ double Laguerre::gap_of(std::size_t i, const Plane& plane, double gap) const {
   const auto j = static_cast<std::size_t>(plane.neighbor);
   // A gap that is chosen leaves small grains most of their size.
   if (!options_.gap)
-    gap = std::min(gap, kWidest * std::cbrt(0.75 / std::numbers::pi * std::min(wanted_[i], wanted_[j])));
+    gap = std::min(gap, kWidestJoint * std::cbrt(0.75 / std::numbers::pi * std::min(wanted_[i], wanted_[j])));
   if (options_.gap_variation == 0) return gap;
   const std::uint64_t low = std::min(i, j), high = std::max(i, j);
   return gap * (1 + options_.gap_variation * Random(mix64(options_.seed) ^ low, kGaps, high).uniform(-1, 1));
@@ -121,7 +121,7 @@ void Laguerre::measure_rounding(double gap, const Work& work) {
       if (const ConvexCell c = shrunk(i, gap); c.volume > 0) {
         const Mesh mesh = solid(c, kEdges * diameter_of(c.volume));
         rounding_[i] = mesh_volume(mesh) / c.volume;
-        tests[i] = kPowers * static_cast<double>(mesh.vertices.size() * c.faces.size());
+        tests[i] = kNormTests * static_cast<double>(mesh.vertices.size() * c.faces.size());
       }
   });
   effort_.used += std::accumulate(tests.begin(), tests.end(), 0.0);
@@ -132,7 +132,7 @@ std::vector<double> Laguerre::volumes(double gap, const Work& work) const {
   work.parallel(v.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) v[i] = rounding_[i] * shrunk(i, gap).volume;
   });
-  for (const ConvexCell& c : cells_) effort_.used += kShrink * static_cast<double>(c.faces.size());
+  for (const ConvexCell& c : cells_) effort_.used += kShrinkTests * static_cast<double>(c.faces.size());
   return v;
 }
 
