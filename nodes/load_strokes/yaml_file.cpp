@@ -70,7 +70,10 @@ Stroke stroke_of(const YAML::Node& n, std::size_t& left) {
 
 Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   // A node of the document has at least two characters and uses about 300 bytes.
-  const std::string text = read_text(file, reading);
+  std::string text = read_text(file, reading);
+  // yaml-cpp does not know lines that end with CR alone.
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n')) text[i] = '\n';
   require_memory(200.0 * static_cast<double>(text.size()), reading.memory,
                  "the strokes in '" + file.string() + "'");
   std::size_t left = reading.memory / (4 * sizeof(Vec2));
