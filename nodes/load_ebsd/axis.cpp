@@ -33,7 +33,7 @@ double rounding_of(const HeaderNumber& step) {
     first = i;
     break;
   }
-  lines.malformed_at(
+  lines.contradiction(
       c.line[first],
       fmt::format("{} goes from {:.7g} to {:.7g} µm, and advances by {:.4g} µm in the map, but {} is "
                   "{} µm",
@@ -47,9 +47,9 @@ void check_direction(const AxisCoordinates& c, const Lines& lines) {
   for (std::size_t i = 1; i < c.values.size(); ++i)
     if (const double change = c.values[i] - c.values[i - 1]; change != 0) {
       if (change > 0)
-        lines.malformed_at(c.line[i],
-                           fmt::format("{} rises from {:.7g} to {:.7g} µm, but {} is {} µm", c.name,
-                                       c.values[i - 1], c.values[i], c.header_name, c.header_step->value));
+        lines.contradiction(c.line[i],
+                            fmt::format("{} rises from {:.7g} to {:.7g} µm, but {} is {} µm", c.name,
+                                        c.values[i - 1], c.values[i], c.header_name, c.header_step->value));
       return;
     }
 }
@@ -64,6 +64,12 @@ std::vector<double> distinct(std::vector<double> values, double same) {
     from = i;
   }
   return out;
+}
+
+double smallest_gap(const std::vector<double>& places) {
+  double gap = places[1] - places[0];
+  for (std::size_t i = 2; i < places.size(); ++i) gap = std::min(gap, places[i] - places[i - 1]);
+  return gap;
 }
 
 // The step that explains all gaps as multiples of about `base`: the gaps of one step tell it well enough to
@@ -106,9 +112,14 @@ Axis find_axis(const AxisCoordinates& c, const Lines& lines) {
   out.origin = places.front();
   out.step = step;
   out.at.assign(c.values.size(), 0);
-  if (places.size() == 1) return out;
-  double gap = places[1] - places[0];
-  for (std::size_t i = 2; i < places.size(); ++i) gap = std::min(gap, places[i] - places[i - 1]);
+  if (places.size() == 1) {
+    // Coordinates that differ by much less than the header's step are in another unit.
+    const auto [least, most] = std::minmax_element(c.values.begin(), c.values.end());
+    if (c.header_step && *most - *least > 2 * c.digit)
+      contradict(c, smallest_gap(distinct(c.values, 1e-9 * largest)), lines);
+    return out;
+  }
+  const double gap = smallest_gap(places);
   const double base = base_step(c, gap, out.half, lines);
   out.step = refined_step(places, base);
   if (out.step == 0) contradict(c, gap, lines);
@@ -127,7 +138,7 @@ Axis find_axis(const AxisCoordinates& c, const Lines& lines) {
   for (std::size_t i = 0; i < c.values.size(); ++i) {
     const double at = (c.values[i] - out.origin) / out.step, place = std::round(at);
     if (std::abs(at - place) * out.step > tolerance)
-      lines.malformed_at(
+      lines.contradiction(
           c.line[i],
           fmt::format("{} is {:.7g} µm, which is not on a grid from {:.7g} µm in steps of {:.5g} µm", c.name,
                       c.values[i], out.origin, out.step));

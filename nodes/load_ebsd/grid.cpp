@@ -46,20 +46,20 @@ bool is_staggered(const Axis& x, const Axis& y) {
 [[noreturn]] void not_at_half_steps(const Axis& axis, const AxisCoordinates& c, const Lines& lines) {
   std::size_t i = 0;
   while (i + 1 < axis.at.size() && (axis.at[i] - axis.at[0]) % 2 == 0) ++i;
-  lines.malformed_at(c.line[i], fmt::format("{} is {:.7g} µm, half a step of {} µm ({}) from the others",
-                                            c.name, c.values[i], c.header_step->value, c.header_name));
+  lines.contradiction(c.line[i], fmt::format("{} is {:.7g} µm, half a step of {} µm ({}) from the others",
+                                             c.name, c.values[i], c.header_step->value, c.header_name));
 }
 
 void check_kind(const GridHeader& h, const Axis& x, const Axis& y, bool staggered, const PointList& p,
                 const Lines& lines) {
   if (!h.hexagonal || x.count < 2 || y.count < 2) return;
   if (*h.hexagonal && staggered && h.x_step && !x.half && !y.half)
-    lines.malformed_at(p.line[0],
-                       fmt::format("the points of a row are {:.5g} µm apart in the map, but {} is {} µm",
-                                   2 * x.step, h.x_step_name, h.x_step->value));
+    lines.contradiction(p.line[0],
+                        fmt::format("the points of a row are {:.5g} µm apart in the map, but {} is {} µm",
+                                    2 * x.step, h.x_step_name, h.x_step->value));
   if (*h.hexagonal == staggered) return;
   const std::size_t i = first_of_other_rows(y);
-  lines.malformed_at(
+  lines.contradiction(
       p.line[i],
       staggered
           ? fmt::format("x is {:.7g} µm, half a step from the points of the rows beside it, but GRID is "
@@ -89,11 +89,11 @@ void check_counts(const GridHeader& h, const Grid& g, const Axis& x, const Axis&
   const std::int64_t most = h.odd && !g.staggered ? *h.odd : x.count;
   for (std::size_t i = 0; i < p.line.size(); ++i) {
     if (x.at[i] >= most)
-      lines.malformed_at(p.line[i], fmt::format("x is {:.7g} µm: column {} of {} ({})", p.x[i], x.at[i] + 1,
-                                                most, h.columns_name));
+      lines.contradiction(p.line[i], fmt::format("x is {:.7g} µm: column {} of {} ({})", p.x[i], x.at[i] + 1,
+                                                 most, h.columns_name));
     if (h.rows && y.at[i] >= *h.rows)
-      lines.malformed_at(p.line[i], fmt::format("y is {:.7g} µm: row {} of {} ({})", p.y[i], y.at[i] + 1,
-                                                *h.rows, h.rows_name));
+      lines.contradiction(p.line[i], fmt::format("y is {:.7g} µm: row {} of {} ({})", p.y[i], y.at[i] + 1,
+                                                 *h.rows, h.rows_name));
   }
   const std::string columns =
       g.staggered ? fmt::format("{} and {}", g.columns[0], g.columns[1]) : fmt::format("{}", g.columns[0]);
@@ -120,9 +120,9 @@ void place_points(Grid& g, const Axis& x, const Axis& y, const PointList& p, std
     const std::int64_t row = y.at[i], column = g.staggered ? x.at[i] / 2 : x.at[i];
     auto& place = g.points[static_cast<std::size_t>(row * g.width + column)];
     if (place >= 0)
-      lines.malformed_at(p.line[i],
-                         fmt::format("a second point at x {:.7g} and y {:.7g} µm; the first is in line {}",
-                                     p.x[i], p.y[i], p.line[static_cast<std::size_t>(place)]));
+      lines.contradiction(p.line[i],
+                          fmt::format("a second point at x {:.7g} and y {:.7g} µm; the first is in line {}",
+                                      p.x[i], p.y[i], p.line[static_cast<std::size_t>(place)]));
     place = static_cast<std::int32_t>(i);
   }
   std::int64_t all = 0;

@@ -20,7 +20,13 @@ bool Lines::next(std::string_view& line) {
   return true;
 }
 
-void Lines::malformed_at(int line, const std::string& what) const { malformed_row(file_, line, what); }
+void Lines::malformed(const std::string& what) const { malformed_row(file_, number_, what); }
+
+void Lines::contradiction(int line, const std::string& what) const {
+  throw Error("malformed-row", fmt::format("{}:{}: {}", file_, line, what),
+              "export the map again, or correct its header")
+      .parameter("path");
+}
 
 void Lines::unreadable(const std::string& what, const std::string& hint) const {
   throw Error("unreadable-file", fmt::format("cannot read the EBSD map '{}': {}", file_, what), hint)

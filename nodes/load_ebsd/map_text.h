@@ -17,9 +17,10 @@ class Lines {
   bool next(std::string_view& line);
   void back() { at_ = before_, --number_; }  // to read the last line again
   int number() const { return number_; }     // of the line that was read last
-  // Throws Error "malformed-row" with file and line, or "unreadable-file".
-  [[noreturn]] void malformed(const std::string& what) const { malformed_at(number_, what); }
-  [[noreturn]] void malformed_at(int line, const std::string& what) const;
+  // Throws Error "malformed-row" with the file and the line that was read last, or with one that contradicts
+  // the header or others, or "unreadable-file".
+  [[noreturn]] void malformed(const std::string& what) const;
+  [[noreturn]] void contradiction(int line, const std::string& what) const;
   [[noreturn]] void unreadable(const std::string& what, const std::string& hint = {}) const;
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <set>
 
@@ -31,8 +32,8 @@ class Units {
     } else if (given_) {
       if (common_ && *common_ != given_->length)
         throw Error("contradicting-unit",
-                    fmt::format("the columns of '{}' are in '{}', but unit is {}", file_,
-                                printable(common_text_), given_->name),
+                    fmt::format("the columns of '{}' name another unit than the parameter unit, which is {}",
+                                file_, given_->name),
                     fmt::format("leave out unit, or name the unit of the column '{}' in its header",
                                 table_.name(column)))
             .parameter("unit");
@@ -52,22 +53,24 @@ class Units {
   // The unit in the header of a column, which must not contradict the parameter.
   double checked(std::size_t column, int power) const {
     const ColumnHeader& header = table_.header(column);
-    const std::string said = fmt::format("the column '{}' of '{}' is in '{}'", table_.name(column), file_,
-                                         printable(header.unit_text));
+    const std::string place = fmt::format("the column '{}' of '{}'", table_.name(column), file_);
     if (!header.unit || header.unit->mm == 0)
       throw Error("unknown-unit",
-                  said + (header.unit ? ", which has no length" : ", which is not a known unit"),
+                  fmt::format("{} {}", place,
+                              header.unit ? "is in pixels, whose size is unknown" : "has an unknown unit"),
                   "convert the column to a unit such as µm or mm, and name it in the header")
           .parameter("path");
     // "Area (µm)" can only mean µm².
     if (header.unit->power > 0 && header.unit->power != power)
       throw Error("contradicting-unit",
-                  fmt::format("{}, which is not a unit of {}", said, power == 2 ? "area" : "length"),
+                  fmt::format("{} has a unit that is not one of {}", place, power == 2 ? "area" : "length"),
                   "correct the header")
           .parameter("path");
     if (given_ && given_->length != header.unit->mm)
-      throw Error("contradicting-unit", fmt::format("{}, but unit is {}", said, given_->name),
-                  "leave out unit if the header is right, or else correct the header")
+      throw Error(
+          "contradicting-unit",
+          fmt::format("{} has another unit than the parameter unit, which is {}", place, given_->name),
+          "leave out unit if the header is right, or else correct the header")
           .parameter("unit");
     return header.unit->mm;
   }
@@ -86,7 +89,6 @@ class Units {
         return;
       }
       common_ = h.unit->mm;
-      common_text_ = h.unit_text;
     }
   }
 
@@ -94,7 +96,6 @@ class Units {
   const std::string& file_;
   const std::optional<ProfileUnit>& given_;
   std::optional<double> common_;  // mm
-  std::string common_text_;
   std::string assumed_;
 };
 
@@ -131,12 +132,13 @@ Profiles read_profiles(const std::string& text, const std::string& file,
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
   Units units(table, file, unit);
+  const std::string short_name = printable(std::filesystem::path(file).filename().string());
   const std::size_t measured = area ? *area : *diameter;
   const double to_mm = units.factor(measured, area ? 2 : 1);
   const Vec2 position = x && y ? Vec2(units.factor(*x, 1), units.factor(*y, 1)) : Vec2(1, 1);
   // Export writes these columns, and mm.
   if (!units.assumed().empty() && !(border && confidence))
-    warn(fmt::format("'{}' names no unit: it is read as {}; set unit", printable(file), units.assumed()));
+    warn(fmt::format("'{}' names no unit: it is read as {}; set unit", short_name, units.assumed()));
 
   Profiles out;
   while (table.next(measured)) {
@@ -164,7 +166,7 @@ Profiles read_profiles(const std::string& text, const std::string& file,
     std::string list;
     for (std::size_t i = 0; i < std::min(left_out.size(), most); ++i)
       list += (i > 0 ? ", " : "") + left_out[i];
-    warn(fmt::format("'{}': {} rows are statistics, not profiles, and are left out: {}{}", printable(file),
+    warn(fmt::format("'{}': {} rows are statistics, not profiles, and are left out: {}{}", short_name,
                      left_out.size(), list, left_out.size() > most ? ", …" : ""));
   }
   if (out.profiles.empty())

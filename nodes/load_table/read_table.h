@@ -8,10 +8,10 @@
 
 namespace terrazzo::load_table {
 
-// Reads a header and rows, separated by tabs, semicolons or commas (CellReader). Cells in double quotes are text and may contain separators and ends of lines; other cells are
-// trimmed, and are numbers if all of their text is one (nan and inf too; with a decimal comma unless commas
-// separate). Empty lines are skipped. `file` is used in messages only. Throws Error "no-column" without a
-// header, "malformed-row" with file:line.
+// Reads a header and rows, separated by tabs, semicolons or commas (CellReader). Cells in double quotes are
+// text and may contain separators and ends of lines; other cells are trimmed, and are numbers if all of their
+// text is one (nan and inf too; with a decimal comma unless commas separate). Empty lines are skipped. `file`
+// is used in messages only. Throws Error "no-column" without a header, "malformed-row" with file:line.
 Table read_csv(const std::string& text, const std::string& file, const Work& = {});
 
 // Reads `columns`, a list of names, and `rows`, lists of numbers, text and null for NaN, as Export and

@@ -1,4 +1,5 @@
-// Bytes that are not UTF-8: an error with a position in graphs, Windows-1252 or replaced in data. They never end a run.
+// Bytes that are not UTF-8: an error with a position in graphs, Windows-1252 or replaced in data. They never
+// end a run.
 #include <gtest/gtest.h>
 
 #include <fstream>

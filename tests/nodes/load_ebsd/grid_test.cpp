@@ -169,6 +169,11 @@ TEST(EbsdGrid, StepsThatContradictAreRefusedWithTheirLine) {
   EXPECT_EQ(refusal(ctf(square(), "XCells\t12\nYCells\t8\n", "XStep\t0.5\nYStep\t2\n")),
             "a.ctf:23: y goes from 0 to 0.5 µm, and advances by 0.5 µm in the map, but YStep is 2 µm");
   auto points = square();
+  for (Point& p : points) p.x /= 1000, p.y /= 1000;  // in mm
+  EXPECT_EQ(
+      refusal(ang(points)),
+      "a.ang:11: x goes from 0 to 0.0005 µm, and advances by 0.0005 µm in the map, but XSTEP is 0.5 µm");
+  points = square();
   points[40].x += 0.2;  // in line 50
   EXPECT_EQ(refusal(ang(points)).substr(0, 9), "a.ang:50:") << refusal(ang(points));
 }

@@ -141,7 +141,7 @@ TEST(LoadProfiles, ContradictionsAsk) {
   EXPECT_EQ(d.code, "contradicting-unit");
   EXPECT_EQ(d.parameter, "unit");
   EXPECT_NE(d.message.find("'Area (µm²)'"), std::string::npos) << d.message;
-  EXPECT_NE(d.message.find("unit is mm"), std::string::npos) << d.message;
+  EXPECT_NE(d.message.find("unit, which is mm"), std::string::npos) << d.message;
   EXPECT_EQ(error_of("Diameter (µm²)\n2\n").code, "contradicting-unit");
   EXPECT_EQ(error_of("Area (mm³)\n2\n").code, "contradicting-unit");
   for (const char* header : {"Area (px)", "Area (pixels²)", "Area (10³ µm²)", "Area (%)", "Area (?m²)"})
