@@ -49,6 +49,7 @@ CellPlace cell_place(const Vec3i& size, const Vec3& spacing, const Vec3& first, 
   if (!place.spacing.allFinite() || place.spacing.minCoeff() < kSmallestSpacing)
     throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
+  require_representable(place.spacing);
   if (first.allFinite() && first.cwiseAbs().maxCoeff() < (1 << 20))
     place.first = first.array().round().cast<int>();
   if (!first.allFinite() || (first - place.first.cast<double>()).cwiseAbs().maxCoeff() > 1e-3)

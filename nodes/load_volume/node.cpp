@@ -73,7 +73,9 @@ std::optional<Vec3> given_spacing(const Context& c) {
   if (s.size() == 2)
     throw Error("bad-spacing", "spacing has two numbers", "write one number, or three for x, y and z")
         .parameter("spacing");
-  return s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
+  const Vec3 spacing = s.size() == 3 ? Vec3(s[0], s[1], s[2]) : Vec3::Constant(s[0]);
+  require_representable(spacing);
+  return spacing;
 }
 
 Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
@@ -81,6 +83,7 @@ Vec3 spacing_of(const Context& c, const LoadedScan& scan) {
   if (!scan.spacing.allFinite() || scan.spacing.minCoeff() < kSmallestSpacing)
     throw Error("no-spacing", "the file does not contain the size of its voxels", "set spacing, in mm")
         .parameter("spacing");
+  require_representable(scan.spacing);
   return scan.spacing;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/smallest_voxel.h"
 
 namespace terrazzo::load_volume {
 
@@ -25,6 +26,18 @@ void require_voxels(const LoadedScan& s, const std::string& file, const Reading&
 void allocate(LoadedScan& s, const std::string& file, const Reading& reading, double more) {
   require_voxels(s, file, reading, more);
   s.values.resize(static_cast<std::size_t>(s.size.cast<double>().prod()));
+}
+
+void require_representable(const Vec3& s) {
+  if (s.prod() >= kSmallestVoxel) return;
+  throw Error(
+      "bad-spacing",
+      fmt::format("the voxels are {:.6g} × {:.6g} × {:.6g} mm; grids hold voxels from about 15 nm on", s.x(),
+                  s.y(), s.z()),
+      fmt::format("set spacing in another unit, such as [{:.6g}, {:.6g}, {:.6g}] for nm, and read all "
+                  "lengths of the result in that unit",
+                  1e6 * s.x(), 1e6 * s.y(), 1e6 * s.z()))
+      .parameter("spacing");
 }
 
 void check_plausible(double bytes, const std::filesystem::path& path) {

@@ -29,6 +29,8 @@ struct LoadedScan {
 
 // A shorter edge of a voxel, in mm, is no size: OpenVDB takes it for zero.
 constexpr double kSmallestSpacing = 1e-9;
+// Throws Error "bad-spacing" if the voxels are too small for a grid in mm, with what to set instead.
+void require_representable(const Vec3& spacing);
 
 // Checks that the scan's size is possible: throws Error "too-large" above 2^31 voxels or if the voxels, their
 // reoriented copy and `more` bytes exceed the memory budget, and "empty-volume" if an edge is below 1 voxel.

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "graph/diagnostic.h"
+#include "graph/number_text.h"
 
 namespace terrazzo::load_volume {
 namespace {
@@ -18,8 +19,11 @@ constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 std::uint64_t bits_at(std::string_view bytes, std::size_t at, const NumberType& type) {
   std::uint64_t v = 0;
-  for (std::size_t k = 0; k < type.bytes; ++k)
-    v = v << 8 | static_cast<unsigned char>(bytes[at + (type.big_endian ? k : type.bytes - 1 - k)]);
+  if (!type.big_endian) {
+    std::memcpy(&v, bytes.data() + at, type.bytes);  // this program runs on little-endian machines
+    return v;
+  }
+  for (std::size_t k = 0; k < type.bytes; ++k) v = v << 8 | static_cast<unsigned char>(bytes[at + k]);
   return v;
 }
 
@@ -80,10 +84,7 @@ std::optional<T> parsed(std::string_view text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   text = text.substr(0, text.find_last_not_of(kBlanks) + 1);
   if (text.starts_with('+')) text.remove_prefix(1);
-  T v{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size()) return {};
-  return v;
+  return number_in_text<T>(text);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "nodes/common/geometry/dense_grid.h"
+#include "nodes/common/geometry/smallest_voxel.h"
 #include "nodes/common/geometry/spaced_transform.h"
 #include "nodes/data/volume.h"
 #include "runtime/python/array_input.h"
@@ -21,6 +22,11 @@ Vec3 spacing_of(const std::vector<double>& given) {
     out[k] = given[given.size() == 3 ? static_cast<std::size_t>(k) : 0];
     require_length(out[k], "voxel_size");
   }
+  if (out.prod() < kSmallestVoxel)
+    throw Error("bad-value",
+                fmt::format("voxels of {} × {} × {} mm are too small: grids hold them from about 15 nm on",
+                            out[0], out[1], out[2]))
+        .parameter("voxel_size");
   return out;
 }
 

@@ -50,6 +50,7 @@ Hdf5Input::Address Hdf5Input::root_of_superblock() const {
   const std::uint64_t sizes = newer ? 9 : 13;
   if (number(sizes, 1) != 8 || number(sizes + 1, 1) != 8)
     hdf5_unsupported("the HDF5 file has addresses of other than 8 bytes");
+  if (newer) require(0, number(28, 8));  // the file's length
   const std::uint64_t base = newer ? 12 : version == 0 ? 24 : 28;
   if (number(base, 8) != 0) hdf5_unsupported("the HDF5 file has a base address");
   return number(newer ? 36 : base + 32 + 8, 8);

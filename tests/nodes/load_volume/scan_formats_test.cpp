@@ -297,6 +297,7 @@ TEST(LoadMetaImage, SaysWhatCannotBeRead) {
 
 struct MrcFile {
   int mode = 2, group = 1, depth = 2;
+  float edge = 1000;
   bool big_endian = false;
   std::array<int, 3> axes = {1, 2, 3};
   std::string extended;
@@ -310,7 +311,7 @@ struct MrcFile {
     };
     const int numbers[] = {4, 3, 2, mode, 0, 0, 0, 4, 3, depth};
     for (std::size_t k = 0; k < 10; ++k) put(k + 1, numbers[k]);
-    const float cell[] = {40, 30, 40, 90, 90, 90};  // Å
+    const float cell[] = {40 * edge, 30 * edge, 40 * edge, 90, 90, 90};  // Å
     for (std::size_t k = 0; k < 6; ++k) put(k + 11, cell[k]);
     for (std::size_t k = 0; k < 3; ++k) put(k + 17, axes[k]);
     put(23, group);
@@ -326,7 +327,7 @@ TEST(LoadMrc, ReadsModesAndByteOrders) {
   const auto read = [&](const MrcFile& f, const std::string& data, const char* what, double offset = 0) {
     const auto run = test::load_volume(file_of(folder / "a.map", f.bytes(data)));
     expect_counting(run, what, offset);
-    EXPECT_TRUE(scan_grid(run)->voxelSize().eq(openvdb::Vec3d(1e-6, 1e-6, 2e-6), 1e-12))
+    EXPECT_TRUE(scan_grid(run)->voxelSize().eq(openvdb::Vec3d(1e-3, 1e-3, 2e-3), 1e-9))
         << scan_grid(run)->voxelSize();
   };
   read({.mode = 0}, counting<std::int8_t>(false, -60), "signed bytes", -60);
@@ -341,6 +342,10 @@ TEST(LoadMrc, ReadsModesAndByteOrders) {
     halves += {static_cast<char>(bits), static_cast<char>(bits >> 8)};
   }
   read({.mode = 12}, halves, "half floats");
+  const auto small =
+      file_of(folder / "small.mrc", MrcFile{.mode = 0, .edge = 1}.bytes(counting<std::int8_t>()));
+  EXPECT_EQ(code(small, {}), "bad-spacing") << "1 nm";
+  EXPECT_EQ(code(small, {{"spacing", "[1, 1, 2]"}}), "") << "in nm";
 }
 
 TEST(LoadMrc, AxesAndStacks) {
