@@ -94,6 +94,35 @@ void require_unmixed(const RawMask& m, const std::filesystem::path& path) {
       .parameter("path");
 }
 
+// Whether the pixel and all around it have the same label.
+bool is_inside(const RawMask& m, int x, int y) {
+  if (x < 1 || y < 1 || x + 1 >= m.width || y + 1 >= m.height) return false;
+  for (int v = y - 1; v <= y + 1; ++v)
+    for (int u = x - 1; u <= x + 1; ++u)
+      if (m.at(u, v) != m.at(x, y)) return false;
+  return true;
+}
+
+// Noise of a lossy compression makes classes of scattered pixels. A class has some pixel whose neighbors
+// belong to it too, unless all of its profiles are tiny; most classes of a mask are not like that.
+void require_solid(const std::vector<RawMask>& masks, const std::set<std::uint32_t>& classes) {
+  std::set<std::uint32_t> solid;
+  for (const auto& m : masks)
+    for (int y = 0; y < m.height; ++y)
+      for (int x = 0; x < m.width; ++x)
+        if (m.at(x, y) != 0 && is_inside(m, x, y)) solid.insert(m.at(x, y));
+  const std::size_t scattered = classes.size() - solid.size();
+  constexpr std::size_t least = 3;
+  if (scattered < least || solid.empty() || 2 * scattered <= classes.size()) return;
+  throw Error(
+      "blurred-mask",
+      fmt::format(
+          "{} of the {} classes have only scattered pixels, as if the mask had been compressed with losses",
+          scattered, classes.size()),
+      "save the mask as PNG or TIFF in the program that made it; or apply a threshold")
+      .parameter("path");
+}
+
 Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
   Labels labels;
   labels.width = masks.at(0).width, labels.height = masks[0].height,
@@ -186,6 +215,7 @@ Labels labels_from_classes(const std::vector<RawMask>& masks, double pixel_size)
     throw Error("too-many-classes", "the mask contains " + std::to_string(values.size()) + " classes",
                 "set kind: instances, or save the mask without antialiasing and without JPEG compression")
         .parameter("kind");
+  require_solid(masks, values);
   for (const auto& m : masks) {
     std::vector<std::int32_t> raster(m.values.size());
     for (std::size_t p = 0; p < raster.size(); ++p)

@@ -34,8 +34,9 @@ RawMask read_mask(const std::filesystem::path&, const PageChoice& = {}, const Re
 Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 
 // Each value is a class; its 8-connected components are the profiles. Classes are numbered by increasing
-// value over all sections. Throws Error "size-mismatch", "no-particles", and "too-many-classes" above 64
-// classes: such a mask contains instances, or was blurred.
+// value over all sections. Throws Error "size-mismatch", "no-particles", "too-many-classes" above 64 classes
+// (such a mask contains instances, or was blurred), and "blurred-mask" if most classes have only scattered
+// pixels.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 
 // Sets the class of each profile: the most frequent value at its pixels, without background, less 1. Throws

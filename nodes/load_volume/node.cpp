@@ -138,6 +138,11 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const Work& work) {
 
 // The rescaled numbers as particle indices, in `whole`.
 void make_ids(LoadedScan& scan, const Rescale& rescale, const Work& work) {
+  if (scan.is_lossy)
+    throw Error("lossy-mask",
+                "the slices are compressed with losses (JPEG), which changes the indices of particles",
+                "save them as PNG or TIFF in the program that made them")
+        .parameter("path");
   // Numbers that were stored as floats may have been rounded when they were written.
   const double most = scan.whole.empty() ? 16777216.0 : 2147483647.0;
   const std::size_t count = scan.count();

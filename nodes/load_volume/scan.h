@@ -19,6 +19,7 @@ struct LoadedScan {
   std::vector<float> values;               // stored numbers, x fastest; empty if `whole` has them
   std::vector<std::int32_t> whole;         // stored whole numbers, which floats would round
   std::optional<double> slope, intercept;  // the file's rescale: value = slope · stored + intercept
+  bool is_lossy = false;                   // the numbers went through JPEG
   std::vector<std::string> notes;          // warnings for the user
 
   std::size_t count() const { return whole.empty() ? values.size() : whole.size(); }

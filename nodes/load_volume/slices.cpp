@@ -39,6 +39,7 @@ void note_once(LoadedScan& scan, const std::string& note) {
 }
 
 void note_kind(const StoredSamples& s, LoadedScan& scan) {
+  scan.is_lossy = scan.is_lossy || s.is_lossy;
   if (s.is_lossy)
     note_once(scan, "the slices are compressed with losses (JPEG), which changes their numbers");
   if (s.white_is_zero)

@@ -14,7 +14,7 @@ struct PngFile {
   int width = 0, height = 0;
   int depth = 8;
   int kind = 0;             // 0 gray, 2 RGB, 3 palette, 4 gray with alpha, 6 RGB with alpha
-  std::string rows;         // packed, without filter bytes
+  std::string rows = {};    // packed, without filter bytes
   std::string chunks = {};  // before the pixels: palette, transparency, color spaces
 };
 

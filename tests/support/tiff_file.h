@@ -11,9 +11,9 @@ namespace terrazzo::test {
 struct TiffPage {
   int width = 0, height = 0;
   int bits = 8, samples = 1;
-  int format = 1;       // 1 unsigned, 2 signed, 3 floating-point
-  int photometric = 1;  // 0 WhiteIsZero, 1 BlackIsZero, 2 RGB, 3 palette
-  std::string pixels;   // in the file's byte order
+  int format = 1;           // 1 unsigned, 2 signed, 3 floating-point
+  int photometric = 1;      // 0 WhiteIsZero, 1 BlackIsZero, 2 RGB, 3 palette
+  std::string pixels = {};  // in the file's byte order
   std::string description = {};
   // More tags with whole numbers, as SHORT, or as LONG if one is above 65535.
   std::vector<std::pair<int, std::vector<std::uint32_t>>> tags = {};

@@ -112,7 +112,7 @@ void stored_pictures(Writer& w) {
   w.text("LoadImage.gif", "a.gif", gif);
   w.text("LoadImage.tif", "a.tif", test::tiff_file({thumbnail}));
   w.text("LoadVolume.tif", "a.tif", test::tiff_file({stack}));
-  w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, bits, plane}));
+  w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, plane, bits}));
   w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, plane}, {true, true}));
   w.text("LoadImage.png", "a.png",
          test::png_file({1, 1, 8, 2, "abc",

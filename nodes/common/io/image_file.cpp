@@ -267,7 +267,9 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   require_finite(e, path);
   convert_colors(e, colorspace, metadata, icc, path);
   composite(e, path, reading);
-  make_upright(e.image.pixels, e.image.width, e.image.height, 1, in.attributes().whole("Orientation", 1));
+  // OpenImageIO reads the EXIF data of fewer formats, but knows other sources.
+  const int known = in.attributes().whole("Orientation", 1);
+  make_upright(e.image.pixels, e.image.width, e.image.height, 1, known != 1 ? known : metadata.orientation);
   return std::move(e.image);
 }
 

@@ -2,13 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <pugixml.hpp>
 
+#include "graph/number_text.h"
 #include "nodes/common/io/picture_check.h"
 #include "nodes/common/io/picture_pages.h"
 #include "nodes/common/io/pixel_scale.h"
@@ -102,19 +102,10 @@ std::optional<std::string> described_value(const std::string& text, const std::s
   return text.substr(at, text.find_first_of("\r\n", at) - at);
 }
 
-double number_of_text(const std::string& text) {
-  double v = 0;
-  std::from_chars(text.data(), text.data() + text.size(), v);
-  return v;
-}
-
 void apply_imagej(PicturePages& out, std::string_view content, const std::string& text) {
   out.source = "ImageJ";
   const auto count = [&](const char* name) {
-    const std::string written = described_value(text, name).value_or("1");
-    long v = 0;
-    const auto [end, error] = std::from_chars(written.data(), written.data() + written.size(), v);
-    return error == std::errc() && end == written.data() + written.size() ? v : 0L;
+    return number_in_text<long>(described_value(text, name).value_or("1")).value_or(0);
   };
   Stack stack;
   stack.length = {{'C', count("channels")}, {'Z', count("slices")}, {'T', count("frames")}};
@@ -132,7 +123,7 @@ void apply_imagej(PicturePages& out, std::string_view content, const std::string
   const TiffDirectory d = in.directory(out.pages[0].directory);
   const double mm = mm_of_unit(described_value(text, "unit").value_or(""));
   const double x = in.ratio(d, tiff::kXResolution), y = in.ratio(d, tiff::kYResolution);
-  const double between = number_of_text(described_value(text, "spacing").value_or("0"));
+  const double between = number_in_text<double>(described_value(text, "spacing").value_or("")).value_or(0);
   if (mm > 0 && x > 0 && y > 0 && between > 0) out.spacing = Vec3(mm / x, mm / y, mm * between);
 }
 
@@ -153,10 +144,8 @@ std::vector<pugi::xml_node> children_of(const pugi::xml_node& parent, const std:
 long whole_attribute(const pugi::xml_node& n, const char* name, long otherwise) {
   const auto found = n.attribute(name);
   if (!found) return otherwise;
-  const std::string text = found.value();
-  long v = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), v);
-  return error == std::errc() && end == text.data() + text.size() && v >= 0 && v <= kMostPlanes ? v : -1;
+  const auto v = number_in_text<long>(found.value());
+  return v && *v >= 0 && *v <= kMostPlanes ? *v : -1;
 }
 
 // The place of the first plane of an element TiffData; −1 if there is no such plane.
@@ -201,6 +190,11 @@ std::vector<long> ome_places(PicturePages& out, const pugi::xml_node& pixels, co
       page = directory + k;
     }
   }
+  if (blocks.empty() && planes > pages) {
+    out.problem =
+        fmt::format("its OME metadata describe {} planes, but the file has {} pages", planes, pages);
+    return {};
+  }
   if (blocks.empty()) std::iota(page_at.begin(), page_at.end(), 0L);
   if (std::find(page_at.begin(), page_at.end(), -1) == page_at.end()) return page_at;
   out.problem = "its OME metadata do not say where all of its planes are";
@@ -209,7 +203,9 @@ std::vector<long> ome_places(PicturePages& out, const pugi::xml_node& pixels, co
 
 void apply_ome_size(PicturePages& out, const pugi::xml_node& pixels) {
   const auto length = [&](const char* axis) {
-    const double v = number_of_text(pixels.attribute((std::string("PhysicalSize") + axis).c_str()).value());
+    const double v =
+        number_in_text<double>(pixels.attribute((std::string("PhysicalSize") + axis).c_str()).value())
+            .value_or(0);
     const auto unit = pixels.attribute((std::string("PhysicalSize") + axis + "Unit").c_str());
     return v * mm_of_unit(unit ? unit.value() : "µm");
   };

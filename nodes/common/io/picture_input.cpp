@@ -38,6 +38,15 @@ PictureInput::PictureInput(PictureContent content, std::uint64_t size, Reading r
   }
 }
 
+Error PictureInput::unreadable(const std::string& why) const {
+  if (format_ != "raw") return unreadable_picture(path_, why);
+  return Error("unreadable-image",
+               fmt::format("'{}' is the raw file of a camera, which LibRaw cannot decode: {}", path_.string(),
+                           why),
+               "convert it to TIFF or JPEG with the camera's program or another raw converter")
+      .parameter("path");
+}
+
 void PictureInput::require(double bytes_per_sample, double more) const {
   const PictureHeader& s = header();
   if (s.width < 1 || s.height < 1 || s.count() < 1 || s.depth > 1)

@@ -38,7 +38,7 @@ class PictureInput {
     return out;
   }
 
-  Error unreadable(const std::string& why) const { return unreadable_picture(path_, why); }
+  Error unreadable(const std::string& why) const;
 
  private:
   void require(double bytes_per_sample, double more) const;

@@ -101,6 +101,15 @@ void apply_code_points(std::string_view data, PictureMetadata& out) {
   out.colors = colors;
 }
 
+// The same but for rounding.
+bool is_near(const Chromaticities& a, const Chromaticities& b) {
+  const auto near = [](const std::array<double, 2>& p, const std::array<double, 2>& q) {
+    constexpr double rounding = 5e-4;
+    return std::abs(p[0] - q[0]) < rounding && std::abs(p[1] - q[1]) < rounding;
+  };
+  return near(a.red, b.red) && near(a.green, b.green) && near(a.blue, b.blue) && near(a.white, b.white);
+}
+
 void apply_png(std::string_view content, PictureMetadata& out) {
   const auto chunks = png_chunks(content);
   const auto chunk = [&](const char* name) {
@@ -117,10 +126,6 @@ void apply_png(std::string_view content, PictureMetadata& out) {
   const std::string_view gamma = chunk("gAMA"), colors = chunk("cHRM");
   if (gamma.size() < 4 && colors.size() < 32) return;
   StatedColors stated;
-  // 1/2.2 stands for the curve of sRGB, which programs without color management write so.
-  if (const std::uint32_t g = gamma.size() < 4 ? 45455 : big_number(gamma, 4);
-      g > 0 && (g < 45000 || g > 46000))
-    stated.transfer = Transfer::Power, stated.exponent = unit / g;
   if (colors.size() >= 32) {
     const auto pair = [&](std::size_t i) {
       return std::array{big_number(colors.substr(8 * i), 4) / unit,
@@ -128,6 +133,11 @@ void apply_png(std::string_view content, PictureMetadata& out) {
     };
     stated.chromaticities = {pair(1), pair(2), pair(3), pair(0)};
   }
+  // With the primaries of sRGB, 1/2.2 stands for its curve: programs write it as the nearest power.
+  const bool of_srgb = is_near(stated.chromaticities, Chromaticities());
+  if (const std::uint32_t g = gamma.size() < 4 ? 0 : big_number(gamma, 4);
+      g > 0 && (!of_srgb || g < 45000 || g > 46000))
+    stated.transfer = Transfer::Power, stated.exponent = unit / g;
   stated.source = colors.size() >= 32 ? "its PNG chunks gAMA and cHRM" : "its PNG chunk gAMA";
   out.colors = stated;
 }

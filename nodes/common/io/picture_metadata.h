@@ -13,7 +13,6 @@ namespace terrazzo {
 // CIE xy of the primaries and of white.
 struct Chromaticities {
   std::array<double, 2> red = {0.64, 0.33}, green = {0.3, 0.6}, blue = {0.15, 0.06}, white = {0.3127, 0.3290};
-  bool operator==(const Chromaticities&) const = default;
 };
 
 enum class Transfer { Srgb, Rec709, Power };

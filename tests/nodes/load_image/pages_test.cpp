@@ -127,15 +127,22 @@ TEST_F(PicturesInOneFile, OtherFormatsAreNamed) {
   EXPECT_NE(failure(write("a.psd", "8BPS" + std::string(30, '\0'))).find("Photoshop"), std::string::npos);
 }
 
+TEST_F(PicturesInOneFile, ThePngChunkOfExifHasAnOrientation) {
+  const std::string exif("II*\0\x08\0\0\0\1\0\x12\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0", 26);
+  const Image turned =
+      read_image(write("a.png", test::png_file({3, 1, 8, 0, "abc", test::png_chunk("eXIf", exif)})));
+  EXPECT_EQ(turned.width, 1);
+  EXPECT_EQ(turned.height, 3);
+}
+
 TEST_F(PicturesInOneFile, SharedFiles) {
   const auto data = test::shared_data();
   if (data.empty()) GTEST_SKIP() << "no shared data";
   const fs::path reports = data / "reports";
   EXPECT_NE(failure(reports / "pages.tif").find("5 pages of 40 × 24 pixels"), std::string::npos);
   EXPECT_EQ(read_image(reports / "pages.tif", "auto", 1, {}, nullptr, {5, {}}).width, 40);
-  const Image photo = read_image(reports / "photo.dng");  // not its thumbnail of 256 × 171
-  EXPECT_EQ(photo.width, 1024);
-  EXPECT_EQ(photo.height, 768);
+  // Its sensor data are compressed in a way that LibRaw does not know. The thumbnail is not the picture.
+  EXPECT_NE(failure(reports / "photo.dng").find("raw file of a camera"), std::string::npos);
 }
 
 }  // namespace

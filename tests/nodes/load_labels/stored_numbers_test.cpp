@@ -178,6 +178,16 @@ TEST_F(StoredNumbers, SmoothedMasksAreRefused) {
   EXPECT_EQ(code_of([&] { numbers(folder / "grains.png"); }), "");
 }
 
+TEST_F(StoredNumbers, NoiseOfALossyCompressionIsNoClass) {
+  std::vector<std::uint8_t> noisy = smooth_disk(40, 1);
+  for (std::size_t i = 0; i < noisy.size(); i += 23)
+    noisy[i] = static_cast<std::uint8_t>(noisy[i] == 0 ? 1 + i % 3 : 254 - i % 3);
+  const fs::path path = folder / "noisy.png";
+  test::write_picture(path, 40, 40, 1, Sample::UInt8, noisy);
+  const auto load = [&] { test::run_node("LoadLabels", {}, {{"path", path.string()}, {"kind", "classes"}}); };
+  EXPECT_EQ(code_of(load), "blurred-mask");
+}
+
 TEST_F(StoredNumbers, LossyMasksAreRefused) {
   test::write_picture(folder / "a.jpg", 16, 16, 1, Sample::UInt8, std::vector<std::uint8_t>(256, 255));
   EXPECT_EQ(code_of([&] { numbers(folder / "a.jpg"); }), "lossy-mask");
