@@ -149,6 +149,8 @@ void UnsavedCopy::write(const std::string& text) {
   try {
     lock(descriptor_);  // before it has its name, so that nobody else takes it
     give_mode_of(descriptor_, file_, path_);
+    // A copy that its owner could not open would not be offered after a crash.
+    if (struct stat s; ::fstat(descriptor_, &s) == 0) ::fchmod(descriptor_, (s.st_mode & 0777) | 0600);
     write_all(descriptor_, text, path_);
     next.rename_to(path_);
   } catch (const Error&) {

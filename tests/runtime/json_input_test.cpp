@@ -78,7 +78,8 @@ TEST(Reports, ADamagedOneIsNone) {
   EXPECT_EQ(read(good), good);
   EXPECT_EQ(summary_of(read(good)).seconds, 1.5);
   // Whatever entry is missing or of another type.
-  for (const auto& entry : good.flatten().items()) {
+  const json flat = good.flatten();
+  for (const auto& entry : flat.items()) {
     json damaged = good;
     const json::json_pointer at(entry.key());
     damaged[at] = entry.value().is_null() ? json("text") : json(nullptr);

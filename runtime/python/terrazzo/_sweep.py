@@ -230,6 +230,8 @@ def read_sweep(file):
     file = path_text(file)
     if os.path.isdir(file):
         file = os.path.join(file, "sweep.csv")
+    if os.path.exists(file) and not os.path.isfile(file):
+        _wrong(file, "it is not a regular file")
     try:
         with open(file, newline="", encoding="utf-8") as text:
             rows = list(csv.reader(text))
