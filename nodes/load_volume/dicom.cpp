@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {
@@ -345,10 +345,7 @@ bool begins_with_elements(std::string_view head, std::uintmax_t file_size) {
 }  // namespace
 
 bool is_dicom(const std::filesystem::path& path) {
-  std::string head(1024, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_beginning(path, 1024);
   if (head.size() >= 132 && head.compare(128, 4, "DICM") == 0) return true;
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/common/io/hdf5_input.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/cell_grid.h"
@@ -170,12 +170,7 @@ Volume read_content(const std::string& content, const std::string& wanted, std::
 
 }  // namespace
 
-bool is_hdf5(const std::filesystem::path& path) {
-  std::string head(8, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return Hdf5Input::is_hdf5(head);
-}
+bool is_hdf5(const std::filesystem::path& path) { return Hdf5Input::is_hdf5(read_beginning(path, 8)); }
 
 Volume read_dream3d(const std::filesystem::path& path, const std::string& wanted, std::optional<Vec3> spacing,
                     const Reading& reading, const Work& work) {

@@ -1,9 +1,8 @@
 // Formats that LoadVolume does not read, recognized so that the message can say what the file is.
 #include <fmt/format.h>
 
-#include <fstream>
-
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {
@@ -26,10 +25,7 @@ constexpr ForeignFormat kForeign[] = {
 }  // namespace
 
 void refuse_foreign(const std::filesystem::path& path) {
-  std::string head(64, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_beginning(path, 64);
   for (const ForeignFormat& f : kForeign)
     if (head.starts_with(f.beginning))
       throw Error("unreadable-volume",

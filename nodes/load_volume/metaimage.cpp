@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -154,19 +154,13 @@ std::string_view meta_voxels(const MetaHeader& header, std::string_view data, bo
 }  // namespace
 
 bool is_metaimage(const std::filesystem::path& path) {
-  std::string head(4096, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_beginning(path, 4096);
   const MetaHeader header = meta_header(head);
   return header.fields.count("NDims") > 0 && header.fields.count("DimSize") > 0;
 }
 
 std::vector<std::filesystem::path> metaimage_companions(const std::filesystem::path& path) {
-  std::string head(std::size_t{1} << 16, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_beginning(path, std::size_t{1} << 16);
   try {
     const std::filesystem::path data = meta_data_file(meta_header(head), path);
     if (data != path) return {data};

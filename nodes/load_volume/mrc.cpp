@@ -3,9 +3,9 @@
 
 #include <bit>
 #include <cmath>
-#include <fstream>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -108,10 +108,8 @@ void place_mrc_axes(LoadedScan& s, const MrcHeader& h, const std::filesystem::pa
 }  // namespace
 
 bool is_mrc(const std::filesystem::path& path) {
-  std::string head(kMrcHeader, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (in.gcount() < static_cast<std::streamsize>(kMrcHeader)) return false;
+  const std::string head = read_beginning(path, kMrcHeader);
+  if (head.size() < kMrcHeader) return false;
   if (head.compare(208, 3, "MAP") == 0) return true;
   // Files from before 2000 have no mark.
   const std::string extension = path.extension().string();

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -80,11 +80,7 @@ void turn_from_c_order(std::vector<T>& values, const Vec3i& size, const Work& wo
 
 }  // namespace
 
-bool is_npy(const std::filesystem::path& path) {
-  char head[6] = {};
-  std::ifstream(path, std::ios::binary).read(head, sizeof head);
-  return std::memcmp(head, "\x93NUMPY", 6) == 0;
-}
+bool is_npy(const std::filesystem::path& path) { return read_beginning(path, 6) == "\x93NUMPY"; }
 
 LoadedScan read_npy(const std::filesystem::path& path, const Work& work, const Reading& reading) {
   const std::string content = read_whole(path, reading);

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -279,17 +279,10 @@ StoredArray::Encoding nrrd_encoding(const NrrdHeader& header, const std::filesys
 
 }  // namespace
 
-bool is_nrrd(const std::filesystem::path& path) {
-  char head[5] = {};
-  std::ifstream(path, std::ios::binary).read(head, 4);
-  return std::string_view(head) == "NRRD";
-}
+bool is_nrrd(const std::filesystem::path& path) { return read_beginning(path, 4) == "NRRD"; }
 
 std::vector<std::filesystem::path> nrrd_companions(const std::filesystem::path& path) {
-  std::string head(std::size_t{1} << 16, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_beginning(path, std::size_t{1} << 16);
   try {
     const std::filesystem::path data = nrrd_data_file(nrrd_header(head), path);
     if (data != path) return {data};

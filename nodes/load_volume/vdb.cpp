@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <istream>
 #include <optional>
 #include <set>
@@ -13,6 +12,7 @@
 #include <streambuf>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "graph/utf8.h"
 #include "nodes/common/geometry/convert_grid.h"
 #include "nodes/common/geometry/coverage.h"
@@ -262,11 +262,7 @@ Volume read_content(std::string_view content, const std::string& wanted, const s
 
 }  // namespace
 
-bool is_vdb(const std::filesystem::path& path) {
-  char head[4] = {};
-  std::ifstream(path, std::ios::binary).read(head, sizeof head);
-  return std::memcmp(head, " BDV", 4) == 0;
-}
+bool is_vdb(const std::filesystem::path& path) { return read_beginning(path, 4) == " BDV"; }
 
 Volume read_vdb(const std::filesystem::path& path, const std::string& wanted, const Reading& reading) {
   initialize_openvdb();

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <set>
 
 #include "graph/diagnostic.h"
+#include "graph/input_file.h"
 #include "nodes/data/volume.h"
 #include "nodes/load_volume/cell_grid.h"
 #include "nodes/load_volume/stored_numbers.h"
@@ -47,10 +47,7 @@ CellPlace place_of(const VtiLayout& layout, std::optional<Vec3> spacing, const R
 }  // namespace
 
 bool is_vti(const std::filesystem::path& path) {
-  std::string head(512, '\0');
-  std::ifstream in(path, std::ios::binary);
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head.find("<VTKFile") != std::string::npos;
+  return read_beginning(path, 512).find("<VTKFile") != std::string::npos;
 }
 
 Volume read_vti(const std::filesystem::path& path, const std::string& wanted, std::optional<Vec3> spacing,

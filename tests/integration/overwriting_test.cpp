@@ -127,6 +127,14 @@ TEST_F(Overwriting, PipesAndFilesBeyondTheMemoryAreNotReadAsInputs) {
   refused({"run", graph("sparse.csv").string()}, "of memory");
   refused({"run", graph("/dev/zero").string()}, "it is a device");
   refused({"run", (folder / "pipe.csv").string()}, "it is a pipe");
+  // A header that names another file is looked into when the files of the graph are listed.
+  for (const char* name : {"pipe.nrrd", "pipe.mhd"}) {
+    ASSERT_EQ(::mkfifo((folder / name).c_str(), 0600), 0);
+    put(folder / "v.yaml",
+        "terrazzo: 1\nnodes:\n  v: {type: LoadVolume, params: {path: " + std::string(name) +
+            "}}\n  file: {type: Export, inputs: {volume: v.volume}, params: {path: v.vdb}}\n");
+    refused({"run", (folder / "v.yaml").string()}, "it is a pipe");
+  }
   for (const char* name : {"pipe.csv", "/dev/zero"})
     EXPECT_EQ(run_program({"check", graph(name).string()}).exit_code, 2) << name;
 }

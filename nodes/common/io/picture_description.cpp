@@ -14,6 +14,7 @@
 #include "nodes/common/io/pixel_scale.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/common/io/tiff_directory.h"
+#include "runtime/json_input.h"
 
 namespace terrazzo {
 namespace {
@@ -264,7 +265,7 @@ void apply_ome(PicturePages& out, std::string_view content, const std::string& t
 
 // tifffile's {"shape": [2, 5, 16, 20], "axes": "CZYX"}; axes is optional.
 void apply_shape(PicturePages& out, std::string_view content, const std::string& text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = json_or_null(text);
   if (!json.is_object() || !json.contains("shape") || !json["shape"].is_array()) return;
   std::vector<long> shape;
   for (const auto& n : json["shape"]) shape.push_back(n.is_number_integer() ? n.get<long>() : 0);
