@@ -1,14 +1,15 @@
 #include "graph/raw_document.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <optional>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -101,7 +102,9 @@ class DocumentReader {
 
   void fail_to_parse(const YAML::Exception& e) {
     const Place at = place(e.mark);
-    if (const auto mistake = yaml_mistake(text_, std::max(1, at.line)))
+    if (const auto* deep = dynamic_cast<const YAML::DeepRecursion*>(&e))
+      fail("yaml", fmt::format("values are nested more than {} deep", deep->depth()), at);
+    else if (const auto mistake = yaml_mistake(text_, std::max(1, at.line)))
       fail("yaml", mistake->message, place(text_, mistake->at), mistake->hint);
     else
       fail("yaml", e.msg, at);
@@ -343,7 +346,9 @@ WrittenValue read_written(const std::string& text) {
     if (v.IsNull()) return {false, {text}, {}};
   } catch (const YAML::Exception&) {
   }
-  throw Error("bad-value", "'" + text + "' is not a value or a list of values", hint);
+  constexpr std::size_t longest = 200;  // bytes of a quotation
+  const std::string shown = text.size() <= longest ? text : valid_utf8(text.substr(0, longest)) + "…";
+  throw Error("bad-value", "'" + shown + "' is not a value or a list of values", hint);
 }
 
 }  // namespace terrazzo

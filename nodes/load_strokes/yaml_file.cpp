@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/yaml.h>
 
 #include "nodes/common/io/cell_rows.h"
@@ -84,6 +85,8 @@ Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
     Strokes out;
     for (const auto& n : list) out.strokes.push_back(stroke_of(n, left));
     return out;
+  } catch (const YAML::DeepRecursion& e) {
+    throw bad_yaml(fmt::format("line {}: values are nested more than {} deep", e.mark.line + 1, e.depth()));
   } catch (const YAML::Exception& e) {
     throw bad_yaml(fmt::format("line {}: {}", e.mark.line + 1, printable(e.msg)));
   }
