@@ -1,5 +1,7 @@
 #include "nodes/carve/carve.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,7 +55,7 @@ void require_room(const carving::BodyParts& parts, double mm, double edge, std::
   for (const Mesh* m : {&parts.base.mesh, &parts.removed, &parts.kept}) area += mesh_surface_area(*m);
   // About three triangles and seven voxels per square of the edge, with their lists.
   require_memory(600 * area * mm * mm / (edge * edge), memory,
-                 "a surface with edges of " + std::to_string(edge) + " mm");
+                 fmt::format("a surface with edges of {:g} mm", edge));
 }
 
 // Volume, area and calipers of the mesh itself; the largest section from few directions if it is fine.

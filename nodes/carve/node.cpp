@@ -72,7 +72,7 @@ NodeType carve_node() {
       .parameter(
           Parameter::optional_number("edge", "auto")
               .unit_("mm")
-              .above(0)
+              .range(1e-9, 1e9)
               .doc_("Longest edge of a triangle, and edge of a voxel. Colors are as fine as this. auto: "
                     "1/200 of the body's longest side."))
       .parameter(Parameter::integer("texture", 0)

@@ -63,6 +63,13 @@ void check(RTCDevice device) {
     throw Error("embree", std::string("the ray tracer Embree could not be set up: ") + words(e));
 }
 
+// Embree ends the process, or never returns, on coordinates that it cannot square.
+void require_moderate(const Eigen::Ref<const Vec3f>& v) {
+  if (!(v.array().abs() <= 1e15f).all())  // also NaN
+    throw Error("bad-number", "a vertex is NaN, infinite or further than 1e15 mm from the origin",
+                "check the lengths of the shapes, the particles and the volume");
+}
+
 RTCScene new_scene(RTCDevice device) {
   RTCScene scene = rtcNewScene(device);
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // watertight: no light leaks through shared edges
@@ -73,6 +80,8 @@ RTCScene new_scene(RTCDevice device) {
 
 RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Instance>& instances)
     : handles_(std::make_unique<Handles>()) {
+  for (const Triangles& m : meshes)
+    for (const Vec3f& p : m.positions) require_moderate(p);
   handles_->device = shared_device();
   RTCDevice device = handles_->device.get();
   tbb::task_arena alone(1);
@@ -96,7 +105,11 @@ RayScene::RayScene(const std::vector<Triangles>& meshes, const std::vector<Insta
     check(device);
   }
   for (const Instance& i : instances)
-    for (const Vec3f& p : meshes.at(i.mesh).positions) bounds_.extend(i.linear * p + i.offset);
+    for (const Vec3f& p : meshes.at(i.mesh).positions) {
+      const Vec3f at = i.linear * p + i.offset;
+      require_moderate(at);
+      bounds_.extend(at);
+    }
 
   handles_->plain = meshes.size() == 1 && instances.size() == 1 && instances[0].linear.isIdentity(0) &&
                     instances[0].offset.isZero(0);

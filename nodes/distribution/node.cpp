@@ -59,8 +59,9 @@ NodeType distribution_node() {
               .doc_("classes: uses class_edges and N_V. lognormal, normal: use mean and sd. uniform: "
                     "uses min and max. rosin_rammler: uses mean (63.2 % are smaller) and exponent. "
                     "equal_volume: all particles have `volume`, whatever their shapes."))
-      .parameter(Parameter::number("mean", 5).unit_("mm").above(0).doc_("Mean size"))
-      .parameter(Parameter::number("sd", 1.5).unit_("mm").above(0).doc_("Standard deviation of the sizes"))
+      .parameter(Parameter::number("mean", 5).unit_("mm").range(1e-9, 1e9).doc_("Mean size"))
+      .parameter(
+          Parameter::number("sd", 1.5).unit_("mm").range(1e-9, 1e9).doc_("Standard deviation of the sizes"))
       .parameter(Parameter::number("exponent", 3)
                      .range(0.1, 100)
                      .doc_("Exponent of rosin_rammler. Larger values make the distribution narrower."))
@@ -68,11 +69,11 @@ NodeType distribution_node() {
           "Smallest size; the law is cut off below it"))
       .parameter(Parameter::optional_number("max", "auto")
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Largest size; the law is cut off above it. auto: the size that 0.1 % exceed."))
       .parameter(Parameter::number("volume", 1)
                      .unit_("mm³")
-                     .above(0)
+                     .range(1e-27, 1e27)
                      .doc_("Volume of every particle, for kind: equal_volume"))
       .parameter(Parameter::choice("density_by", "number", {"number", "volume"})
                      .doc_("Quantity that the law distributes. number: the share of particles of each size. "

@@ -29,7 +29,8 @@ NodeType grain_node() {
       .parameter(Parameter::number("vary", 0.05)
                      .range(0, 1)
                      .doc_("Relative standard deviation of the color channels between particles"))
-      .parameter(Parameter::number("scale", 1).unit_("mm").above(0).doc_("Size of the largest mottles"))
+      .parameter(
+          Parameter::number("scale", 1).unit_("mm").range(1e-9, 1e9).doc_("Size of the largest mottles"))
       .parameter(Parameter::number("blur", 0.7)
                      .unit_("pixels")
                      .range(0, 50)

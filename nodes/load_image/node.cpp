@@ -81,7 +81,7 @@ NodeType load_image_node() {
           "Image file. A glob names a stack of sections of equal size and scale."))
       .parameter(Parameter::number("pixel_size", 1)
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Edge length of a pixel. A warning appears if the file's metadata (EXIF, scanner "
                            "resolution, ImageJ calibration) state another size."))
       .parameter(Parameter::text("colorspace", "auto")

@@ -68,7 +68,8 @@ NodeType load_labels_node() {
       .parameter(Parameter::optional_integer("channel", "auto")
                      .range(1, 10000)
                      .doc_("Channel to read, from 1. auto: the only one, or colors."))
-      .parameter(Parameter::number("pixel_size", 1).unit_("mm").above(0).doc_("Edge length of a pixel"))
+      .parameter(
+          Parameter::number("pixel_size", 1).unit_("mm").range(1e-9, 1e9).doc_("Edge length of a pixel"))
       .compute_(compute);
 }
 

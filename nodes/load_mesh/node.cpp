@@ -187,7 +187,7 @@ NodeType load_mesh_node() {
           "shapes."))
       .parameter(Parameter::number("scale", 1)
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Length of the file's unit. glTF files are in meters by definition; for them, the "
                            "length that one millimeter in the file stands for."))
       .parameter(Parameter::boolean("repair", false)

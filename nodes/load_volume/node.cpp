@@ -250,7 +250,7 @@ NodeType load_volume_node() {
                     "formats: name of the output grid; empty: density; id: whole numbers up to 2³¹ − 1, the "
                     "index of the particle at each voxel, negative in the binder."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .count(1, 3)
                      .unit_("mm")
                      .doc_("Edge lengths of a voxel, one number or three. auto: from the file; NumPy arrays "

@@ -201,7 +201,7 @@ NodeType measure3d_node() {
                      .doc_("Smallest value that counts as particle; smaller values are binder. auto: 0 for "
                            "labels, 0.5 for other grids. Use 1 if the labels of a file begin at 1."))
       .parameter(Parameter::optional_number("contact_gap", "auto")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .unit_("mm")
                      .doc_("Particles are in contact if their surfaces are closer than this. auto: 2 % of "
                            "their mean diameter. Labels are in contact if they share a face of voxels."))

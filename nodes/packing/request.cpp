@@ -11,7 +11,7 @@ NodeType& declare_population(NodeType& type) {
   return type
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "size", "auto")
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .count(1, 3)
                      .doc_("Edge length of the box: one value for a cube, two for x = y and z, or three for "
                            "x, y and z. auto: a cube for about `count` particles, at least three times the "

@@ -1,8 +1,9 @@
 #include "nodes/packing/schedule.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "graph/diagnostic.h"
 
@@ -68,10 +69,8 @@ void Schedule::iterate(double enough) {
   used_ += steps;
   budget_.used += steps;
   if (++iterations_ % 8 != 0) return;
-  char note[96];
-  std::snprintf(note, sizeof note, "penetration %.4f, size %.3f", std::max(last_.worst, 0.0),
-                packing_.shrink);
-  work_.progress(budget_.progress(), note);
+  work_.progress(budget_.progress(),
+                 fmt::format("penetration {:.4f}, size {:.3f}", std::max(last_.worst, 0.0), packing_.shrink));
 }
 
 void Schedule::set(double shrink, bool fine, double surplus) {

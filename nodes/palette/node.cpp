@@ -64,7 +64,7 @@ NodeType palette_node() {
                      .count(1, 256)
                      .doc_("Particle colors, \"#rrggbb\" in sRGB"))
       .parameter(Parameter::numbers("shares", {1})
-                     .above(0)
+                     .range(1e-12, 1e12)
                      .count(1, 256)
                      .doc_("Relative frequency of each color. A single number makes all equal."))
       .parameter(Parameter::ints("classes", {0})

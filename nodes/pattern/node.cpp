@@ -40,9 +40,9 @@ NodeType pattern_node() {
           Parameter::integer("width", 128).range(1, 16384).unit_("pixels").doc_("Width of the picture"))
       .parameter(
           Parameter::integer("height", 128).range(1, 16384).unit_("pixels").doc_("Height of the picture"))
-      .parameter(Parameter::number("pixel_size", 0.1).above(0).unit_("mm").doc_("Edge of a pixel"))
+      .parameter(Parameter::number("pixel_size", 0.1).range(1e-9, 1e9).unit_("mm").doc_("Edge of a pixel"))
       .parameter(Parameter::number("scale", 2)
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .unit_("mm")
                      .doc_("Width of a ring, distance of veins or struts, or diameter of a bundle or lobule"))
       .parameter(Parameter::seed())

@@ -52,7 +52,7 @@ NodeType phantom_node() {
               .unit_("voxels")
               .doc_("Voxels along the limb, or along x, y and z. Three numbers can stretch the voxels."))
       .parameter(Parameter::number("length", 240)
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .unit_("mm")
                      .doc_("Length of the limb. Its width and depth are two thirds of that."))
       .parameter(Parameter::number("noise", 8)

@@ -207,7 +207,7 @@ NodeType render_volume_node() {
                          .doc_("Region kept of x, y and z, from and to, as fractions of the edges. Cuts show "
                                "the inside."))
           .parameter(Parameter::numbers("scales", {10, 1, 0.1})
-                         .above(0)
+                         .range(1e-6, 1e6)
                          .count(3, 3)
                          .doc_("Factors on the textures' voxel size at the three scales, coarse to fine"))
           .parameter(Parameter::numbers("weights", {3, 1, 1})
@@ -240,7 +240,7 @@ NodeType render_volume_node() {
                         "parts shine and thick ones cast shadows. The rest lights surfaces. 0: surfaces "
                         "only, without shadows. Device cpu only."))
           .parameter(Parameter::number("penetration", 4)
-                         .above(0)
+                         .range(1e-9, 1e9)
                          .unit_("mm")
                          .doc_("Distance within tissue over which that light falls to 1/e, for classes "
                                "without a penetration of their own"))
@@ -257,7 +257,8 @@ NodeType render_volume_node() {
           .parameter(Parameter::number("skin_noise", 0.15)
                          .range(0, 1)
                          .doc_("Brightness variation of classes with `noise`"))
-          .parameter(Parameter::number("skin_scale", 3).above(0).unit_("mm").doc_("Cell width of the noise"))
+          .parameter(
+              Parameter::number("skin_scale", 3).range(1e-9, 1e9).unit_("mm").doc_("Cell width of the noise"))
           .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
           .parameter(Parameter::seed())
           .check_(check)

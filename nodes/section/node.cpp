@@ -182,9 +182,11 @@ NodeType section_node() {
               .doc_("Axis perpendicular to the planes. x shows y to the right and z up, y shows x and z, z "
                     "shows x and y. free: one plane, by normal and through. random: random orientation and "
                     "position."))
-      .parameter(Parameter::numbers("normal", {0, 0, 1}).doc_("Normal of a free plane: x, y, z."))
+      .parameter(
+          Parameter::numbers("normal", {0, 0, 1}).range(-1e9, 1e9).doc_("Normal of a free plane: x, y, z."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "through", "auto")
                      .unit_("mm")
+                     .range(-1e9, 1e9)
                      .doc_("Center of a free plane's window: x, y, z. auto: the box's center."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Numbers, "offsets", "auto")
@@ -194,16 +196,16 @@ NodeType section_node() {
                     "half a step from both ends."))
       .parameter(Parameter::optional_number("width", "auto")
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Window width of free and random planes. auto: the box's shortest edge."))
       .parameter(Parameter::optional_number("height", "auto")
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Window height of free and random planes. auto: the box's shortest edge."))
       .parameter(
           Parameter::optional_number("pixel_size", "auto")
               .unit_("mm")
-              .above(0)
+              .range(1e-9, 1e9)
               .doc_("Edge of a pixel, rounded so that whole pixels fill the width. auto: the box's longest "
                     "edge / 512, or a volume's voxel, and coarser if the stack would exceed 64 megapixels."))
       .parameter(Parameter::seed().doc_("Random seed of the planes' positions and orientations."))

@@ -1,41 +1,20 @@
 #include "nodes/segment/ignored.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <string_view>
 
 #include "graph/diagnostic.h"
+#include "graph/read_number.h"
 #include "nodes/common/texture/footprint.h"
 #include "nodes/data/equal_size.h"
 
 namespace terrazzo::segment {
-namespace {
-
-// The finite numbers of a text, apart by blanks and commas; none if anything else is in it.
-std::vector<double> numbers_in(std::string_view text) {
-  constexpr std::string_view kBetween = " ,\t\r\n";
-  std::vector<double> out;
-  for (auto at = text.find_first_not_of(kBetween); at != text.npos;
-       at = text.find_first_not_of(kBetween, at)) {
-    const auto end = std::min(text.find_first_of(kBetween, at), text.size());
-    const char* last = text.data() + end;
-    if (text[at] == '+' && at + 1 < end && text[at + 1] != '-') ++at;
-    double x = 0;
-    const auto [stop, error] = std::from_chars(text.data() + at, last, x);
-    if (error != std::errc() || stop != last || !std::isfinite(x)) return {};
-    out.push_back(x);
-    at = end;
-  }
-  return out;
-}
-
-}  // namespace
 
 Area read_area(const std::string& text) {
-  const std::vector<double> v = numbers_in(text);
-  if (v.size() < 4 || v.size() % 2 != 0)
+  const std::vector<double> v = read_numbers(text).value_or(std::vector<double>());
+  const bool possible = std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= 1e6; });
+  if (!possible || v.size() < 4 || v.size() % 2 != 0)
     throw Error("bad-region", "'" + text + "' is not an area",
                 "write four numbers, x0 y0 x1 y1, for a rectangle, or the x and y of three or more corners "
                 "of a polygon, "

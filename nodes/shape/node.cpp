@@ -154,12 +154,12 @@ NodeType shape_node() {
                "icosahedron", "superquadric", "rock", "pebble", "shard", "clinker"})
               .doc_("Kind of solid. The stones are random: rock is angular; pebble is worn smooth; shard is "
                     "elongated with a few flat sides; clinker is lobed, bent and far from convex."))
-      .parameter(Parameter::number("size", 1).unit_("mm").above(0).doc_(
+      .parameter(Parameter::number("size", 1).unit_("mm").range(1e-9, 1e9).doc_(
           "Particle size √(4·A_max/π), where A_max is the area of the largest plane section; for a sphere, "
           "the diameter"))
       .parameter(Parameter::numbers("axes", {1, 1, 1})
                      .count(3, 3)
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Proportions along x, y, z: the diameters of an ellipsoid, the edges of a box, "
                            "the width, depth and height of a cylinder, the mean proportions of a stone. Only "
                            "their ratios matter; `size` sets the scale."))

@@ -48,7 +48,7 @@ NodeType synthetic_photo_node() {
       .parameter(Parameter::integer("width", 256).range(16, 4096).unit_("pixels").doc_("Width of a picture"))
       .parameter(
           Parameter::integer("height", 256).range(16, 4096).unit_("pixels").doc_("Height of a picture"))
-      .parameter(Parameter::number("pixel_size", 1).above(0).unit_("mm").doc_("Edge of a pixel"))
+      .parameter(Parameter::number("pixel_size", 1).range(1e-9, 1e9).unit_("mm").doc_("Edge of a pixel"))
       .parameter(
           Parameter::optional_number("fill", "auto")
               .range(0.01, 3)

@@ -219,7 +219,7 @@ NodeType unfold_node() {
                            "profile counts once, cut ones with their visible part."))
       .parameter(Parameter::optional_number("d_max", "auto")
                      .unit_("mm")
-                     .above(0)
+                     .range(1e-9, 1e9)
                      .doc_("Size of the largest particle. auto: maximum-likelihood estimate, at least the "
                            "size of the largest profile."))
       .parameter(Parameter::number("area_fraction", 0)
