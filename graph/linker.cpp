@@ -123,10 +123,10 @@ bool Linker::check_size(const RawDocument& root) {
          fmt::format("the graph expands to {} nodes, {} of them in '{}'; the limit is {}", all.nodes,
                      files_->expansion(root, node).nodes, node.name, max_expanded_nodes),
          node.kind_place, "use fewer subgraphs, or split the graph into several", node.name);
-  }
-  if (all.bytes > max_expanded_bytes)
+  } else if (all.bytes > max_expanded_bytes) {
     fail("too-large", too_much_text(all.bytes), {root.file.string(), 0, 0},
          "use fewer subgraphs, or shorter lists");
+  }
   return all.nesting <= max_nesting && all.nodes <= max_expanded_nodes && all.bytes <= max_expanded_bytes;
 }
 
