@@ -1,6 +1,7 @@
 // Rules for every C++ source: ./dev format has formatted it, and it reads numbers in any locale.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -22,16 +23,23 @@ TEST(Sources, AreFormatted) {
 }
 
 // Files whose streams carry words, lines or binary data, but no numbers as text.
-const std::set<std::string> kStreams = {
-    "nodes/common/io/color_config.cpp", "nodes/common/io/provenance_text.cpp", "nodes/data/volume.cpp",
-    "nodes/load_volume/vdb.cpp",        "nodes/render_volume/tissue.cpp",      "runtime/base64.cpp",
-    "runtime/studio/past_states.cpp"};
+const std::set<std::string> kStreams = {"nodes/common/io/color_config.cpp",
+                                        "nodes/common/io/provenance_text.cpp",
+                                        "nodes/data/volume.cpp",
+                                        "nodes/load_strokes/svg_file.cpp",
+                                        "nodes/load_volume/vdb.cpp",
+                                        "nodes/render_volume/tissue.cpp",
+                                        "runtime/base64.cpp",
+                                        "runtime/studio/past_states.cpp"};
+
+constexpr const char* kSuspects[] = {"sto", "strto",  "atof",  "locale", "as<",
+                                     "as_", "printf", "scanf", "stream"};
 
 // A program that contains Terrazzo may have set a locale in which 1,5 is a number and 1.5 is not.
 TEST(Sources, ReadNumbersInAnyLocale) {
   const std::regex forbidden(
-      R"(\b(stod|stof|stold|strtod|strtof|strtold|atof|as_double|as_float|setlocale)\b)"
-      R"(|\.as<(double|float)>|\b(sn?printf|v?s?scanf|fscanf)\(.*%[-+ #0-9.*]*l?[aefgAEFG])");
+      R"(\b(stod|stof|stold|strtod|strtof|strtold|atof|setlocale)\b)"
+      R"(|(\.|->)(as<(double|float)>|as_double|as_float)|\b(sn?printf|v?s?scanf|fscanf)\(.*%[-+ #0-9.*]*l?[aefgAEFG])");
   const std::regex streams(R"(\b([io]?stringstream)\b)");
   int files = 0;
   for (const char* layer : {"graph", "runtime", "nodes"})
@@ -41,6 +49,9 @@ TEST(Sources, ReadNumbersInAnyLocale) {
       std::ifstream in(e.path());
       int number = 0;
       for (std::string line; std::getline(in, line); ++number) {
+        if (std::none_of(std::begin(kSuspects), std::end(kSuspects),
+                         [&](const char* word) { return line.find(word) != std::string::npos; }))
+          continue;  // regular expressions are slow
         const std::string code = line.substr(0, line.find("//"));
         EXPECT_FALSE(std::regex_search(code, forbidden))
             << name << ":" << number + 1 << ": use graph/read_number.h or fmt: " << line;
