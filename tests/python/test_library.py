@@ -215,3 +215,11 @@ def test_reproduce(tmp_path):
     assert t.reproduce(tmp_path / "out" / "out.png", allow_read=[tmp_path])
     with pytest.raises(t.Error, match="contains no provenance"):
         t.reproduce(SOURCE / "graphs" / "samples" / "truth.yaml")
+
+
+def test_sweeps_have_a_limit():
+    g = t.Graph(cache=False)
+    grain = g.Grain(image=g.Pattern().image, name="grain")
+    for vary in ({"grain.seed": range(10**12)}, {"grain.seed": range(1000), "grain.noise": (k / 1000 for k in range(1000))}):
+        with pytest.raises(ValueError, match="more than 100,000 points"):
+            g.sweep(vary, grain)
