@@ -150,7 +150,7 @@ void Laguerre::limit_roundness(const Work& work) {
   measure_rounding(0, work);
   const double gap = options_.least_gap * fitting_gap(work);
   double low = 0, high = most;
-  for (int k = 0; k <= kSteps && low < high; ++k) {
+  for (int k = 0; k <= kSteps && low < high && !(k > 2 && effort_.spent()); ++k) {
     roundness_ = k == 0 ? high : 0.5 * (low + high);
     measure_rounding(gap, work);
     (excess_of(gap, work) >= 0 ? low : high) = roundness_;
@@ -207,7 +207,7 @@ Grains Laguerre::run() {
       const double taken = std::cbrt(cell_volume[i]) - std::cbrt(out.volume[i]);
       cell_volume[i] = std::pow(std::cbrt(factor * wanted_[i]) + taken, 3);
     }
-    const int last = effort_.spent() ? round : kEnlargements;
+    const int last = effort_.spent() && lost == 0 ? round : kEnlargements;
     if (lost == n || (lost > 0 && round == last))
       throw Error(
           "gap-too-wide",
