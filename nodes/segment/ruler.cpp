@@ -177,7 +177,9 @@ std::optional<ScaleMark> find_bar(const Image& image, int section, const PixelBo
 }  // namespace
 
 std::optional<ScaleMark> find_scale(const Image& image, int section, const PixelBox& box,
-                                    const IgnoredPixels& ignored) {
+                                    const IgnoredPixels& ignored, ScaleMark::Kind first) {
+  if (first == ScaleMark::Kind::Bar)
+    if (const auto bar = find_bar(image, section, box)) return bar;
   if (const auto ticks = find_ticks(image, section, box, ignored)) return ticks;
   return find_bar(image, section, box);
 }

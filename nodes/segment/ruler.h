@@ -25,6 +25,8 @@ struct PixelBox {
 // repeats at least five times along any of nine lines parallel to their axis, by autocorrelation; it is
 // measured over as many ticks as agree. Otherwise a bar is the longest horizontal run of one lightness, at
 // least two rows high, that ends within the box. Perspective is not considered. None if there is neither.
-std::optional<ScaleMark> find_scale(const Image&, int section, const PixelBox&, const IgnoredPixels&);
+// `first`: what to look for first; captions have bars, and their letters may repeat.
+std::optional<ScaleMark> find_scale(const Image&, int section, const PixelBox&, const IgnoredPixels&,
+                                    ScaleMark::Kind first = ScaleMark::Kind::Ticks);
 
 }  // namespace terrazzo::segment

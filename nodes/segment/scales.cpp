@@ -63,7 +63,7 @@ class Body {
         for (int k = 0; k < 3; ++k)
           coarse.at<cv::Vec3b>(y, x)[k] = (coarse.at<cv::Vec3b>(y, x)[k] & 0xF0) + 8;
     const cv::Vec3b paper = commonest(coarse);
-    own([&](int) { return paper; });
+    own([&](int) { return paper; }, 0.1);
     grow_columns(), grow_rows(), grow_columns();
     constexpr double kLargest = 0.4;
     if (box_.area() > kLargest * cv::countNonZero(inside_) || 2 * box_.width < 3 * box_.height) return {};
@@ -77,15 +77,18 @@ class Body {
   double fit() const { return 2.0 * cv::countNonZero(own_(box_)) - cv::countNonZero(inside_(box_)); }
 
  private:
-  // Adds the pixels of a color, which may differ from column to column.
+  // Adds the pixels of a color, which may differ from column to column, if they add this share of the
+  // rectangle.
   template <class Color>
-  void own(const Color& color) {
+  void own(const Color& color, double least = 0) {
+    cv::Mat more = own_.clone();
     for (int x = 0; x < turned_.cols; ++x) {
       const cv::Vec3b c = color(x);
       for (int y = 0; y < turned_.rows; ++y)
         if (inside_.at<std::uint8_t>(y, x) && near(turned_.at<cv::Vec3b>(y, x), c))
-          own_.at<std::uint8_t>(y, x) = 255;
+          more.at<std::uint8_t>(y, x) = 255;
     }
+    if (cv::countNonZero(more(box_)) - cv::countNonZero(own_(box_)) >= least * box_.area()) own_ = more;
   }
 
   static bool near(const cv::Vec3b& a, const cv::Vec3b& b) {

@@ -76,7 +76,9 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
 
 void measure_scales(const Image& photo, Segmentation& s) {
   for (FoundObject& o : s.not_material)
-    o.scale = find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, s.ignored);
+    o.scale =
+        find_scale(photo, o.section, {o.left, o.top, o.right, o.bottom}, s.ignored,
+                   o.kind == FoundObject::Kind::Caption ? ScaleMark::Kind::Bar : ScaleMark::Kind::Ticks);
 }
 
 }  // namespace
