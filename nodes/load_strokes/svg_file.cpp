@@ -1,14 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <pugixml.hpp>
-#include <sstream>
 #include <string_view>
 
+#include "graph/read_number.h"
 #include "nodes/load_strokes/stroke_files.h"
 #include "nodes/load_strokes/svg_path.h"
 
@@ -21,17 +19,6 @@ Error bad(const std::string& what) {
   return Error("bad-strokes-file", what, "save the drawing as plain SVG with paths in pixels");
 }
 
-// Takes the number at the start of the text, behind blanks and commas. Nothing if there is none.
-std::optional<double> take_number(std::string_view& text) {
-  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n,"), text.size()));
-  const std::string_view digits = text.substr(text.starts_with('+') ? 1 : 0);
-  double v = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
-  if (error != std::errc() || !std::isfinite(v)) return {};
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return v;
-}
-
 // A length in user units; units other than px are converted at SVG's 96 px per inch. Returns `none` for
 // percentages and invalid text.
 double length(std::string_view text, double none) {
@@ -39,13 +26,18 @@ double length(std::string_view text, double none) {
   static const std::map<std::string_view, double> units = {
       {"", 1}, {"px", 1}, {"pt", 96.0 / 72}, {"pc", 16}, {"in", 96}, {"cm", 96 / 2.54}, {"mm", 96 / 25.4}};
   const auto unit = units.find(text.substr(0, text.find_last_not_of(" \t\r\n") + 1));
-  return !v || unit == units.end() ? none : *v * unit->second;
+  return !v || !std::isfinite(*v) || unit == units.end() ? none : *v * unit->second;
 }
 
+// The numbers of a list, up to the first that is none. A sign separates them, too.
 std::vector<double> numbers(std::string_view text) {
   std::vector<double> out;
-  while (const auto v = take_number(text)) out.push_back(*v);
-  return out;
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n,"), text.size()));
+    const auto v = take_number(text);
+    if (!v || !std::isfinite(*v)) return out;
+    out.push_back(*v);
+  }
 }
 
 Affine transform_of(const std::string& text) {
@@ -95,8 +87,10 @@ void take(Style& s, const std::string& name, const std::string& value) {
 
 Style style_of(Style s, const pugi::xml_node& n) {
   for (const auto& a : n.attributes()) take(s, a.name(), a.value());
-  std::istringstream in(n.attribute("style").value());
-  for (std::string entry; std::getline(in, entry, ';');) {
+  for (std::string_view rest = n.attribute("style").value(); !rest.empty();) {
+    const std::size_t end = std::min(rest.find(';'), rest.size());
+    const std::string entry(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
     const auto colon = entry.find(':');
     if (colon == std::string::npos) continue;
     const auto clean = [](std::string t) {

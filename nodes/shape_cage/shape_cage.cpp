@@ -6,12 +6,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <memory>
 
 #include "graph/diagnostic.h"
+#include "graph/read_number.h"
 #include "nodes/common/geometry/aabb_tree.h"
 #include "nodes/common/geometry/mesh_distance.h"
 #include "nodes/common/geometry/reduce.h"
@@ -157,20 +158,24 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
 
 Move parse_move(const std::string& text) {
   Move m;
-  const char *at = text.data(), *const end = at + text.size();
-  const auto take = [&](auto& number) {
-    while (at != end && std::isspace(static_cast<unsigned char>(*at))) ++at;
-    if (at != end && *at == '+') ++at;
-    const auto [next, error] = std::from_chars(at, end, number);
-    at = next;
-    return error == std::errc() && (at == end || std::isspace(static_cast<unsigned char>(*at)));
-  };
-  const bool read = take(m.vertex) && take(m.by.x()) && take(m.by.y()) && take(m.by.z());
-  while (at != end && std::isspace(static_cast<unsigned char>(*at))) ++at;
-  if (!read || at != end || m.vertex < 0 || !m.by.allFinite())
+  std::string_view rest = text;
+  std::array<double, 4> numbers{};
+  bool read = true;
+  for (double& number : numbers) {
+    const auto v = take_number(rest);
+    read =
+        read && v && std::isfinite(*v) && (rest.empty() || std::isspace(static_cast<unsigned char>(rest[0])));
+    number = v.value_or(0);
+  }
+  constexpr double kMostVertices = 2147483647;
+  read = read && rest.find_first_not_of(" \t\r\n") == std::string_view::npos && numbers[0] >= 0 &&
+         numbers[0] <= kMostVertices && numbers[0] == std::floor(numbers[0]);
+  if (!read)
     throw Error("bad-move", fmt::format("'{}' is not a move", text),
                 "write a vertex and how far it moves along x, y and z in mm, for example \"12 0.5 0 -1\"")
         .parameter("moves");
+  m.vertex = static_cast<int>(numbers[0]);
+  m.by = Vec3(numbers[1], numbers[2], numbers[3]);
   return m;
 }
 
