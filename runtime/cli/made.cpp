@@ -21,7 +21,8 @@ namespace {
 
 Made made_from_report(const json& report, const fs::path& file, const ValueTypes& types) {
   check_report_format(report, file);
-  Made made{report.at("document"), {}, {}, {}, {}, give_values(report.value("values", json::object()), types)};
+  Made made{
+      report.at("document"), {}, {}, {}, {}, give_values(report.value("values", json::object()), types)};
   for (const auto& node : report.at("nodes")) {
     made.keys[node.at("name")] = node.at("key");
     if (node.contains("reads"))
@@ -159,8 +160,8 @@ Made how_made(const fs::path& file, const ValueTypes& types,
 Graph open_made(const Registry& registry, const Made& made, const fs::path& file, const Overrides& overrides,
                 const std::vector<std::string>& folders, Diagnostics& found) {
   // No such file exists; messages name it.
-  const fs::path document = fs::absolute(file).lexically_normal().parent_path() /
-                            ("graph in " + file.filename().string());
+  const fs::path document =
+      fs::absolute(file).lexically_normal().parent_path() / ("graph in " + file.filename().string());
   Graph graph = load_graph_text(made.document, document, registry, overrides, found);
   const InputSearch search(document.parent_path(), folders, made);
   for (auto& node : graph.nodes)
