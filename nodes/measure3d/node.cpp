@@ -29,6 +29,12 @@ void measure_meshes(Context& c, const Particles& particles, Findings& f) {
   for (const Body& b : f.bodies)
     diameter += std::cbrt(b.volume * 6 / M_PI) / static_cast<double>(f.bodies.size());
   f.gap = c.optional_number("contact_gap").value_or(kUsualGap * diameter);
+  if (const double half = particles.box.minCoeff() / 2; f.gap > half)
+    throw Error(
+        "bad-value",
+        fmt::format("contact_gap is {} mm, more than half of the box's shortest edge, {} mm", f.gap, half),
+        "particles would touch their own copies; use a smaller gap")
+        .parameter("contact_gap");
   f.touches = touches_of(particles, shapes, f.gap, c.work().part(0.05, 0.4));
 }
 
