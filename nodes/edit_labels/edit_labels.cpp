@@ -240,8 +240,8 @@ Edit read_edit(const std::string& text) {
   e.kind = word->kind;
   const auto numbers = read_numbers(words);
   if (!numbers || numbers->size() % 2 != 0 ||
-      !std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::abs(x) <= 1e6; }))
-    bad_edit(text, "its points are not pairs of numbers up to 1,000,000");
+      !std::all_of(numbers->begin(), numbers->end(), [](double x) { return std::abs(x) <= 1e9; }))
+    bad_edit(text, "its points are not pairs of numbers up to 1e9");
   const std::vector<double>& v = *numbers;
   if (v.size() < 2 * word->least)
     bad_edit(text, kind + " needs " + std::to_string(word->least) +

@@ -13,7 +13,7 @@ namespace terrazzo::segment {
 
 Area read_area(const std::string& text) {
   const std::vector<double> v = read_numbers(text).value_or(std::vector<double>());
-  const bool possible = std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= 1e6; });
+  const bool possible = std::all_of(v.begin(), v.end(), [](double x) { return std::abs(x) <= 1e9; });
   if (!possible || v.size() < 4 || v.size() % 2 != 0)
     throw Error("bad-region", "'" + text + "' is not an area",
                 "write four numbers, x0 y0 x1 y1, for a rectangle, or the x and y of three or more corners "
