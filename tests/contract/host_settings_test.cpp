@@ -126,8 +126,8 @@ TEST(HostSettings, ReadersIgnoreTheLocale) {
 
 // Nodes whose parameters contain numbers as text, writers, and plots with numbers as labels.
 TEST(HostSettings, NodesIgnoreTheLocale) {
-  const std::vector<std::string> types = {"EditLabels",   "Export",       "DrawStrokes", "ContactSheet",
-                                          "RenderVolume", "Distribution", "Palette"};
+  const std::vector<std::string> types = {"EditLabels",   "Export",       "DrawStrokes",
+                                          "ContactSheet", "Distribution", "Palette"};
   std::map<std::string, nlohmann::json> expected;
   for (const auto& type : types)
     expected[type] = test::example_contents(test::all_nodes(), *test::all_nodes().find(type), 2);
