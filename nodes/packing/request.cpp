@@ -48,6 +48,7 @@ void report_population(Context& c, const Particles& particles, double fraction, 
   const auto asked = static_cast<double>(c.integer("count"));
   c.metric("requested_count", asked);
   if (std::abs(made - asked) <= std::max(1.0, kOtherCount * asked) || particles.count() == 0) return;
+  if (explained && made < asked) return;  // particles were left out
   const double largest = *std::max_element(particles.size.begin(), particles.size.end());
   c.warn(
       fmt::format("there are {} particles; `count` asks for {}. The box of {:.4g} mm is {:.2g} times the "

@@ -239,12 +239,13 @@ TEST(Measure3D, ADensityIsCutAtTheThreshold) {
 }
 
 TEST(Measure3D, LabelsBelowTheThresholdAreBinder) {
-  const Value labels =
-      Value::of(test::label_volume(Vec3i::Constant(12), 1, true, [](int x, int, int) { return x / 3; }));
+  // A label that reaches across the box would be a phase.
+  const Value labels = Value::of(test::label_volume(
+      Vec3i::Constant(12), 1, true, [](int x, int y, int z) { return y < 11 && z < 11 ? x / 3 : -1; }));
   EXPECT_EQ(value_of(measure({{"volume", labels}}), "particles"), 4);
   const NodeRun run = measure({{"volume", labels}}, {{"threshold", "1"}});
   EXPECT_EQ(value_of(run, "particles"), 3);
-  EXPECT_NEAR(value_of(run, "volume fraction, voxels"), 0.75, 1e-12);
+  EXPECT_NEAR(value_of(run, "volume fraction, voxels"), 0.75 * 121 / 144, 1e-12);
   EXPECT_EQ(run.output<Table>("particles").number(0, "index"), 1);
 }
 

@@ -1,6 +1,8 @@
 // Labels that mark phases instead of particles.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "nodes/data/table.h"
 #include "nodes/measure3d/pieces.h"
 #include "tests/nodes/measure3d/blocks.h"
@@ -73,10 +75,9 @@ TEST(Measure3DPieces, TheNodeMeasuresThePiecesOfPhases) {
     EXPECT_EQ(t.number(k, "class"), matrix ? 0 : 1);
     EXPECT_NEAR(t.number(k, "volume mm³"), matrix ? 512 - 64 : 8, 1e-9);
   }
-  ASSERT_EQ(run.warnings.size(), 1u);
-  EXPECT_NE(run.warnings[0].find("2 of the labels mark a phase instead of a particle (0, 1)"),
-            std::string::npos)
-      << run.warnings[0];
+  EXPECT_TRUE(std::any_of(run.warnings.begin(), run.warnings.end(), [](const std::string& w) {
+    return w.find("2 of the labels mark a phase instead of a particle (0, 1)") != std::string::npos;
+  }));
   // A network alone has no particles at all.
   const Value network = Value::of(test::label_volume(
       Vec3i::Constant(16), 0.5, true, [](int x, int y, int z) { return cubes(x, y, z, 0) == 0 ? 1 : -1; }));
