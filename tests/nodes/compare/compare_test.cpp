@@ -161,6 +161,13 @@ TEST(CompareDistributions, ByClassAndReclassed) {
   EXPECT_EQ(exceeding(compare::compare(a, distribution({0, 1, 2}, {9, 2}, 0.2), {}), "size_classes"), 2);
 }
 
+TEST(CompareDistributions, RelativeDensitiesHaveNoUnit) {
+  auto a = distribution({0, 1, 2}, {4, 2}, 0.2);  // without a volume fraction
+  for (const auto& n : compare::compare(a, a, {}).numbers) EXPECT_EQ(n.unit, "relative");
+  a.volume_fraction = 0.3;
+  for (const auto& n : compare::compare(a, a, {}).numbers) EXPECT_EQ(n.unit, "mm⁻³");
+}
+
 Image noise_image(std::uint64_t seed, const Vec3f& color) {
   Image image(64, 48, 1, 1);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
