@@ -194,6 +194,17 @@ def test_every_documented_unit(graph):
             assert "mm" in getattr(cls, name).__doc__ or "linear" in getattr(cls, name).__doc__
 
 
+def test_relative_densities_have_no_unit(graph, tmp_path):
+    sizes = graph["sizes"].distribution.value()
+    assert "N_V mm⁻³" in sizes._repr_html_()
+    file = tmp_path / "sizes.json"
+    file.write_text(json.dumps({"class_edges": [1, 2], "volume_fraction": 0, "d_max": 2, "goodness_of_fit": 0, "shapes": [
+        {"shape": -1, "class": 0, "N_V": [1], "low": [1], "high": [1]}]}))
+    g = t.Graph(cache=False)
+    html = g.LoadDistribution(path=str(file)).distribution.value()._repr_html_()
+    assert "N_V relative" in html and "mm⁻³" not in html
+
+
 def test_descriptions_are_short(graph):
     mesh = graph["ball"].shapes.value()
     ids = np.arange(40_000).reshape(200, 200) + 1

@@ -101,18 +101,28 @@ TEST(ShapeFamilies, SizesAloneDecideLittle) {
   const Known sphere = known("sphere", {{"detail", "2"}}), octahedron = known("octahedron");
   Profiles p = cut(octahedron.shapes.as<Shapes>(), 0.02, 8000, 3);
   for (Profile& q : p.profiles) q.contour.clear();
-  const auto r = test::run_node("ShapeFamilies",
-                                {{"profiles", Value::of(p)},
-                                 {"shapes", sphere.shapes},
-                                 {"shapes", octahedron.shapes},
-                                 {"kmatrices", sphere.kmatrix},
-                                 {"kmatrices", octahedron.kmatrix}},
-                                {{"bootstrap", "0"}, {"sections", "200"}, {"names", "[sphere, octahedron]"}});
+  const auto compared = [&] {
+    return test::run_node("ShapeFamilies",
+                          {{"profiles", Value::of(p)},
+                           {"shapes", sphere.shapes},
+                           {"shapes", octahedron.shapes},
+                           {"kmatrices", sphere.kmatrix},
+                           {"kmatrices", octahedron.kmatrix}},
+                          {{"bootstrap", "0"}, {"sections", "200"}, {"names", "[sphere, octahedron]"}});
+  };
+  const auto r = compared();
+  EXPECT_EQ(r.output<Table>("table").column("N_V mm⁻³"), 6);
+  EXPECT_EQ(r.metrics.count("N_V"), 1u);
   EXPECT_EQ(r.metrics.at("outlines"), 0);
   const auto& table = r.output<Table>("table");
   EXPECT_LT(std::abs(table.number(0, "sizes") - table.number(1, "sizes")), 0.05);
   EXPECT_EQ(table.number(0, "outlines"), 0);
   EXPECT_FALSE(r.warnings.empty());
+  // Without an area, densities have no unit.
+  p.observed_area = 0, p.area_fraction = 0;
+  const auto relative = compared();
+  EXPECT_EQ(relative.output<Table>("table").column("N_V relative"), 6);
+  EXPECT_EQ(relative.metrics.count("N_V"), 0u);
 }
 
 // A family twice in the list: equal predictions, both plausible, no disagreement.
