@@ -30,8 +30,8 @@ Made how_made(const std::filesystem::path& file, const ValueTypes&,
               std::string (*read_provenance)(const std::filesystem::path&));
 
 // The graph. Searches the input files by name and content: in the file's folder and three above it, in
-// `folders`, and where a report beside the file says that they were. Throws Error "given-array" if it needs an
-// array that the provenance lacks.
+// `folders`, and where a report beside the file says that they were. Throws Error "given-array" if it needs
+// an array that the provenance lacks.
 Graph open_made(const Registry&, const Made&, const std::filesystem::path& file, const Overrides&,
                 const std::vector<std::string>& folders, Diagnostics& found);
 
