@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <locale>
 #include <map>
 
 #include "nodes/segment/ignored.h"
@@ -17,8 +18,21 @@ using namespace segment;
 TEST(Ignored, AreasAreRead) {
   EXPECT_EQ(read_area("1 2 5 7").size(), 4u);
   EXPECT_EQ(read_area("0,0, 10,0, 5,8").size(), 3u);
-  for (const char* text : {"", "1 2 3", "1 2 3 4 5", "a b c d", "1 2 3 nan", "1 2 3 4 x"})
+  for (const char* text :
+       {"", "1 2 3", "1 2 3 4 5", "a b c d", "1 2 3 nan", "1 2 3 4 x", "1 2 3 +-4", "1 2 3 4e999"})
     EXPECT_EQ(test::code_of([&] { read_area(text); }), "bad-region") << text;
+}
+
+// A host program may write numbers with a decimal comma.
+TEST(Ignored, AreasAreReadInAnyLocale) {
+  struct Comma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+  };
+  const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
+  const Area area = read_area("1.5 2 5.25,7");
+  std::locale::global(before);
+  EXPECT_EQ(area[0].x(), 1.5);
+  EXPECT_EQ(area[2].x(), 5.25);
 }
 
 TEST(Ignored, RectanglesAndPolygonsCoverTheirPixels) {
