@@ -29,14 +29,15 @@ namespace terrazzo {
 
 NodeType synthetic_photo_node() {
   using namespace synthetic_photo;
-  return NodeType("SyntheticPhoto", 6)
+  return NodeType("SyntheticPhoto", 7)
       .doc_(
           "Renders photographs of imaginary aggregates with exact labels of their particles, to train and "
           "test segmentation. Shapes, sizes, colors, textures, light and camera vary with the seed.")
       .source_("Wicksell 1925 for the sizes of profiles; JPEG: ITU-T T.81; see README")
       .output("image", "Image", "The photographs, one section each")
       .output("labels", "Labels", "Visible part of each particle that a person would outline")
-      .output("not_material", "Labels", "1 where a ruler, frame, chart or caption covers the material")
+      .output("not_material", "Labels",
+              "1 where a ruler, frame, caption or another thing covers the material")
       .output("unclear", "Labels",
               "1 on particles without a label: too small, too faint or too hidden to say whether a person "
               "would outline them")
@@ -56,7 +57,9 @@ NodeType synthetic_photo_node() {
                   "Area of the particles relative to the picture's. Stones of a bank or heap that hide each "
                   "other count in full. auto: drawn for each picture."))
       .parameter(Parameter::boolean("objects", true)
-                     .doc_("Adds rulers, frames, color charts or captions to some pictures"))
+                     .doc_("Adds rulers, folding rulers, tapes, scale cards, coins, pens, frames, color "
+                           "charts or captions to some "
+                           "pictures"))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

@@ -2,85 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
-#include "nodes/common/geometry/rank.h"
 #include "nodes/common/plot/drawing.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/noise.h"
+#include "nodes/synthetic_photo/board.h"
+#include "nodes/synthetic_photo/rulers.h"
 
 namespace terrazzo::synthetic_photo {
 namespace {
-
-Vec3f paint_color(Random& r) {
-  static const float table[8][3] = {{.92f, .92f, .9f}, {.95f, .8f, .15f}, {.05f, .05f, .06f},
-                                    {.6f, .6f, .62f},  {.75f, .6f, .4f},  {.8f, .15f, .1f},
-                                    {.15f, .3f, .7f},  {.3f, .2f, .12f}};
-  const auto& t = table[r.below(8)];
-  return srgb_to_linear(Vec3f(t[0], t[1], t[2]));
-}
-
-// A turned rectangle on the canvas.
-struct Board {
-  double x, y, half_length, half_width, cosine, sine;
-  bool inside(double px, double py, double& along, double& across) const {
-    along = cosine * (px - x) + sine * (py - y), across = cosine * (py - y) - sine * (px - x);
-    return std::abs(along) < half_length && std::abs(across) < half_width;
-  }
-};
-
-template <class Shade>
-void lay(Canvas& c, const Board& board, double thickness, Shade&& shade) {
-  const double reach = std::hypot(board.half_length, board.half_width);
-  float ground = -1e30f;
-  double along = 0, across = 0;
-  const int x0 = std::max(0, static_cast<int>(board.x - reach)),
-            x1 = std::min(c.width - 1, static_cast<int>(board.x + reach));
-  const int y0 = std::max(0, static_cast<int>(board.y - reach)),
-            y1 = std::min(c.height - 1, static_cast<int>(board.y + reach));
-  std::vector<float> heights;
-  for (int y = y0; y <= y1; y += 3)
-    for (int x = x0; x <= x1; x += 3)
-      if (board.inside(x, y, along, across)) heights.push_back(c.z[c.at(x, y)]);
-  if (heights.empty()) return;
-  ground = at_rank(heights, heights.size() * 9 / 10) + static_cast<float>(thickness);
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x) {
-      if (!board.inside(x, y, along, across)) continue;
-      const std::size_t i = c.at(x, y);
-      c.z[i] = std::max(c.z[i], ground), c.id[i] = 0, c.other[i] = 1, c.gloss[i] = 0.1f;
-      c.color[i] = shade(along, across);
-    }
-}
-
-void ruler(Canvas& c, Random& r) {
-  Board b{
-      r.uniform(0, c.width), r.uniform(0, c.height), r.uniform(0.3, 1.2) * c.width, r.uniform(10, 40), 1, 0};
-  const double turn =
-      r.uniform() < 0.5 ? 1.5708 * static_cast<double>(r.below(4)) + 0.05 * r.normal() : r.uniform(0, 6.2832);
-  b.cosine = std::cos(turn), b.sine = std::sin(turn);
-  const Vec3f back = paint_color(r);
-  const Vec3f mark = back.sum() > 0.6f ? Vec3f::Constant(0.02f) : Vec3f::Constant(0.85f);
-  const bool blocks = r.uniform() < 0.35;
-  const double step = r.uniform(4, 18), line = std::max(1.0, step * r.uniform(0.1, 0.3)),
-               block = r.uniform(15, 60);
-  const double numbers = step * 10;
-  lay(c, b, r.uniform(0, 10), [&](double along, double across) -> Vec3f {
-    const double w = across / b.half_width;
-    if (blocks) return (static_cast<int>(std::floor(along / block)) + (w > 0)) % 2 == 0 ? back : mark;
-    const int tick = static_cast<int>(std::floor(along / step + 0.5));
-    const double length = tick % 10 == 0 ? 1.1 : tick % 5 == 0 ? 0.75 : 0.5;
-    if (std::abs(along - tick * step) < line / 2 && w < -1 + length) return mark;
-    // Digits: short strokes in a box beside each long tick.
-    const double d = along - numbers * std::floor(along / numbers + 0.5);
-    if (w > 0.1 && w < 0.75 && d > 2 && d < 0.9 * b.half_width + 2) {
-      const int cell = static_cast<int>(d / 2.5) + 7 * static_cast<int>((w - 0.1) / 0.13) +
-                       31 * static_cast<int>(std::floor(along / numbers));
-      if (mix64(static_cast<std::uint64_t>(cell) + 17) % 5 < 2) return mark;
-    }
-    return back;
-  });
-}
 
 void frame(Canvas& c, Random& r) {
   const Vec3f color = paint_color(r);
@@ -155,6 +87,37 @@ void caption(Canvas& c, Random& r) {
   c.color = picture.pixels;
 }
 
+// A disc of metal with a rim and a worn relief.
+void coin(Canvas& c, Random& r) {
+  const double radius = r.uniform(14, 60);
+  static const float metals[3][3] = {{.72f, .72f, .74f}, {.8f, .62f, .3f}, {.6f, .36f, .22f}};
+  const auto& m = metals[r.below(3)];
+  const Vec3f color = srgb_to_linear(Vec3f(m[0], m[1], m[2]));
+  const std::uint64_t seed = r.bits();
+  const Board b = Board::turned(r.uniform(0, c.width), r.uniform(0, c.height), radius, radius, 0);
+  lay(c, b, r.uniform(1, 8), [&](double along, double across) -> std::optional<Vec3f> {
+    const double far = std::hypot(along, across) / radius;
+    if (far > 1) return {};
+    const double relief = turbulence(seed, Vec3(along / (0.2 * radius), across / (0.2 * radius), 0), 3);
+    return color * static_cast<float>(far > 0.88 ? 1.25 : 0.9 + 0.5 * relief);
+  });
+}
+
+// A pen or pencil: round, with a tip and a part of another color.
+void pen(Canvas& c, Random& r) {
+  const double length = r.uniform(60, 220), width = r.uniform(4, 11), tip = r.uniform(2, 5) * width,
+               cap = r.uniform(-1, 0.6) * length;
+  const Vec3f body = paint_color(r), other = paint_color(r);
+  const Board b =
+      Board::turned(r.uniform(0, c.width), r.uniform(0, c.height), length, width, r.uniform(0, 6.2832));
+  lay(c, b, r.uniform(2, 12), [&](double along, double across) -> std::optional<Vec3f> {
+    const double thick = along > length - tip ? std::max(0.2, (length - along) / tip) : 1;
+    const double w = across / (width * thick);
+    if (std::abs(w) > 1) return {};
+    return (along < cap ? other : body) * static_cast<float>(0.35 + 0.8 * std::sqrt(1 - w * w));
+  });
+}
+
 }  // namespace
 
 void add_objects(Canvas& c, bool micrograph, Random& r) {
@@ -162,10 +125,15 @@ void add_objects(Canvas& c, bool micrograph, Random& r) {
     if (r.uniform() < 0.3) caption(c, r);
     return;
   }
-  if (r.uniform() < 0.10) ruler(c, r);
+  if (r.uniform() < 0.10) add_ruler(c, r);
   if (r.uniform() < 0.07) frame(c, r);
   if (r.uniform() < 0.04) chart(c, r);
   if (r.uniform() < 0.04) caption(c, r);
+  if (r.uniform() < 0.05) add_folding_ruler(c, r);
+  if (r.uniform() < 0.04) add_tape(c, r);
+  if (r.uniform() < 0.05) add_scale_card(c, r);
+  if (r.uniform() < 0.04) coin(c, r);
+  if (r.uniform() < 0.04) pen(c, r);
 }
 
 }  // namespace terrazzo::synthetic_photo

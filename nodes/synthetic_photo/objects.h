@@ -1,4 +1,5 @@
-// Things in a photograph that are not material: rulers, frames, color charts, captions with scale bars.
+// Things in a photograph that are not material: rulers, tapes, scale cards, coins, pens, frames, color
+// charts, captions with scale bars.
 #pragma once
 
 #include "nodes/synthetic_photo/canvas.h"
@@ -6,7 +7,7 @@
 
 namespace terrazzo::synthetic_photo {
 
-// Covers parts of the canvas with none to three objects. `micrograph`: captions and scale bars only.
+// Covers parts of the canvas with none to a few objects. `micrograph`: captions and scale bars only.
 void add_objects(Canvas&, bool micrograph, Random&);
 
 }  // namespace terrazzo::synthetic_photo

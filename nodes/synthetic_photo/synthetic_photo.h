@@ -24,14 +24,14 @@ struct PhotoOptions {
   int width = 256, height = 256;  // pixels
   double pixel_size = 1;          // mm
   std::optional<double> fill;     // area fraction aimed at; none: 0.05 to 0.95
-  bool objects = true;            // rulers, frames and captions in some pictures
+  bool objects = true;            // rulers, frames, captions and others in some pictures
   std::uint64_t seed = 1;
 };
 
 struct Photo {
   Image image;          // one section per picture
   Labels labels;        // the visible part of each particle that a person would outline
-  Labels not_material;  // 1 where a ruler, frame or caption covers the material
+  Labels not_material;  // 1 where a ruler, frame, caption or the like covers the material
   Labels unclear;       // 1 on particles that are too small or too faint for a label
 };
 
