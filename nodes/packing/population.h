@@ -29,7 +29,7 @@ struct PopulationOptions {
 
 // An automatic box is made larger than for `count` particles, so that it shows many of the largest ones, as
 // long as it holds at most this many particles in all and at most ten times `count`.
-inline constexpr double kMostEnlarged = 4000;
+inline constexpr double kMostEnlarged = 2500;
 double most_enlarged(const PopulationOptions&);
 
 struct Population {

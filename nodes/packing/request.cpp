@@ -15,7 +15,7 @@ NodeType& declare_population(NodeType& type) {
                      .count(1, 3)
                      .doc_("Edge length of the box: one value for a cube, two for x = y and z, or three for "
                            "x, y and z. auto: a cube for about `count` particles, at least three times the "
-                           "largest particle unless that would need ten times as many, or more than 4,000. "
+                           "largest particle unless that would need ten times as many, or more than 2,500. "
                            "If even a box that the largest particle just fits into would hold more, the "
                            "smallest size classes are left to the binder."))
       .parameter(Parameter::integer("count", 2000)
