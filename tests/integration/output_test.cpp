@@ -166,7 +166,7 @@ nodes:
   color: {type: Colorize, inputs: {particles: pack.particles, profiles: profiles.profiles}}
   voxels: {type: Voxelize, inputs: {particles: color.particles, shapes: shape.shapes}, params: {resolution: 8}}
   pictures: {type: Export, each: {path: [a.png, a.exr, a.tif, a.jpg]}, inputs: {image: grain.image}, params: {path: "${path}"}}
-  bodies: {type: Export, each: {path: [a.glb, a.usda, a.xml, a.pbrt]}, inputs: {particles: color.particles, shapes: shape.shapes}, params: {path: "${path}"}}
+  bodies: {type: Export, each: {path: [a.glb, a.usda, a.xml, b.pbrt]}, inputs: {particles: color.particles, shapes: shape.shapes}, params: {path: "${path}"}}
   grids: {type: Export, each: {path: [a.vdb, a.vti, a.dream3d, a.inp, a.nii, a.nii.gz]}, inputs: {volume: voxels.volume}, params: {path: "${path}"}}
 )";
     const auto r =
