@@ -1,11 +1,8 @@
 // Filling ends for any sizes: the effort is counted, the triangles are limited, and what was reached is kept.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <optional>
 
-#include "graph/diagnostic.h"
 #include "nodes/common/io/particles_json.h"
 #include "nodes/packing/audit.h"
 #include "nodes/tessellation/fill_space.h"
@@ -97,44 +94,6 @@ TEST(FillEffort, SmallGrainsKeepTheirVolumesBetweenJoints) {
       tessellation::laguerre_grains(Vec3::Constant(std::cbrt(total / 0.8)), volume, {}, effort);
   EXPECT_GT(grains.gap, 0);
   EXPECT_LT(grains.worst, 0.02);
-}
-
-// What a filling that is canceled at report `stop` hands over.
-struct HandedOver {
-  std::optional<Particles> particles;
-  Shapes shapes;
-  bool grown = false, canceled = false;
-  int reports = 0;
-  HandedOver(Stones stones, int stop) {
-    std::atomic<bool> cancel{false};
-    const Work::Report report = [&](double, const std::string&) { cancel = ++reports == stop || cancel; };
-    stones.options.interrupted = [&](const Particles& p, const Shapes& s, bool g) {
-      particles = p, shapes = s, grown = g;
-    };
-    try {
-      tessellation::fill_space(stones.distribution, stones.shapes, stones.options, Work(&cancel, &report));
-    } catch (const Cancelled&) {
-      canceled = true;
-    }
-  }
-};
-
-TEST(FillEffort, ACanceledFillingHandsOverWhatItHas) {
-  Stones stones(Method::Grow);
-  stones.options.corrections = 0;
-  const HandedOver never(stones, -1);
-  EXPECT_FALSE(never.canceled);
-  EXPECT_FALSE(never.particles);
-  bool packed = false, grown = false;
-  for (int stop = never.reports - 1; stop > 0 && !(packed && grown); stop -= 1 + never.reports / 40) {
-    const HandedOver some(stones, stop);
-    EXPECT_TRUE(some.canceled);
-    if (!some.particles) continue;
-    EXPECT_EQ(some.shapes.shapes.size(), some.grown ? some.particles->count() : 1u);
-    (some.grown ? grown : packed) = true;
-  }
-  EXPECT_TRUE(grown);
-  EXPECT_TRUE(packed);
 }
 
 TEST(FillEffort, AHandedOverResultCanBeLoaded) {
