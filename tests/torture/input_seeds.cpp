@@ -154,7 +154,7 @@ void meshes(Writer& w) {
   w.text("LoadMesh.ply", "strips.ply",
          "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
          "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
-         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n10 0 2 1 3 -1 0 3 2 -1 -1\n");
+         "0 0 0\n1 0 0\n0 1 0\n0 0 1\n12 0 2 1 3 -1 1 3 0 -1 0 3 2\n");
 }
 
 void vdbs(Writer& w) {
