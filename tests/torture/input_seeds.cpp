@@ -296,7 +296,7 @@ void arrays(Writer& w) {
   const std::int32_t numbers[] = {3, 2, 2, 1, 0, 0, 0, 3, 2, 2};
   for (std::size_t k = 0; k < 10; ++k) put(k + 1, numbers[k]);
   for (std::size_t k = 0; k < 3; ++k) {
-    put(k + 11, 20.0f);
+    put(k + 11, 2e7f);
     put(k + 14, 90.0f);
     put(k + 17, static_cast<std::int32_t>(3 - k));
   }
