@@ -22,7 +22,7 @@ inline constexpr std::array cache_tables = {"actions", "values", "files", "histo
 // Creates the folder if it is missing, accessible only to the user, and marks it. Accepts an unmarked folder
 // from an earlier version if it contains nothing but cache entries. Throws Error "not-a-cache" if the folder
 // contains anything else, "unsafe-folder" if everybody may write to it, "cache-unusable" if it cannot be
-// created or read, or if its mark is damaged or of another version. A run goes on without a cache that is
+// created or read, or if its mark is damaged or of another version. A run continues without a cache that is
 // unusable.
 void open_cache_folder(const std::filesystem::path&);
 

@@ -53,7 +53,7 @@ std::vector<Mesh> closed_surfaces(const Mesh& stored, std::vector<std::string>& 
 
 // With repair, what is left to do once the surfaces are closed: flat ones are dropped, and those that face
 // inward are turned, all of them if the file as a whole is inside out.
-void mend(std::vector<Mesh>& surfaces, std::vector<std::string>& done, const Work& work) {
+void repair_surfaces(std::vector<Mesh>& surfaces, std::vector<std::string>& done, const Work& work) {
   const auto turn = [](Mesh& mesh) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     return mesh.triangles.size();
@@ -95,7 +95,7 @@ std::vector<Mesh> bodies_from(Context& c, const std::filesystem::path& path, con
     throw Error("open-mesh", fmt::format("{} is not watertight: {}", name, joined(faults)),
                 may_repair ? "repair could not close it: close it in a mesh editor"
                            : "set repair: true, or close it in a mesh editor");
-  if (may_repair) mend(surfaces, done, work);
+  if (may_repair) repair_surfaces(surfaces, done, work);
   if (!done.empty()) c.warn(name + ": " + joined(done));
   Bodies sorted = bodies_of(surfaces, work);
   const auto refuse = [&](const std::vector<std::size_t>& which, const char* what, const char* hint) {

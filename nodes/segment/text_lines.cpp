@@ -104,7 +104,7 @@ bool belongs(const cv::Rect& bar, const cv::Rect& text) {
   return (above <= 2 * h && beside <= 0) || (beside <= 2 * h && above <= 0);
 }
 
-// Whether a row of letters goes on with text of this box, on the same line or the next one.
+// Whether a row of letters continues with text of this box, on the same line or the next one.
 bool goes_on(const cv::Rect& row, const cv::Rect& text) {
   const int h = std::max(row.height, text.height);
   if (2 * std::min(row.height, text.height) < h) return false;

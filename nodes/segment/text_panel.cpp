@@ -140,7 +140,7 @@ std::optional<int> panel_edge(const cv::Mat& gray, const cv::Rect& text, int dir
   return {};
 }
 
-// How far the step of row `y` goes on from column `x`.
+// How far the step of row `y` continues from column `x`.
 int end_of_step(const cv::Mat& gray, int y, int x, int direction, bool up) {
   constexpr int kWindow = 12;
   constexpr double kAgree = 0.7;

@@ -143,7 +143,7 @@ double computed() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-// Cancels a computation after some time, and ends the process if it then goes on for too long.
+// Cancels a computation after some time, and ends the process if it then continues for too long.
 class Deadline {
  public:
   Deadline(std::atomic<bool>& cancel, double seconds)

@@ -94,7 +94,7 @@ TEST_F(FilesToRead, GraphsAndSubgraphsAreRegularFiles) {
   }
 }
 
-// Whoever reads YAML recursively needs a limit.
+// Code that reads YAML recursively needs a limit.
 TEST(DeepYaml, IsAnErrorAndNoCrash) {
   const std::size_t deep = 300'000;
   std::string block;

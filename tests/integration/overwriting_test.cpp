@@ -92,7 +92,7 @@ TEST_F(Overwriting, NamesOfTheProgramsFilesAreMistakesInAGraph) {
     EXPECT_NE(r.err.find("is the name of a file that terrazzo itself writes"), std::string::npos) << r.err;
   }
   EXPECT_EQ(run_program({"check", graph("data.csv", "tables/sweep.csv").string()}).exit_code, 0);
-  // Whoever names the file by hand means it.
+  // A user who names the file by hand means it.
   EXPECT_EQ(
       terrazzo({"show", graph("data.csv").string(), "table.table", "-o", (folder / "sweep.csv").string()})
           .exit_code,
