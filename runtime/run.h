@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "graph/exception_text.h"
 #include "runtime/arena.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
@@ -60,7 +59,7 @@ class Run {
     try {
       call(*options_.observer);
     } catch (const std::exception& e) {
-      result_.trouble = std::string("the progress display stopped: ") + exception_text(e);
+      result_.trouble = std::string("the progress display stopped: ") + e.what();
     }
   }
 

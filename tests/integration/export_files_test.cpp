@@ -221,7 +221,7 @@ Volume loaded(const fs::path& file, std::map<std::string, std::string> parameter
 TEST(ForeignNpy, OpensInLoadVolume) {
   if (!test::has_python_module("numpy")) GTEST_SKIP() << "python3-numpy is not installed";
   const fs::path file = test::temporary_folder() / "a.npy";
-  for (const char* type : {"u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f4", "<f8"})
+  for (const char* type : {"u1", "<i2", "<u2", "<i4", "<u4", "<i8", "<u8", "<f4", "<f8", ">i2", ">f4"})
     for (const char* order : {"C", "F"}) {
       test::run_reader("write_npy.py", {file.string(), type, order});
       const auto grid = loaded(file, {{"spacing", "2"}}).find<openvdb::FloatGrid>("density");
@@ -232,7 +232,7 @@ TEST(ForeignNpy, OpensInLoadVolume) {
           for (int x = 0; x < 4; ++x)
             ASSERT_EQ(grid->tree().getValue(openvdb::Coord(x, y, z)), x + 10 * y + 100 * z) << type << order;
     }
-  test::run_reader("write_npy.py", {file.string(), ">f4", "C"});
+  test::run_reader("write_npy.py", {file.string(), "<c8", "C"});
   EXPECT_EQ(test::code_of([&] { loaded(file, {{"spacing", "2"}}); }), "unreadable-volume");
 }
 

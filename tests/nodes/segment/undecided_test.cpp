@@ -47,7 +47,7 @@ TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
   double by_labels = 0, by_rest = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     synthetic_photo::PhotoOptions o;
-    o.scene = synthetic_photo::Scene::Heap, o.seed = 900000 + seed;
+    o.scene = synthetic_photo::Scene::Heap, o.seed = 900000 + seed, o.objects = false;
     const auto photo = synthetic_photo::take_photo(o, {});
     const auto found =
         test::run_node("Segment", {{"image", Value::of(photo.image)}}, {{"method", "network"}});
