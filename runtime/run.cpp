@@ -7,6 +7,7 @@
 #include <chrono>
 #include <thread>
 
+#include "graph/exception_text.h"
 #include "graph/numeric_environment.h"
 
 namespace terrazzo {
