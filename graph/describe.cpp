@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "graph/element_name.h"
+#include "graph/text/element_name.h"
 
 namespace terrazzo {
 using nlohmann::json;
@@ -55,6 +55,7 @@ json describe_json(const NodeType& t) {
           {"version", t.version},
           {"doc", t.doc},
           {"source", t.source},
+          {"district", t.district},
           {"writes_files", t.writes_files},
           {"inputs", ports(t.inputs)},
           {"outputs", ports(t.outputs)},

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 
 namespace terrazzo {
 

@@ -8,8 +8,8 @@
 #include <tuple>
 
 #include "graph/describe.h"
-#include "graph/element_name.h"
-#include "graph/escape_xml.h"
+#include "graph/text/element_name.h"
+#include "graph/text/escape_xml.h"
 
 namespace terrazzo {
 namespace {

@@ -1,7 +1,7 @@
 #include "graph/graph.h"
 
-#include "graph/element_name.h"
-#include "graph/nearest.h"
+#include "graph/text/element_name.h"
+#include "graph/text/nearest.h"
 
 namespace terrazzo {
 

@@ -13,7 +13,7 @@
 
 namespace terrazzo {
 
-struct RawDocument;  // graph/raw_document.h
+struct RawDocument;  // graph/document/raw_document.h
 
 struct Wire {
   int node = -1;  // index of the source node

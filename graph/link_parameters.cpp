@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "graph/element_name.h"
 #include "graph/linker.h"
-#include "graph/nearest.h"
 #include "graph/node_parameters.h"
 #include "graph/output_path.h"
+#include "graph/text/element_name.h"
+#include "graph/text/nearest.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "graph/element_name.h"
 #include "graph/linker.h"
-#include "graph/nearest.h"
+#include "graph/text/element_name.h"
+#include "graph/text/nearest.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "graph/element_name.h"
 #include "graph/linker.h"
-#include "graph/nearest.h"
 #include "graph/numeric_environment.h"
+#include "graph/text/element_name.h"
+#include "graph/text/nearest.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

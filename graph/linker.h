@@ -7,9 +7,9 @@
 #include <set>
 #include <unordered_map>
 
+#include "graph/document/raw_document.h"
+#include "graph/document/subgraph_files.h"
 #include "graph/graph.h"
-#include "graph/raw_document.h"
-#include "graph/subgraph_files.h"
 
 namespace terrazzo {
 

@@ -57,6 +57,10 @@ NodeType& NodeType::companion_files_(std::vector<std::filesystem::path> (*fn)(co
 
 NodeType& NodeType::check_(void (*fn)(const NodeParameters&)) { return check = fn, *this; }
 NodeType& NodeType::compute_(void (*fn)(Context&)) { return compute = fn, *this; }
+NodeType& NodeType::in_district(std::string name) {
+  district = std::move(name);
+  return *this;
+}
 
 namespace {
 template <class List>

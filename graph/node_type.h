@@ -42,6 +42,8 @@ struct NodeType {
   // any work. Throws Error, which names a parameter. Null if there are none.
   void (*check)(const NodeParameters&) = nullptr;
   void (*compute)(Context&) = nullptr;
+  // What the node is about, such as "sizes": the folder below nodes/ that contains it. "" in plugins.
+  std::string district;
 
   NodeType(std::string name, int version);
   // Defined once, in node_type.cpp, since every node returns one and would compile them again.
@@ -65,6 +67,7 @@ struct NodeType {
   NodeType& companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&));
   NodeType& check_(void (*fn)(const NodeParameters&));
   NodeType& compute_(void (*fn)(Context&));
+  NodeType& in_district(std::string name);
 
   const Port* find_input(const std::string&) const;
   const Port* find_output(const std::string&) const;

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "graph/nearest.h"
 #include "graph/output_path.h"
-#include "graph/utf8.h"
+#include "graph/text/nearest.h"
+#include "graph/text/utf8.h"
 
 namespace terrazzo {
 

@@ -63,8 +63,11 @@ void check_declaration(const NodeType& t) {
 void Registry::add(NodeType t) {
   check_declaration(t);
   std::string name = t.name;
+  const std::string district = t.district;
   if (!types_.emplace(name, std::make_unique<NodeType>(std::move(t))).second)
     throw Error("duplicate-node-type", "there are two node types named " + name);
+  if (!district.empty() && std::find(districts_.begin(), districts_.end(), district) == districts_.end())
+    districts_.push_back(district);
 }
 
 void Registry::replace(NodeType t) {
@@ -95,6 +98,19 @@ std::vector<const NodeType*> Registry::all() const {
 std::vector<std::string> Registry::names() const {
   std::vector<std::string> out;
   for (const auto& [name, type] : types_) out.push_back(name);
+  return out;
+}
+
+std::vector<Registry::District> Registry::by_district() const {
+  std::vector<District> out;
+  for (const auto& district : districts_) out.push_back({district, {}});
+  District other{"other", {}};
+  for (const auto& [name, type] : types_) {
+    const auto at = std::find(districts_.begin(), districts_.end(), type->district);
+    (at == districts_.end() ? other : out[static_cast<std::size_t>(at - districts_.begin())])
+        .types.push_back(type.get());
+  }
+  if (!other.types.empty()) out.push_back(std::move(other));
   return out;
 }
 

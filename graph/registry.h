@@ -22,9 +22,17 @@ class Registry {
   const NodeType* find_former(const std::string& name) const;
   std::vector<const NodeType*> all() const;  // sorted by name
   std::vector<std::string> names() const;
+  struct District {
+    std::string name;
+    std::vector<const NodeType*> types;  // sorted by name
+  };
+  // All node types by district, in the order in which the districts were first added; types without a
+  // district are last, as "other".
+  std::vector<District> by_district() const;
 
  private:
   std::map<std::string, std::unique_ptr<NodeType>> types_;
+  std::vector<std::string> districts_;
   std::vector<std::unique_ptr<NodeType>> replaced_;  // graphs may still refer to them
 };
 

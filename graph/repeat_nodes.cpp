@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "graph/element_name.h"
 #include "graph/linker.h"
+#include "graph/text/element_name.h"
 #include "graph/value_range.h"
 
 namespace terrazzo {

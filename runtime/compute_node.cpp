@@ -6,10 +6,10 @@
 #include "graph/exception_text.h"
 #include "graph/numeric_environment.h"
 #include "graph/output_path.h"
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 #include "runtime/files.h"
+#include "runtime/files/protected_files.h"
 #include "runtime/memory.h"
-#include "runtime/protected_files.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

@@ -11,7 +11,7 @@
 
 namespace terrazzo {
 
-class ProtectedFiles;  // runtime/protected_files.h
+class ProtectedFiles;  // runtime/files/protected_files.h
 
 // What a canceled computation wants to save: the arguments of Context::save_interrupted.
 struct InterruptedWork {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "runtime/file_hashes.h"
+#include "runtime/cache/file_hashes.h"
+#include "runtime/cache/store.h"
 #include "runtime/run_result.h"
-#include "runtime/store.h"
 
 namespace terrazzo {
 

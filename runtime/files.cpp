@@ -12,10 +12,10 @@
 #include <cstring>
 
 #include "graph/input_file.h"
-#include "runtime/descriptor.h"
-#include "runtime/host_name.h"
-#include "runtime/natural_order.h"
-#include "runtime/protected_files.h"
+#include "runtime/files/descriptor.h"
+#include "runtime/files/host_name.h"
+#include "runtime/files/natural_order.h"
+#include "runtime/files/protected_files.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

@@ -12,7 +12,7 @@
 
 namespace terrazzo {
 
-class ProtectedFiles;  // runtime/protected_files.h
+class ProtectedFiles;  // runtime/files/protected_files.h
 
 // The existing files that match `pattern`, sorted. *, ? and [] match within one path component.
 std::vector<std::filesystem::path> expand_glob(const std::filesystem::path& pattern);

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "runtime/base64.h"
 #include "runtime/context.h"
+#include "runtime/files/base64.h"
 
 namespace terrazzo {
 namespace {

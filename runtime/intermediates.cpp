@@ -1,6 +1,6 @@
 #include "runtime/intermediates.h"
 
-#include "runtime/store.h"
+#include "runtime/cache/store.h"
 
 namespace terrazzo {
 

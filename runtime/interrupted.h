@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "runtime/compute_node.h"
-#include "runtime/protected_files.h"
+#include "runtime/files/protected_files.h"
 #include "runtime/run_result.h"
 
 namespace terrazzo {

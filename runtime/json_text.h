@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 
 namespace terrazzo {
 

@@ -1,12 +1,12 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "runtime/cli/command_line.h"
+#include "runtime/clients/cli/command_line.h"
+#include "runtime/clients/studio/library.h"
+#include "runtime/clients/studio/paint/paint_options.h"
+#include "runtime/clients/studio/studio_options.h"
 #include "runtime/given.h"
 #include "runtime/plugin.h"
-#include "runtime/studio/library.h"
-#include "runtime/studio/paint_options.h"
-#include "runtime/studio/studio_options.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "graph/diagnostic.h"
-#include "graph/number_text.h"
+#include "graph/text/number_text.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

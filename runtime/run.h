@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "runtime/arena.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
-#include "runtime/thread_marks.h"
+#include "runtime/threads/arena.h"
+#include "runtime/threads/thread_marks.h"
 
 namespace terrazzo {
 
-class ProtectedFiles;  // runtime/protected_files.h
+class ProtectedFiles;  // runtime/files/protected_files.h
 
 // The evaluator, the graph and the options must outlive the run.
 class Run {

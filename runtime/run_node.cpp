@@ -2,10 +2,10 @@
 #include <chrono>
 #include <memory>
 
-#include "graph/file_set.h"
-#include "runtime/file_provenance.h"
+#include "graph/document/file_set.h"
+#include "runtime/files/protected_files.h"
 #include "runtime/interrupted.h"
-#include "runtime/protected_files.h"
+#include "runtime/report/file_provenance.h"
 #include "runtime/run.h"
 
 namespace terrazzo {

@@ -3,7 +3,7 @@
 #include <unordered_map>
 
 #include "graph/diagnostic.h"
-#include "graph/element_name.h"
+#include "graph/text/element_name.h"
 
 namespace terrazzo {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "runtime/action_key.h"
-#include "runtime/store.h"
+#include "runtime/cache/action_key.h"
+#include "runtime/cache/store.h"
 
 namespace terrazzo {
 

@@ -3,10 +3,10 @@
 #include <set>
 #include <utility>
 
+#include "graph/document/raw_document.h"
 #include "graph/exception_text.h"
-#include "graph/raw_document.h"
-#include "runtime/provenance.h"
-#include "runtime/recipe.h"
+#include "runtime/report/provenance.h"
+#include "runtime/report/recipe.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

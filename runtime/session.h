@@ -13,10 +13,10 @@
 #include <memory>
 #include <thread>
 
-#include "graph/raw_document.h"
+#include "graph/document/raw_document.h"
 #include "graph/registry.h"
 #include "runtime/evaluate.h"
-#include "runtime/history.h"
+#include "runtime/report/history.h"
 
 namespace terrazzo {
 

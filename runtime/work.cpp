@@ -6,7 +6,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/numeric_environment.h"
-#include "runtime/thread_marks.h"
+#include "runtime/threads/thread_marks.h"
 
 namespace terrazzo {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "nodes/common/geometry/voxel_source.h"
+#include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/export/formats.h"

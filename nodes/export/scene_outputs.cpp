@@ -1,14 +1,14 @@
 // Scenes, with the meshes and volumes beside them.
 #include <algorithm>
 
-#include "nodes/common/geometry/render_mesh.h"
+#include "nodes/common/geometry/mesh/render_mesh.h"
+#include "nodes/export/formats/mitsuba_file.h"
+#include "nodes/export/formats/nvdb_file.h"
+#include "nodes/export/formats/pbrt_file.h"
+#include "nodes/export/formats/usda_file.h"
+#include "nodes/export/formats/vdb_file.h"
 #include "nodes/export/instances.h"
-#include "nodes/export/mitsuba_file.h"
-#include "nodes/export/nvdb_file.h"
 #include "nodes/export/outputs.h"
-#include "nodes/export/pbrt_file.h"
-#include "nodes/export/usda_file.h"
-#include "nodes/export/vdb_file.h"
 
 namespace terrazzo::exporting {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/geometry/render_mesh.h"
+#include "nodes/common/geometry/mesh/render_mesh.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/color_classes.h"
 #include "nodes/export/instances.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/geometry/voxel_source.h"
+#include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "runtime/work.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/geometry/voxel_source.h"
+#include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/data/linear.h"
 #include "nodes/export/regions.h"
 #include "runtime/work.h"

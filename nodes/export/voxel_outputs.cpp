@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "nodes/common/io/checked_file.h"
-#include "nodes/export/csv.h"
-#include "nodes/export/dream3d_file.h"
-#include "nodes/export/inp_file.h"
+#include "nodes/export/formats/csv.h"
+#include "nodes/export/formats/dream3d_file.h"
+#include "nodes/export/formats/inp_file.h"
+#include "nodes/export/formats/surface_file.h"
+#include "nodes/export/formats/vti_file.h"
 #include "nodes/export/outputs.h"
-#include "nodes/export/surface_file.h"
-#include "nodes/export/vti_file.h"
 
 namespace terrazzo::exporting {
 namespace {

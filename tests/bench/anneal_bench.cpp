@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/packing/packing.h"
-#include "nodes/shape/rock.h"
-#include "nodes/shape/solids.h"
-#include "nodes/shape/stones.h"
+#include "nodes/packing/rigid/packing.h"
+#include "nodes/shapes/shape/rock.h"
+#include "nodes/shapes/shape/solids.h"
+#include "nodes/shapes/shape/stones.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

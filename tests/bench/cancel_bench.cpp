@@ -49,9 +49,9 @@ void cancel(benchmark::State& state, const fs::path& example) {
 }
 
 const int registered = [] {
-  for (const auto& e : fs::directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes"))
-    if (const fs::path example = e.path() / "example.yaml"; fs::exists(example))
-      benchmark::RegisterBenchmark(("cancel/" + e.path().filename().string()).c_str(),
+  for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes"))
+    if (const fs::path example = e.path(); example.filename() == "example.yaml")
+      benchmark::RegisterBenchmark(("cancel/" + example.parent_path().filename().string()).c_str(),
                                    [example](benchmark::State& s) { cancel(s, example); })
           ->Unit(benchmark::kMillisecond)
           ->Iterations(1);

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "nodes/common/texture/level_descent.h"
-#include "nodes/texture_nib/nib.h"
+#include "nodes/cooccurrence/texture_nib/nib.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

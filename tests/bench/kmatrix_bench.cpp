@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/mesh/mesh_section.h"
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/kmatrix/section_statistics.h"
-#include "nodes/kmatrix/stencil_slicer.h"
-#include "nodes/shape/solids.h"
+#include "nodes/shapes/shape/solids.h"
+#include "nodes/sizes/kmatrix/section_statistics.h"
+#include "nodes/sizes/kmatrix/stencil_slicer.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

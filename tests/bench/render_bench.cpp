@@ -9,14 +9,14 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/carving/color_field.h"
-#include "nodes/carving/forms.h"
-#include "nodes/carving/paint.h"
+#include "nodes/bodies/carving/color_field.h"
+#include "nodes/bodies/carving/forms.h"
+#include "nodes/bodies/carving/paint.h"
+#include "nodes/bodies/render_solid/render.h"
 #include "nodes/common/texture/noise.h"
-#include "nodes/phantom/phantom.h"
-#include "nodes/render_solid/render.h"
-#include "nodes/render_volume/gl_march.h"
-#include "nodes/render_volume/scene.h"
+#include "nodes/volumes/phantom/phantom.h"
+#include "nodes/volumes/render_volume/gl_march.h"
+#include "nodes/volumes/render_volume/scene.h"
 
 namespace terrazzo {
 namespace {

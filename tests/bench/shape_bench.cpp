@@ -5,10 +5,10 @@
 #include "nodes/common/stereology/outline_features.h"
 #include "nodes/common/stereology/random_sections.h"
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/shape/rock.h"
-#include "nodes/shape_estimate/choose.h"
-#include "nodes/shape_estimate/fit.h"
-#include "nodes/shape_estimate/method.h"
+#include "nodes/shapes/shape/rock.h"
+#include "nodes/shapes/shape_estimate/choose.h"
+#include "nodes/shapes/shape_estimate/fit.h"
+#include "nodes/shapes/shape_estimate/methods/method.h"
 
 namespace terrazzo {
 namespace {

@@ -10,8 +10,8 @@
 #include <cmath>
 #include <ctime>
 
-#include "nodes/residual_synth/synthesize.h"
-#include "nodes/solids/optimize_solid.h"
+#include "nodes/detail/residual_synth/synthesize.h"
+#include "nodes/solids/synthesis/optimize_solid.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

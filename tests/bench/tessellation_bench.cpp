@@ -6,10 +6,10 @@
 #include <voro++/voro++.hh>
 
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/shape/stones.h"
-#include "nodes/tessellation/fill_space.h"
-#include "nodes/tessellation/prescribed_volumes.h"
-#include "nodes/tessellation/sphere_seeds.h"
+#include "nodes/packing/cells/fill_space.h"
+#include "nodes/packing/cells/prescribed_volumes.h"
+#include "nodes/packing/cells/sphere_seeds.h"
+#include "nodes/shapes/shape/stones.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

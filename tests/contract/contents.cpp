@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/pictures/picture_codec.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
 #include "tests/support/arithmetic.h"
@@ -81,16 +81,7 @@ json this_machine() {
           {"libraries", libraries()}};
 }
 
-fs::path example_file(const NodeType& type) {
-  std::string folder;  // ShapeEstimate → shape_estimate, Measure3D → measure3d
-  for (std::size_t i = 0; i < type.name.size(); ++i) {
-    const auto letter = static_cast<unsigned char>(type.name[i]);
-    if (i && std::isupper(letter) && std::islower(static_cast<unsigned char>(type.name[i - 1])))
-      folder += '_';
-    folder += static_cast<char>(std::tolower(letter));
-  }
-  return fs::path(TERRAZZO_SOURCE) / "nodes" / (type.name == "KMatrix" ? "kmatrix" : folder) / "example.yaml";
-}
+fs::path example_file(const NodeType& type) { return node_folder(type.name) / "example.yaml"; }
 
 json example_contents(const Registry& registry, const NodeType& type, int threads, const fs::path& cache) {
   Diagnostics found;

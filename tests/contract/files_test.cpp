@@ -13,7 +13,7 @@
 #include "nodes/data/shapes.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
-#include "tests/nodes/load_volume/nifti_file.h"
+#include "tests/nodes/volumes/load_volume/nifti_file.h"
 #include "tests/support/all_nodes.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
@@ -114,12 +114,11 @@ TEST(FilesOfNodes, ExactlyTheDeclaredOnesAreOpened) {
   fs::copy(source / "graphs/samples", base / "graphs/samples", fs::copy_options::recursive);
   add_decoys(base / "graphs/samples");
   std::set<std::string> tried;
-  for (const auto& e : fs::directory_iterator(source / "nodes")) {
-    if (!fs::exists(e.path() / "example.yaml")) continue;
-    SCOPED_TRACE(e.path().filename());
-    const fs::path copy = base / "nodes" / e.path().filename();
+  for (const auto& folder : test::node_folders()) {
+    SCOPED_TRACE(folder.filename());
+    const fs::path copy = base / folder.lexically_relative(source);
     fs::create_directories(copy.parent_path());
-    fs::copy(e.path(), copy, fs::copy_options::recursive);
+    fs::copy(folder, copy, fs::copy_options::recursive);
     add_decoys(copy);
     const Graph g = graph_of(copy / "example.yaml");
     std::vector<int> readers;
@@ -149,9 +148,8 @@ bool names_a_file(const GraphNode& node) {
 
 TEST(FilesOfNodes, NoneIsReadBeyondTheBudget) {
   int tried = 0;
-  for (const auto& e : fs::directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes")) {
-    if (!fs::exists(e.path() / "example.yaml")) continue;
-    const Graph g = graph_of(e.path() / "example.yaml");
+  for (const auto& folder : test::node_folders()) {
+    const Graph g = graph_of(folder / "example.yaml");
     for (std::size_t i = 0; i < g.nodes.size(); ++i) {
       if (!names_a_file(g.nodes[i])) continue;
       Store store(test::value_types(), {});
@@ -175,7 +173,7 @@ TEST(FilesOfNodes, ARenamedMeshIsCalledByItsNewName) {
   const fs::path folder = test::temporary_folder();
   Store store(test::value_types(), {});
   const auto name_of = [&](const std::string& file) {
-    fs::copy_file(fs::path(TERRAZZO_SOURCE) / "nodes/load_mesh/example.off", folder / file);
+    fs::copy_file(fs::path(TERRAZZO_SOURCE) / "nodes/shapes/load_mesh/example.off", folder / file);
     std::ofstream(folder / "g.yaml") << "terrazzo: 1\nnodes: {m: {type: LoadMesh, params: {path: '" << file
                                      << "'}}}\n";
     const Graph g = graph_of(folder / "g.yaml");

@@ -23,14 +23,14 @@ TEST(Sources, AreFormatted) {
 }
 
 // Files whose streams carry words, lines or binary data, but no numbers as text.
-const std::set<std::string> kStreams = {"nodes/common/io/color_config.cpp",
+const std::set<std::string> kStreams = {"nodes/common/io/pictures/color_config.cpp",
                                         "nodes/common/io/provenance_text.cpp",
                                         "nodes/data/volume.cpp",
-                                        "nodes/load_strokes/svg_file.cpp",
-                                        "nodes/load_volume/vdb.cpp",
-                                        "nodes/render_volume/tissue.cpp",
-                                        "runtime/base64.cpp",
-                                        "runtime/studio/past_states.cpp"};
+                                        "nodes/cooccurrence/load_strokes/svg_file.cpp",
+                                        "nodes/volumes/load_volume/vdb.cpp",
+                                        "nodes/volumes/render_volume/tissue.cpp",
+                                        "runtime/files/base64.cpp",
+                                        "runtime/clients/studio/live/past_states.cpp"};
 
 constexpr const char* kSuspects[] = {"sto", "strto",  "atof",  "locale", "as<",
                                      "as_", "printf", "scanf", "stream"};
@@ -54,10 +54,10 @@ TEST(Sources, ReadNumbersInAnyLocale) {
           continue;  // regular expressions are slow
         const std::string code = line.substr(0, line.find("//"));
         EXPECT_FALSE(std::regex_search(code, forbidden))
-            << name << ":" << number + 1 << ": use graph/read_number.h or fmt: " << line;
+            << name << ":" << number + 1 << ": use graph/text/read_number.h or fmt: " << line;
         EXPECT_FALSE(std::regex_search(code, streams) && !kStreams.count(name))
             << name << ":" << number + 1
-            << ": numbers in streams depend on the locale; use graph/read_number.h or "
+            << ": numbers in streams depend on the locale; use graph/text/read_number.h or "
             << "fmt, or name the file here if it has no numbers: " << line;
       }
       ++files;

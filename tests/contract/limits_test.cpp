@@ -19,7 +19,7 @@
 #include <set>
 #include <thread>
 
-#include "runtime/action_key.h"
+#include "runtime/cache/action_key.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
 #include "tests/contract/contents.h"

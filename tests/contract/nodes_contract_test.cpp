@@ -18,7 +18,7 @@
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
-#include "nodes/solids/solid_base.h"
+#include "nodes/solids/synthesis/solid_base.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
 #include "tests/contract/contents.h"
@@ -30,23 +30,7 @@ namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 
-// ShapeEstimate → shape_estimate, Measure3D → measure3d
-std::string folder_of(const std::string& type) {
-  std::string out;
-  for (std::size_t i = 0; i < type.size(); ++i) {
-    if (i && std::isupper(static_cast<unsigned char>(type[i])) &&
-        std::islower(static_cast<unsigned char>(type[i - 1])))
-      out += '_';
-    out += static_cast<char>(std::tolower(static_cast<unsigned char>(type[i])));
-  }
-  return out;
-}
-
-fs::path folder(const NodeType& t) {
-  std::string name = folder_of(t.name);
-  if (t.name == "KMatrix") name = "kmatrix";
-  return fs::path(TERRAZZO_SOURCE) / "nodes" / name;
-}
+fs::path folder(const NodeType& t) { return test::node_folder(t.name); }
 
 // A cache folder for results of so many threads, which lasts as long as the process. Examples share many
 // nodes, and three of the tests below run each example.

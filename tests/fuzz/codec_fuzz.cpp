@@ -3,8 +3,8 @@
 #include <cstdlib>
 
 #include "nodes/register_nodes.h"
+#include "runtime/cache/store.h"
 #include "runtime/codec.h"
-#include "runtime/store.h"
 
 using namespace terrazzo;
 

@@ -1,6 +1,6 @@
 // Fuzzes EBSD maps, .ang and .ctf.
 #include "graph/diagnostic.h"
-#include "nodes/load_ebsd/grains.h"
+#include "nodes/photograph/load_ebsd/grains.h"
 #include "runtime/work.h"
 
 using namespace terrazzo;

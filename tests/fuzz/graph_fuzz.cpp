@@ -1,7 +1,7 @@
 // Fuzzes graph files. No text causes a crash, and a loaded graph can be written and loaded again.
 #include <cstdlib>
 
-#include "graph/write_graph.h"
+#include "graph/document/write_graph.h"
 #include "nodes/register_nodes.h"
 
 using namespace terrazzo;

@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/hdf5_input.h"
+#include "nodes/common/io/hdf5/hdf5_input.h"
 #include "nodes/data/volume.h"
-#include "nodes/load_volume/dream3d.h"
+#include "nodes/volumes/load_volume/dream3d.h"
 
 using namespace terrazzo;
 

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "nodes/load_mesh/read_mesh.h"
-#include "nodes/load_mesh/repair.h"
+#include "nodes/shapes/load_mesh/read_mesh.h"
+#include "nodes/shapes/load_mesh/repair.h"
 
 using namespace terrazzo;
 using namespace load_mesh;

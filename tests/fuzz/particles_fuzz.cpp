@@ -1,5 +1,5 @@
 // Fuzzes packings in JSON.
-#include "nodes/load_particles/read_particles.h"
+#include "nodes/packing/load_particles/read_particles.h"
 
 #include "graph/diagnostic.h"
 

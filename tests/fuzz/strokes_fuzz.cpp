@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/load_strokes/stroke_files.h"
+#include "nodes/cooccurrence/load_strokes/stroke_files.h"
 
 using namespace terrazzo;
 

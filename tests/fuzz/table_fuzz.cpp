@@ -1,5 +1,5 @@
 // Fuzzes tables of profiles.
-#include "nodes/load_profiles/profile_table.h"
+#include "nodes/sizes/load_profiles/profile_table.h"
 
 using namespace terrazzo;
 using namespace load_profiles;

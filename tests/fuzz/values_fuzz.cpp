@@ -1,9 +1,9 @@
 // Fuzzes shapes, K matrices, size distributions and tables in JSON, and tables in CSV.
 #include "graph/diagnostic.h"
-#include "nodes/load_distribution/read_distribution.h"
-#include "nodes/load_kmatrix/read_kmatrix.h"
-#include "nodes/load_shapes/read_shapes.h"
-#include "nodes/load_table/read_table.h"
+#include "nodes/compare/load_table/read_table.h"
+#include "nodes/shapes/load_shapes/read_shapes.h"
+#include "nodes/sizes/load_distribution/read_distribution.h"
+#include "nodes/sizes/load_kmatrix/read_kmatrix.h"
 
 using namespace terrazzo;
 

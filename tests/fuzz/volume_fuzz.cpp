@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "graph/diagnostic.h"
-#include "nodes/load_volume/scan.h"
-#include "nodes/load_volume/slices.h"
-#include "nodes/load_volume/vdb.h"
+#include "nodes/volumes/load_volume/scan.h"
+#include "nodes/volumes/load_volume/slices.h"
+#include "nodes/volumes/load_volume/vdb.h"
 
 using namespace terrazzo;
 

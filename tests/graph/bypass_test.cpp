@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "graph/raw_document.h"
+#include "graph/document/raw_document.h"
 #include "runtime/run_result.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"

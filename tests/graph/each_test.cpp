@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
-#include "graph/edit_document.h"
-#include "graph/element_name.h"
+#include "graph/document/edit_document.h"
+#include "graph/document/write_document.h"
+#include "graph/document/write_graph.h"
+#include "graph/text/element_name.h"
 #include "graph/value_range.h"
-#include "graph/write_document.h"
-#include "graph/write_graph.h"
 #include "runtime/random.h"
-#include "runtime/recipe.h"
+#include "runtime/report/recipe.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

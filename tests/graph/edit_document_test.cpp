@@ -1,5 +1,5 @@
 // Edits of graph files change their own lines and nothing else.
-#include "graph/edit_document.h"
+#include "graph/document/edit_document.h"
 
 #include <gtest/gtest.h>
 

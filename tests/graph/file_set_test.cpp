@@ -1,11 +1,11 @@
 // Paths that name one file.
-#include "graph/file_set.h"
+#include "graph/document/file_set.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "graph/number_text.h"
+#include "graph/text/number_text.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "graph/raw_document.h"
-#include "graph/subgraph_files.h"
+#include "graph/document/raw_document.h"
+#include "graph/document/subgraph_files.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -10,8 +10,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "graph/document/raw_document.h"
 #include "graph/graph.h"
-#include "graph/raw_document.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "graph/nearest.h"
+#include "graph/text/nearest.h"
 
 namespace terrazzo {
 namespace {

@@ -1,5 +1,5 @@
 // Nodes that are pasted as text.
-#include "graph/paste_nodes.h"
+#include "graph/document/paste_nodes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "graph/read_number.h"
+#include "graph/text/read_number.h"
 
 #include <gtest/gtest.h>
 

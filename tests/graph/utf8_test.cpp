@@ -1,14 +1,14 @@
 // Foreign text in messages and text files.
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 
 #include <gtest/gtest.h>
 
 #include "graph/describe.h"
 #include "graph/diagnostic.h"
-#include "graph/element_name.h"
-#include "graph/escape_xml.h"
-#include "graph/raw_document.h"
-#include "graph/yaml_text.h"
+#include "graph/document/raw_document.h"
+#include "graph/document/yaml_text.h"
+#include "graph/text/element_name.h"
+#include "graph/text/escape_xml.h"
 #include "tests/support/arithmetic.h"
 
 namespace terrazzo {

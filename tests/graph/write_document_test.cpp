@@ -1,4 +1,4 @@
-#include "graph/write_document.h"
+#include "graph/document/write_document.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "graph/write_graph.h"
+#include "graph/document/write_graph.h"
 
 #include <gtest/gtest.h>
 

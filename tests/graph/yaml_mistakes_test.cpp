@@ -1,7 +1,7 @@
 // Common mistakes in YAML, and numbers in the locale of a host program.
 #include <gtest/gtest.h>
 
-#include "graph/raw_document.h"
+#include "graph/document/raw_document.h"
 #include "tests/support/german_locale.h"
 
 namespace terrazzo {

@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "nodes/common/geometry/voxel_grids.h"
+#include "nodes/common/geometry/grid/voxel_grids.h"
 #include "nodes/data/opaque_volume.h"
-#include "nodes/export/gltf.h"
-#include "nodes/export/vdb_file.h"
-#include "tests/nodes/carve/carve_support.h"
+#include "nodes/export/formats/gltf.h"
+#include "nodes/export/formats/vdb_file.h"
+#include "tests/nodes/bodies/carve/carve_support.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/readers.h"
 #include "tests/support/run_node.h"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "runtime/cache_folder.h"
-#include "runtime/disk_cache.h"
+#include "runtime/cache/cache_folder.h"
+#include "runtime/cache/disk_cache.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/support/all_nodes.h"

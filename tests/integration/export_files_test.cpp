@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "nodes/data/volume.h"
-#include "nodes/export/gltf.h"
-#include "tests/nodes/carve/carve_support.h"
+#include "nodes/export/formats/gltf.h"
+#include "tests/nodes/bodies/carve/carve_support.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/code_of.h"

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 #include "runtime/files.h"
-#include "tests/runtime/studio/paint_picture.h"
+#include "tests/runtime/clients/studio/paint_picture.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 

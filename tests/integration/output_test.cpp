@@ -152,7 +152,8 @@ class ProvenanceOfFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(secret / "inside");
-    fs::copy_file(test::source_folder() / "nodes/load_image/section.png", secret / "inside" / "photo.png");
+    fs::copy_file(test::source_folder() / "nodes/photograph/load_image/section.png",
+                  secret / "inside" / "photo.png");
     std::ofstream(secret / "g.yaml") << R"(terrazzo: 1
 parameters: {photo: {type: path}, from: {type: text, default: inside}}
 nodes:
@@ -237,7 +238,7 @@ TEST_F(ProvenanceOfFiles, IsEnoughToReproduceThem) {
 // Two files of one name in different folders.
 TEST_F(ProvenanceOfFiles, EachNodeFindsItsOwnFile) {
   fs::create_directories(secret / "b");
-  fs::copy_file(test::source_folder() / "nodes/load_labels/mask.png", secret / "b" / "photo.png");
+  fs::copy_file(test::source_folder() / "nodes/photograph/load_labels/mask.png", secret / "b" / "photo.png");
   std::ofstream(secret / "two.yaml") << R"(terrazzo: 1
 nodes:
   a: {type: LoadImage, params: {path: inside/photo.png}}

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "runtime/cache_folder.h"
+#include "runtime/cache/cache_folder.h"
 #include "runtime/files.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"

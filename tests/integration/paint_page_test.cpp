@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tests/runtime/studio/paint_picture.h"
+#include "tests/runtime/clients/studio/paint_picture.h"
 #include "tests/support/program.h"
 #include "tests/support/readers.h"
 

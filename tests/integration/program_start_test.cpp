@@ -53,12 +53,11 @@ TEST(ProgramStart, CommandsThatNeedNodesLoadThem) {
 }
 
 TEST(ProgramStart, OnlyPicturesLoadOpenImageIO) {
-  const auto nodes = test::source_folder() / "nodes";
-  const auto run = [&](const char* node) {
-    return start({"run", (nodes / node / "example.yaml").string(), "--no-cache", "--quiet", "--out",
-                  (test::temporary_folder() / "out").string()});
+  const auto run = [&](const char* type) {
+    return start({"run", (test::node_folder(type) / "example.yaml").string(), "--no-cache", "--quiet",
+                  "--out", (test::temporary_folder() / "out").string()});
   };
-  const Start shape = run("shape"), image = run("load_image");
+  const Start shape = run("Shape"), image = run("LoadImage");
   EXPECT_EQ(shape.exit_code, 0);
   EXPECT_FALSE(shape.pictures);
   EXPECT_LT(shape.libraries, 120);

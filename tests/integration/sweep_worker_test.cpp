@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "runtime/cache_folder.h"
+#include "runtime/cache/cache_folder.h"
 #include "runtime/files.h"
-#include "runtime/sweep_log.h"
+#include "runtime/sweep/sweep_log.h"
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 

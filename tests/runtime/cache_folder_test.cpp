@@ -1,5 +1,5 @@
 // The cache folder: only marked folders are used, and only files that this program named are removed.
-#include "runtime/cache_folder.h"
+#include "runtime/cache/cache_folder.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 #include <limits>
 
 #include "nodes/data/table.h"
-#include "runtime/disk_cache.h"
+#include "runtime/cache/disk_cache.h"
+#include "runtime/cache/store.h"
+#include "runtime/cache/value_file.h"
 #include "runtime/files.h"
-#include "runtime/store.h"
 #include "runtime/trust.h"
-#include "runtime/value_file.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"

@@ -1,4 +1,4 @@
-#include "runtime/disk_cache.h"
+#include "runtime/cache/disk_cache.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "nodes/data/table.h"
-#include "runtime/cache_folder.h"
+#include "runtime/cache/cache_folder.h"
 #include "runtime/evaluate.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/explain.h"
+#include "runtime/report/explain.h"
 #include "runtime/session.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"

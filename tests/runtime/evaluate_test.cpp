@@ -5,8 +5,8 @@
 #include <fstream>
 #include <thread>
 
-#include "runtime/explain.h"
 #include "runtime/files.h"
+#include "runtime/report/explain.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -1,5 +1,5 @@
 // What `terrazzo explain` and the Studio say about a node that will run.
-#include "runtime/explain.h"
+#include "runtime/report/explain.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Files as inputs: the content that was read decides, whatever the file's name, size and times are.
-#include "runtime/file_hashes.h"
+#include "runtime/cache/file_hashes.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "nodes/data/table.h"
+#include "runtime/cache/store.h"
 #include "runtime/context.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
-#include "runtime/store.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/graph_parts.h"
+#include "runtime/report/graph_parts.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "nodes/data/particles.h"
-#include "runtime/store.h"
-#include "tests/nodes/voxelize/bodies.h"
+#include "runtime/cache/store.h"
+#include "tests/nodes/volumes/voxelize/bodies.h"
 #include "tests/support/arithmetic.h"
 
 namespace terrazzo {

@@ -1,5 +1,5 @@
 // JSON that others wrote: nested without end, damaged, or not in a regular file.
-#include "runtime/json_input.h"
+#include "runtime/files/json_input.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/diagnostic.h"
-#include "runtime/sweep.h"
+#include "runtime/sweep/sweep.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 

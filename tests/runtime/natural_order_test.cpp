@@ -1,4 +1,4 @@
-#include "runtime/natural_order.h"
+#include "runtime/files/natural_order.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a graph reads is not overwritten, whatever path leads to it.
-#include "runtime/protected_files.h"
+#include "runtime/files/protected_files.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "graph/raw_document.h"
+#include "graph/document/raw_document.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "runtime/cli/slurm.h"
+#include "runtime/clients/cli/slurm/slurm.h"
 #include "tests/support/code_of.h"
 
 namespace terrazzo::cli {

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/data/table.h"
-#include "runtime/cache_folder.h"
+#include "runtime/cache/cache_folder.h"
+#include "runtime/cache/value_file.h"
 #include "runtime/evaluate.h"
 #include "runtime/files.h"
-#include "runtime/value_file.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 

@@ -1,4 +1,4 @@
-#include "runtime/sweep_log.h"
+#include "runtime/sweep/sweep_log.h"
 
 #include <gtest/gtest.h>
 

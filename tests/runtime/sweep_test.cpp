@@ -1,4 +1,4 @@
-#include "runtime/sweep.h"
+#include "runtime/sweep/sweep.h"
 
 #include <gtest/gtest.h>
 

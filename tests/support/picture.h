@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/pictures/picture_codec.h"
 
 namespace terrazzo::test {
 

@@ -4,9 +4,12 @@
 #include <tbb/task_arena.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
+#include <stdexcept>
 
-#include "graph/raw_document.h"
+#include "graph/document/raw_document.h"
 #include "runtime/codec.h"
 #include "runtime/compute_node.h"
 #include "runtime/files.h"
@@ -64,6 +67,25 @@ fs::path shared_data() {
   const fs::path data = fs::path(TERRAZZO_SOURCE).parent_path() / "shared" / "data";
   std::error_code error;
   return fs::is_directory(data, error) ? data : fs::path();
+}
+
+std::vector<fs::path> node_folders() {
+  std::vector<fs::path> out;
+  for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / "nodes"))
+    if (e.path().filename() == "example.yaml") out.push_back(e.path().parent_path());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+fs::path node_folder(const std::string& type) {
+  const auto plain = [](std::string name) {
+    std::erase(name, '_');
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    return name;
+  };
+  for (const auto& folder : node_folders())
+    if (plain(folder.filename().string()) == plain(type)) return folder;
+  throw std::out_of_range("no folder below nodes/ is named after the type " + type);
 }
 
 fs::path temporary_folder() {

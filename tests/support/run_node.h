@@ -28,6 +28,11 @@ NodeRun run_node(const std::string& type, const std::multimap<std::string, Value
 
 // The shared data folder next to the checkout, or empty if there is none; tests that need it then skip.
 std::filesystem::path shared_data();
+// The folders of all nodes, sorted: those below nodes/ that contain an example.yaml.
+std::vector<std::filesystem::path> node_folders();
+// That of one type, such as nodes/shapes/shape_estimate of ShapeEstimate. Throws std::out_of_range if there
+// is none.
+std::filesystem::path node_folder(const std::string& type);
 // A fresh folder that is removed when the test program ends.
 std::filesystem::path temporary_folder();
 

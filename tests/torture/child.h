@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/cli/command_line.h"
+#include "runtime/clients/cli/command_line.h"
 #include "tests/torture/fault_plan.h"
 
 namespace terrazzo::torture {

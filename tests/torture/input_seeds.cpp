@@ -10,17 +10,17 @@
 #include "nodes/data/labels.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
-#include "nodes/export/dream3d_file.h"
-#include "nodes/export/gltf.h"
-#include "nodes/export/mesh_file.h"
-#include "nodes/export/nifti_file.h"
-#include "nodes/export/npy_file.h"
-#include "nodes/export/picture_file.h"
-#include "nodes/export/vdb_file.h"
-#include "nodes/export/vti_file.h"
+#include "nodes/export/formats/dream3d_file.h"
+#include "nodes/export/formats/gltf.h"
+#include "nodes/export/formats/mesh_file.h"
+#include "nodes/export/formats/nifti_file.h"
+#include "nodes/export/formats/npy_file.h"
+#include "nodes/export/formats/picture_file.h"
+#include "nodes/export/formats/vdb_file.h"
+#include "nodes/export/formats/vti_file.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
-#include "tests/nodes/load_volume/nifti_file.h"
+#include "tests/nodes/volumes/load_volume/nifti_file.h"
 #include "tests/support/png_file.h"
 #include "tests/support/tiff_file.h"
 
@@ -341,7 +341,7 @@ void texts(Writer& w, const fs::path& source) {
          "{\"box\":[1,2,3],\"shape\":[0,1],\"class\":[0,0],\"position\":[[0.5,0.5,0.5],[1,2,3]],"
          "\"orientation\":[[1,0,0,0],[0,0.6,0,0.8]],\"scale\":[1,1e-3],\"size\":[1,2],"
          "\"color\":[[0,0,0],[1,1,1]],\"binder_color\":[0,1,0],\"voids\":[1],\"x\":{\"y\":[null]}}\n");
-  w.text("LoadShapes.json", "a.json", content("nodes/load_shapes/stones.json"));
+  w.text("LoadShapes.json", "a.json", content("nodes/shapes/load_shapes/stones.json"));
   w.text(
       "LoadShapes.json", "a.json",
       "{\"shapes\":[{\"name\":\"a\",\"probability\":1,\"class\":2,\"volume\":1,\"surface_area\":1,"
@@ -353,8 +353,8 @@ void texts(Writer& w, const fs::path& source) {
       "{\"classes\":2,\"averaging\":\"uniform\",\"residual\":0,\"shapes\":[{\"probability\":1,\"class\":-1,"
       "\"mean_caliper\":1,\"max_section_area\":1,\"volume\":1,\"profiles_per_caliper\":1,\"K\":[[0.5,0.25],"
       "[0,0.75]],\"cdf\":[0.1,0.5,1]}]}");
-  w.text("LoadDistribution.json", "a.json", content("nodes/load_distribution/sizes.json"));
-  w.text("LoadTable.csv", "a.csv", content("nodes/load_table/sieve.csv"));
+  w.text("LoadDistribution.json", "a.json", content("nodes/sizes/load_distribution/sizes.json"));
+  w.text("LoadTable.csv", "a.csv", content("nodes/compare/load_table/sieve.csv"));
   w.text("LoadTable.csv", "a.csv", "a;b\n1,5;\"x\"\"\ny\"\n-2;\n");
   w.text("LoadTable.json", "a.json", "{\"columns\":[\"a\",\"b\"],\"rows\":[[1.5,\"x\"],[null,\"\"]]}");
   w.text(
@@ -362,9 +362,9 @@ void texts(Writer& w, const fs::path& source) {
       "{\"strokes\":[{\"area\":false,\"radius\":2.5,\"points\":[[1,2],[3,4.5]]},{\"area\":true,\"radius\":0,"
       "\"parts\":[[[0,0],[9,0],[9,9]]]}]}");
   const fs::path answers = w.place("StudyAnova.csv", "a.csv");
-  std::ofstream(answers) << content("nodes/study_anova/answers.csv");
-  std::ofstream(answers.parent_path() / "key.csv") << content("nodes/study_anova/key.csv");
-  w.text("LoadStrokes.svg", "a.svg", content("nodes/load_strokes/strokes.svg"));
+  std::ofstream(answers) << content("nodes/study/study_anova/answers.csv");
+  std::ofstream(answers.parent_path() / "key.csv") << content("nodes/study/study_anova/key.csv");
+  w.text("LoadStrokes.svg", "a.svg", content("nodes/cooccurrence/load_strokes/strokes.svg"));
   w.text("LoadStrokes.svg", "a.svg",
          "<svg viewBox='0 0 100 100' width='50mm' height='50mm'><g transform='rotate(30 5 5) scale(2)'>"
          "<path stroke='red' d='M1 2 A3 4 10 0 1 9 9 C1 1 2 2 3 3 q1 1 2 0 t3 3 Z'/>"
@@ -372,8 +372,8 @@ void texts(Writer& w, const fs::path& source) {
   w.text("LoadStrokes.yaml", "a.yaml",
          "strokes:\n- {radius: 6, points: [[10, 20], [30, 40]]}\n- &a {area: true, parts: [[[0, 0], [9, 0], "
          "[9, 9]]]}\n- *a\n");
-  for (const char* graph :
-       {"nodes/anneal/example.yaml", "nodes/unfold/example.yaml", "nodes/render_solid/example.yaml"})
+  for (const char* graph : {"nodes/packing/anneal/example.yaml", "nodes/sizes/unfold/example.yaml",
+                            "nodes/bodies/render_solid/example.yaml"})
     w.text("graph.yaml", "a.yaml", content(graph));
   std::string json = "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"document\":\"\"}}}";
   while (json.size() % 4) json += ' ';

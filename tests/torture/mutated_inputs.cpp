@@ -15,9 +15,9 @@
 #include <new>
 #include <stdexcept>
 
+#include "graph/document/raw_document.h"
 #include "graph/graph.h"
-#include "graph/raw_document.h"
-#include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/io/provenance.h"
 #include "nodes/data/volume.h"
 #include "runtime/codec.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/geometry/convert_grid.h"
+#include "nodes/common/geometry/grid/convert_grid.h"
 
 namespace terrazzo {
 

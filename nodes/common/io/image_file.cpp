@@ -7,11 +7,11 @@
 #include <cstdlib>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/color_config.h"
-#include "nodes/common/io/color_profile.h"
-#include "nodes/common/io/orientation.h"
-#include "nodes/common/io/picture_input.h"
-#include "nodes/common/io/stored_picture.h"
+#include "nodes/common/io/pictures/color_config.h"
+#include "nodes/common/io/pictures/color_profile.h"
+#include "nodes/common/io/pictures/orientation.h"
+#include "nodes/common/io/pictures/picture_input.h"
+#include "nodes/common/io/pictures/stored_picture.h"
 #include "nodes/common/texture/color.h"
 
 namespace terrazzo {

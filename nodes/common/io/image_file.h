@@ -6,7 +6,7 @@
 #include <string>
 
 #include "nodes/common/io/picture_pages.h"
-#include "nodes/common/io/pixel_scale.h"
+#include "nodes/common/io/pictures/pixel_scale.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/data/image.h"
 

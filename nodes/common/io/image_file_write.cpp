@@ -5,7 +5,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/io/image_file.h"
-#include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/texture/color.h"
 #include "runtime/random.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
-#include "runtime/json_input.h"
+#include "runtime/files/json_input.h"
 
 namespace terrazzo {
 

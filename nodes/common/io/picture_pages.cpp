@@ -8,9 +8,9 @@
 
 #include "graph/diagnostic.h"
 #include "graph/node_parameters.h"
-#include "nodes/common/io/picture_check.h"
+#include "nodes/common/io/pictures/picture_check.h"
+#include "nodes/common/io/pictures/tiff_directory.h"
 #include "nodes/common/io/reading.h"
-#include "nodes/common/io/tiff_directory.h"
 
 namespace terrazzo {
 namespace {

@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/hdf5_input.h"
-#include "nodes/common/io/picture_input.h"
+#include "nodes/common/io/hdf5/hdf5_input.h"
+#include "nodes/common/io/pictures/picture_input.h"
 #include "nodes/common/io/provenance_text.h"
 #include "nodes/common/io/reading.h"
 #include "nodes/common/io/vdb_header.h"
-#include "runtime/json_input.h"
+#include "runtime/files/json_input.h"
 #include "runtime/json_text.h"
 
 namespace terrazzo {

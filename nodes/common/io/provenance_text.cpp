@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "graph/input_file.h"
-#include "runtime/base64.h"
+#include "runtime/files/base64.h"
 
 namespace terrazzo {
 namespace {

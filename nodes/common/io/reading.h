@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 #include "runtime/memory.h"
 
 namespace terrazzo {

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "graph/diagnostic.h"
-#include "graph/utf8.h"
+#include "graph/text/utf8.h"
 
 namespace terrazzo {
 namespace {

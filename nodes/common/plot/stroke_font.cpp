@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "graph/read_number.h"
+#include "graph/text/read_number.h"
 
 namespace terrazzo {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 
 namespace terrazzo {
 

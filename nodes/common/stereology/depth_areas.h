@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nodes/common/geometry/height_order.h"
+#include "nodes/common/geometry/grid/height_order.h"
 
 namespace terrazzo {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/mesh/loop.h"
 
 namespace terrazzo {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/mesh/mesh_section.h"
 
 namespace terrazzo {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 
 namespace terrazzo {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

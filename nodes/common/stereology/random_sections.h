@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/mesh/mesh_section.h"
 #include "runtime/work.h"
 
 namespace terrazzo {

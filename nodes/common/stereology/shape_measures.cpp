@@ -8,7 +8,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/directions.h"
-#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/depth_areas.h"
 
 namespace terrazzo {

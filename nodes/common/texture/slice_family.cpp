@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "nodes/common/geometry/slice_axes.h"
+#include "nodes/common/geometry/grid/slice_axes.h"
 
 namespace terrazzo {
 namespace {

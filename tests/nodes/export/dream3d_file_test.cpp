@@ -1,15 +1,15 @@
 // DREAM3D files: what reads back through LoadVolume, what is refused, and damaged ones.
-#include "nodes/export/dream3d_file.h"
+#include "nodes/export/formats/dream3d_file.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <set>
 
-#include "nodes/common/io/hdf5_input.h"
+#include "nodes/common/io/hdf5/hdf5_input.h"
 #include "nodes/common/io/provenance.h"
 #include "nodes/data/volume.h"
-#include "nodes/load_volume/dream3d.h"
+#include "nodes/volumes/load_volume/dream3d.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/code_of.h"

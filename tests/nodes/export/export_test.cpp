@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "nodes/common/io/image_file.h"
-#include "nodes/common/io/picture_codec.h"
+#include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/data/volume.h"
-#include "nodes/export/csv.h"
-#include "nodes/export/picture_file.h"
+#include "nodes/export/formats/csv.h"
+#include "nodes/export/formats/picture_file.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/run_node.h"
 

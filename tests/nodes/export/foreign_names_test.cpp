@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "nodes/data/table.h"
-#include "nodes/export/csv.h"
-#include "nodes/export/mesh_file.h"
-#include "nodes/export/usda_file.h"
+#include "nodes/export/formats/csv.h"
+#include "nodes/export/formats/mesh_file.h"
+#include "nodes/export/formats/usda_file.h"
 #include "runtime/json_text.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/run_node.h"

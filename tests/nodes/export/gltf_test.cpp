@@ -1,4 +1,4 @@
-#include "nodes/export/gltf.h"
+#include "nodes/export/formats/gltf.h"
 
 #include <gtest/gtest.h>
 #include <tiny_gltf.h>

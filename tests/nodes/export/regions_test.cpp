@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "runtime/base64.h"
+#include "runtime/files/base64.h"
 #include "runtime/random.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/code_of.h"

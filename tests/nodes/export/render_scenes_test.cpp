@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "nodes/common/geometry/render_mesh.h"
+#include "nodes/common/geometry/mesh/render_mesh.h"
 #include "nodes/common/io/provenance.h"
 #include "nodes/export/scene_parts.h"
 #include "runtime/random.h"

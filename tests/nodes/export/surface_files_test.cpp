@@ -5,8 +5,8 @@
 #include <map>
 #include <sstream>
 
+#include "nodes/common/geometry/grid/voxel_grids.h"
 #include "nodes/common/geometry/periodic.h"
-#include "nodes/common/geometry/voxel_grids.h"
 #include "nodes/export/surface_net.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/code_of.h"

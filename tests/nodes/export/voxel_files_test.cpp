@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "nodes/common/geometry/voxel_source.h"
+#include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/common/io/provenance.h"
 #include "tests/nodes/export/voxel_files.h"
 #include "tests/support/code_of.h"

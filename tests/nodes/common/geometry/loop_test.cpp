@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/loop.h"
+#include "nodes/common/geometry/mesh/loop.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/mesh_distance.h"
+#include "nodes/common/geometry/mesh/mesh_distance.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/mesh_section.h"
+#include "nodes/common/geometry/mesh/mesh_section.h"
 #include "nodes/common/geometry/directions.h"
 
 #include <gtest/gtest.h>
@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/geometry/convex_hull.h"
-#include "nodes/common/geometry/mesh.h"
+#include "nodes/common/geometry/mesh/convex_hull.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/profile_sweep.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "runtime/random.h"

@@ -1,5 +1,5 @@
 // Simplification of scanned meshes.
-#include "nodes/common/geometry/reduce.h"
+#include "nodes/common/geometry/mesh/reduce.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/data/shapes.h"
-#include "nodes/load_mesh/read_mesh.h"
-#include "nodes/load_mesh/repair.h"
+#include "nodes/shapes/load_mesh/read_mesh.h"
+#include "nodes/shapes/load_mesh/repair.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "graph/diagnostic.h"
-#include "nodes/common/io/color_config.h"
+#include "nodes/common/io/pictures/color_config.h"
 #include "nodes/common/texture/color.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"

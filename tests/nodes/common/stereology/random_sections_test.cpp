@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "nodes/common/stereology/shape_measures.h"
-#include "nodes/shape/rock.h"
-#include "nodes/shape/solids.h"
+#include "nodes/shapes/shape/rock.h"
+#include "nodes/shapes/shape/solids.h"
 #include "runtime/random.h"
 
 namespace terrazzo {

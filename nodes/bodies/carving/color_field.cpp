@@ -1,0 +1,152 @@
+#include "nodes/bodies/carving/color_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/geometry/grid/floor_of.h"
+#include "nodes/common/geometry/periodic.h"
+#include "nodes/data/volume.h"
+
+namespace terrazzo::carving {
+namespace {
+
+Error bad_color(std::size_t index, const Vec3i& n) {
+  const std::size_t x = index % n.x(), y = index / n.x() % n.y(), z = index / n.x() / n.y();
+  return Error("bad-colors", "the color of voxel (" + std::to_string(x) + ", " + std::to_string(y) + ", " +
+                                 std::to_string(z) + ") is NaN or infinite");
+}
+
+std::size_t voxel_count(const Vec3i& n) {
+  if (n.minCoeff() <= 0) throw Error("empty-volume", "the volume has no voxels");
+  const double count = double(n.x()) * n.y() * n.z();
+  if (count > 0x1p31)
+    throw Error("too-large", "the volume has more than 2^31 voxels",
+                "crop it or reduce its resolution first");
+  return static_cast<std::size_t>(count);
+}
+
+}  // namespace
+
+void ColorField::set(std::size_t index, const Vec3f& linear, std::size_t& outside) {
+  if (!linear.allFinite()) throw bad_color(index, resolution_);
+  if (linear.minCoeff() < -0.01f || linear.maxCoeff() > 1.01f) ++outside;
+  for (int k = 0; k < 3; ++k)
+    voxels_[index][k] =
+        static_cast<std::uint16_t>(std::lround(65535.0f * std::sqrt(std::clamp(linear[k], 0.0f, 1.0f))));
+}
+
+ColorField::ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic)
+    : resolution_(resolution), periodic_(periodic) {
+  if (colors.size() != voxel_count(resolution))
+    throw Error("bad-colors", "there are " + std::to_string(colors.size()) + " colors for " +
+                                  std::to_string(voxel_count(resolution)) + " voxels");
+  voxels_.resize(colors.size());
+  std::size_t outside = 0;
+  for (std::size_t i = 0; i < colors.size(); ++i) set(i, colors[i], outside);
+  clamped_ = static_cast<float>(outside) / static_cast<float>(colors.size());
+}
+
+ColorField ColorField::of(const Volume& volume, const Work& work) {
+  const auto grid = volume.find<openvdb::Vec3SGrid>("Cd");
+  if (!grid) {
+    std::string names;
+    for (const auto& g : volume.grids)
+      names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
+    throw Error("no-color",
+                "the volume has no color grid 'Cd' of three floats; it has " +
+                    (names.empty() ? std::string("no grids") : names),
+                "connect a volume with colors, for example from Voxelize");
+  }
+  ColorField field;
+  field.periodic_ = volume.periodic();
+  field.voxel_ = grid->voxelSize().x();
+  const openvdb::CoordBBox box = voxels_of(volume, *grid);
+  if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
+  const openvdb::Coord first = box.min(), size = box.dim();
+  field.resolution_ = Vec3i(size.x(), size.y(), size.z());
+  const Vec3i n = field.resolution_;
+  field.voxels_.resize(voxel_count(n));
+  std::vector<std::size_t> outside(static_cast<std::size_t>(n.z()));
+  work.parallel(static_cast<std::size_t>(n.z()), 4, [&](std::size_t begin, std::size_t end) {
+    auto voxels = grid->getConstAccessor();
+    for (std::size_t z = begin; z < end; ++z) {
+      work.check();
+      std::size_t index = z * n.y() * n.x();
+      for (int y = 0; y < n.y(); ++y)
+        for (int x = 0; x < n.x(); ++x, ++index) {
+          const auto& c = voxels.getValue(first.offsetBy(x, y, static_cast<int>(z)));
+          field.set(index, Vec3f(c.x(), c.y(), c.z()), outside[z]);
+        }
+    }
+  });
+  std::size_t all = 0;
+  for (const auto v : outside) all += v;
+  field.clamped_ = static_cast<float>(all) / static_cast<float>(field.voxels_.size());
+  return field;
+}
+
+int ColorField::wrap(int i, int axis) const {
+  const int n = resolution_[axis];
+  return periodic_ ? wrap_index(i, n) : std::clamp(i, 0, n - 1);
+}
+
+namespace {
+
+constexpr float unit = 1.0f / (65535.0f * 65535.0f);
+
+}  // namespace
+
+Vec3f ColorField::at(const Vec3f& voxel) const {
+  int at[3][2];
+  float t[3];
+  for (int k = 0; k < 3; ++k) {
+    const float p = voxel[k] - 0.5f;
+    const int low = floor_of(p);
+    t[k] = p - static_cast<float>(low);
+    at[k][0] = wrap(low, k), at[k][1] = wrap(low + 1, k);
+  }
+  Vec3f sum = Vec3f::Zero();
+  float total = 0;  // 1, minus the skipped weights
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+    const float w = (x ? t[0] : 1 - t[0]) * (y ? t[1] : 1 - t[1]) * (z ? t[2] : 1 - t[2]);
+    if (w < 1e-4f) continue;  // half of the corners, for a point on a face
+    sum += w * squared(at[0][x], at[1][y], at[2][z]);
+    total += w;
+  }
+  return sum * (unit / total);
+}
+
+Vec3f ColorField::sharp(const Vec3f& voxel) const {
+  int at[3][4];
+  float weight[3][4];
+  for (int k = 0; k < 3; ++k) {
+    const float p = voxel[k] - 0.5f;
+    const int low = floor_of(p);
+    const float t = p - static_cast<float>(low);
+    for (int i = 0; i < 4; ++i) at[k][i] = wrap(low + i - 1, k);
+    weight[k][0] = t * (-0.5f + t * (1 - 0.5f * t));
+    weight[k][1] = 1 + t * t * (-2.5f + 1.5f * t);
+    weight[k][2] = t * (0.5f + t * (2 - 1.5f * t));
+    weight[k][3] = t * t * (-0.5f + 0.5f * t);
+  }
+  Vec3f sum = Vec3f::Zero();
+  float total = 0;
+  for (int z = 0; z < 4; ++z) {
+    if (std::abs(weight[2][z]) < 1e-3f) continue;  // all but one, for a point on a face
+    for (int y = 0; y < 4; ++y) {
+      const float yz = weight[2][z] * weight[1][y];
+      if (std::abs(yz) < 1e-3f) continue;
+      for (int x = 0; x < 4; ++x)
+        if (const float w = yz * weight[0][x]; std::abs(w) >= 1e-4f) {
+          sum += w * squared(at[0][x], at[1][y], at[2][z]);
+          total += w;
+        }
+    }
+  }
+  return (sum * (unit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
+}
+
+bool has_voids(const Volume& volume) { return volume.find<openvdb::FloatGrid>("void") != nullptr; }
+
+}  // namespace terrazzo::carving

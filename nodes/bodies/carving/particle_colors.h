@@ -1,0 +1,40 @@
+// The colors of particles and binder, optionally with a photograph's fine detail.
+#pragma once
+
+#include <vector>
+
+#include "nodes/common/texture/color.h"
+#include "nodes/data/particles.h"
+#include "nodes/detail/residual/residual_field.h"
+
+namespace terrazzo::carving {
+
+class ParticleColors {
+ public:
+  // The residual may be null; otherwise it must outlive this object.
+  explicit ParticleColors(const Particles& particles, const residual::ResidualField* residual = nullptr)
+      : residual_(residual) {
+    const auto add = [&](const Vec3f& c) {
+      flat_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
+      encoded_.push_back(linear_to_srgb(flat_.back()));
+    };
+    // A point in a void is on its wall, except for rounding.
+    for (std::size_t i = 0; i < particles.count(); ++i)
+      add(particles.is_void(i) ? particles.binder_color : particles.color[i]);
+    add(particles.binder_color);
+  }
+
+  // Color at a point in mm, of a particle or, if that is −1, of the binder. `sharp` adds the detail, in
+  // encoded values, as it was measured.
+  Vec3f at(const Vec3f& mm, int particle, bool sharp) const {
+    const std::size_t i = particle < 0 ? flat_.size() - 1 : static_cast<std::size_t>(particle);
+    if (!residual_ || !sharp) return flat_[i];
+    return srgb_to_linear((encoded_[i] + residual_->at(mm, particle)).cwiseMax(0.0f).cwiseMin(1.0f));
+  }
+
+ private:
+  std::vector<Vec3f> flat_, encoded_;  // the binder's last
+  const residual::ResidualField* residual_;
+};
+
+}  // namespace terrazzo::carving

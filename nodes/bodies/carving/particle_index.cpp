@@ -1,0 +1,136 @@
+#include "nodes/bodies/carving/particle_index.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh/mesh_distance.h"
+#include "nodes/common/geometry/mesh/render_mesh.h"
+
+namespace terrazzo::carving {
+
+void check_shown(const Particles& particles, const Shapes& shapes) {
+  if (particles.count() == 0) throw Error("no-particles", "there are no particles to show");
+  const double longest = particles.box.maxCoeff();
+  if (!(particles.box.minCoeff() > 0) || !std::isfinite(longest))
+    throw Error("bad-box", "the particles' box has no volume");
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    const auto s = particles.shape[i];
+    if (s < 0 || static_cast<std::size_t>(s) >= shapes.shapes.size())
+      throw Error("no-such-shape",
+                  "particle " + std::to_string(i) + " has shape " + std::to_string(s) + ", but there are " +
+                      std::to_string(shapes.shapes.size()) + " shapes",
+                  "connect the shapes used for packing");
+    if (!particles.position[i].allFinite() || !std::isfinite(particles.scale[i]) ||
+        !particles.color[i].allFinite() || !particles.orientation[i].coeffs().allFinite() ||
+        particles.orientation[i].norm() < 1e-9)
+      throw Error("bad-number",
+                  "particle " + std::to_string(i) +
+                      " has an invalid position, orientation, scale or color (NaN or infinite)");
+  }
+}
+
+ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
+    : box_(particles.box.cast<float>()) {
+  check_shown(particles, shapes);
+  std::vector<double> outer, inner;  // of the shapes at scale 1
+  for (const Shape& s : shapes.shapes) {
+    const RenderMesh m = render_mesh(s);
+    RayScene::Triangles t;
+    double far = 0;
+    for (const Vec3& p : m.positions) t.positions.push_back(p.cast<float>()), far = std::max(far, p.norm());
+    t.indices = m.indices;
+    meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
+    triangles_.push_back(std::move(t));
+    outer.push_back(far),
+        inner.push_back(std::sqrt(squared_distance(s.mesh, AabbTree(s.mesh), Vec3::Zero(), 1e300)));
+  }
+  double largest = 0;
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    const auto s = static_cast<std::size_t>(particles.shape[i]);
+    const double scale = std::abs(particles.scale[i]);
+    outer_.push_back(static_cast<float>(scale * outer[s] * 1.0001)),
+        inner_.push_back(static_cast<float>(scale * inner[s] * 0.9999));
+    largest = std::max<double>(largest, outer_.back());
+    const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
+    to_mesh_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
+    mesh_of_.push_back(particles.shape[i]);
+  }
+  // About two cells per mean diameter, limited to the memory of a few million cells.
+  const double volume = particles.box.prod(),
+               spacing = 0.5 * std::cbrt(volume / static_cast<double>(particles.count()));
+  for (int k = 0; k < 3; ++k) cells_[k] = std::clamp(static_cast<int>(particles.box[k] / spacing), 1, 160);
+  // A shape's origin may be outside the shape: then there is no inner sphere.
+  for (std::size_t s = 0; s < meshes_.size(); ++s)
+    if (RayHit hit; !meshes_[s].nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit))
+      for (std::size_t i = 0; i < outer_.size(); ++i)
+        if (static_cast<std::size_t>(mesh_of_[i]) == s) inner_[i] = 0;
+
+  std::vector<std::vector<Entry>> lists(static_cast<std::size_t>(cells_.prod()));
+  const Vec3f size = box_.cwiseQuotient(cells_.cast<float>());
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    const Vec3f at = particles.position[i].cast<float>();
+    Vec3i low, high;
+    for (int k = 0; k < 3; ++k) {
+      low[k] = static_cast<int>(std::floor((at[k] - outer_[i]) / size[k]));
+      high[k] = static_cast<int>(std::floor((at[k] + outer_[i]) / size[k]));
+    }
+    for (int z = low.z(); z <= high.z(); ++z)
+      for (int y = low.y(); y <= high.y(); ++y)
+        for (int x = low.x(); x <= high.x(); ++x) {
+          const Vec3i cell(x, y, z);
+          Vec3f center = at;
+          std::size_t list = 0;
+          for (int k = 2; k >= 0; --k) {
+            const int periods = static_cast<int>(std::floor(float(cell[k]) / float(cells_[k])));
+            center[k] -= float(periods) * box_[k];
+            list = list * static_cast<std::size_t>(cells_[k]) +
+                   static_cast<std::size_t>(cell[k] - periods * cells_[k]);
+          }
+          // Skip cells at the corners of the box that the sphere does not reach.
+          float square = 0;
+          for (int k = 0; k < 3; ++k) {
+            const float lo = float(cell[k]) * size[k], d = std::max({lo - at[k], at[k] - lo - size[k], 0.0f});
+            square += d * d;
+          }
+          if (square <= outer_[i] * outer_[i]) lists[list].push_back({static_cast<std::int32_t>(i), center});
+        }
+  }
+  for (const auto& l : lists) {
+    first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+    entries_.insert(entries_.end(), l.begin(), l.end());
+  }
+  first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+  for (auto& r : outer_) r *= r;
+  for (auto& r : inner_) r *= r;
+}
+
+bool ParticleIndex::holds(std::int32_t particle, const Vec3f& from_center) const {
+  const float square = from_center.squaredNorm();
+  if (square > outer_[particle]) return false;
+  if (square < inner_[particle]) return true;
+  const auto mesh = static_cast<std::size_t>(mesh_of_[particle]);
+  const Vec3f local = to_mesh_[particle] * from_center;
+  const Vec3f direction(0.36f, 0.48f, 0.8f);
+  RayHit hit;
+  if (!meshes_[mesh].nearest(local, direction, hit)) return false;
+  const auto& t = triangles_[mesh];
+  const std::uint32_t* i = &t.indices[3 * static_cast<std::size_t>(hit.triangle)];
+  const Vec3f normal = (t.positions[i[1]] - t.positions[i[0]]).cross(t.positions[i[2]] - t.positions[i[0]]);
+  return normal.dot(direction) > 0;  // the ray leaves
+}
+
+int ParticleIndex::at(const Vec3f& mm) const {
+  Vec3f p;
+  std::size_t cell = 0;
+  for (int k = 2; k >= 0; --k) {
+    p[k] = mm[k] - std::floor(mm[k] / box_[k]) * box_[k];
+    const int c = std::clamp(static_cast<int>(p[k] / box_[k] * float(cells_[k])), 0, cells_[k] - 1);
+    cell = cell * static_cast<std::size_t>(cells_[k]) + static_cast<std::size_t>(c);
+  }
+  for (std::uint32_t e = first_[cell]; e < first_[cell + 1]; ++e)
+    if (holds(entries_[e].particle, p - entries_[e].center)) return entries_[e].particle;
+  return -1;
+}
+
+}  // namespace terrazzo::carving

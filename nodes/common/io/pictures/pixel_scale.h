@@ -1,0 +1,26 @@
+// The size of a pixel as an image file's metadata state it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "nodes/common/io/pictures/picture_codec.h"
+
+namespace terrazzo {
+
+struct PixelScale {
+  double size = 0;         // mm per pixel
+  double uncertainty = 0;  // relative
+  std::string source;      // where the size comes from, for a message: "its resolution, 1200 pixels per inch"
+};
+
+// The length of a unit of microscopes and scanners, such as "µm", in mm; 0 if the name is unknown.
+double mm_of_unit(const std::string& unit);
+
+// From, in this order: the calibration that ImageJ stores in TIFF files; focal length, subject distance and
+// the pitch of the sensor (EXIF 2.32), with the size of a pixel in the plane of the subject; and the
+// resolution of a scan. The resolution of a camera's picture, and resolutions that programs write by habit
+// (72, 96, 180, 240 and 300 per inch), say nothing. None if there is no such information or it is absurd.
+std::optional<PixelScale> pixel_scale_of(const PictureDecoder&);
+
+}  // namespace terrazzo

@@ -1,0 +1,165 @@
+#include "nodes/cooccurrence/cooccurrence_synth/patches.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/random.h"
+
+namespace terrazzo::cooccurrence_synth {
+namespace {
+
+// The field's co-occurrence counts, kept up to date.
+class Usage {
+ public:
+  Usage(const LevelField& field, const Cooccurrence& wanted, bool periodic)
+      : field_(field),
+        levels_(wanted.levels),
+        periodic_(periodic),
+        offsets_(wanted.offsets),
+        now_(measure_cooccurrence(field, wanted.levels, wanted.offsets, periodic)) {
+    for (std::size_t d = 0; d < offsets_.size(); ++d)
+      for (int i = 0; i < levels_ * levels_; ++i)
+        share_.push_back(static_cast<float>(static_cast<double>(wanted.counts[d * levels_ * levels_ + i]) /
+                                            static_cast<double>(wanted.pairs[d])));
+  }
+
+  // For each level: how often it occurs beside this pixel's neighbors over how often it should, to the power
+  // of 1.5.
+  void overuse(int x, int y, std::vector<float>& use) const {
+    const float little = 1e-3f * static_cast<float>(offsets_.size());
+    std::vector<float> want(use.size(), little);
+    std::fill(use.begin(), use.end(), little);
+    for (std::size_t d = 0; d < offsets_.size(); ++d) {
+      const float k = 1.0f / static_cast<float>(now_.pairs[d]);
+      const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()),
+                before = level_at(x - offsets_[d].x(), y - offsets_[d].y());
+      for (int t = 0; t < levels_; ++t) {
+        if (after >= 0) take(now_.at(d, t, after), k, use[t], want[t]);
+        if (before >= 0) take(now_.at(d, before, t), k, use[t], want[t]);
+      }
+    }
+    for (std::size_t t = 0; t < use.size(); ++t) use[t] /= want[t], use[t] *= std::sqrt(use[t]);
+  }
+
+  // Call before the field's pixel changes.
+  void change(int x, int y, int from, int to) {
+    for (std::size_t d = 0; d < offsets_.size(); ++d) {
+      if (const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()); after >= 0)
+        --now_.counts[now_.at(d, from, after)], ++now_.counts[now_.at(d, to, after)];
+      if (const int before = level_at(x - offsets_[d].x(), y - offsets_[d].y()); before >= 0)
+        --now_.counts[now_.at(d, before, from)], ++now_.counts[now_.at(d, before, to)];
+    }
+  }
+
+ private:
+  void take(std::size_t entry, float k, float& use, float& want) const {
+    use += static_cast<float>(now_.counts[entry]) * k, want += share_[entry];
+  }
+  int level_at(int x, int y) const {
+    const int w = field_.size.x(), h = field_.size.y();
+    if (x < 0 || y < 0 || x >= w || y >= h) {
+      if (!periodic_) return -1;
+      x = (x + w) % w, y = (y + h) % h;
+    }
+    return field_.at[field_.index(x, y)];
+  }
+
+  const LevelField& field_;
+  int levels_;
+  bool periodic_;
+  std::vector<Vec3i> offsets_;
+  Cooccurrence now_;
+  std::vector<float> share_;
+};
+
+}  // namespace
+
+std::vector<std::uint32_t> patch_sources(const Image& source, const std::vector<LevelField>& sections,
+                                         const ColorLevels& levels, const Cooccurrence& wanted, bool periodic,
+                                         std::uint64_t seed, LevelField& field, const Work& work) {
+  constexpr int kReach = 4, kRounds = 4, kRandom = 16;
+  const int w = field.size.x(), h = field.size.y(), sw = source.width, sh = source.height;
+  std::vector<Vec3f> positions;
+  std::vector<std::uint8_t> level;
+  std::vector<std::vector<std::uint32_t>> pixels_of(static_cast<std::size_t>(levels.count()));
+  for (const auto& section : sections) level.insert(level.end(), section.at.begin(), section.at.end());
+  for (std::size_t i = 0; i < level.size(); ++i) {
+    positions.push_back(levels.position(source.pixels[i]));
+    if (level[i] != kNoLevel) pixels_of[level[i]].push_back(static_cast<std::uint32_t>(i));
+  }
+  std::vector<Vec3f> now(field.at.size());
+  std::vector<std::uint8_t> known(field.at.size(), 0);
+  std::vector<std::uint32_t> from(field.at.size(), 0);
+  Usage usage(field, wanted, periodic);
+  std::vector<float> use(static_cast<std::size_t>(levels.count()));
+
+  const auto mismatch = [&](int x, int y, std::uint32_t s, float limit) {
+    const int sx = static_cast<int>(s) % sw, sy = static_cast<int>(s) / sw % sh;
+    const std::size_t first = s - static_cast<std::size_t>(sy) * sw - sx;
+    float sum = 0;
+    for (int v = -kReach; v <= kReach; ++v) {
+      int py = y + v;
+      if (py < 0 || py >= h) {
+        if (!periodic) continue;
+        py = (py + h) % h;
+      }
+      for (int u = -kReach; u <= kReach; ++u) {
+        int px = x + u;
+        if (px < 0 || px >= w) {
+          if (!periodic) continue;
+          px = (px + w) % w;
+        }
+        const std::size_t p = field.index(px, py);
+        if (!known[p] || (u == 0 && v == 0)) continue;
+        const int qx = sx + u, qy = sy + v;
+        if (qx < 0 || qy < 0 || qx >= sw || qy >= sh)
+          sum += 0.02f;
+        else
+          sum += (now[p] - positions[first + static_cast<std::size_t>(qy) * sw + qx]).squaredNorm();
+      }
+      if (sum >= limit) return sum;
+    }
+    return sum;
+  };
+
+  for (int round = 0; round < kRounds; ++round)
+    for (int row = 0; row < h; ++row) {
+      work.check();
+      work.progress((round + static_cast<double>(row) / h) / kRounds);
+      for (int column = 0; column < w; ++column) {
+        const int x = round % 2 ? w - 1 - column : column, y = round % 2 ? h - 1 - row : row;
+        const std::size_t p = field.index(x, y);
+        usage.overuse(x, y, use);
+        std::uint32_t best = from[p];
+        float least = known[p] ? use[level[best]] * mismatch(x, y, best, 1e30f) : 1e30f;
+        const auto try_source = [&](std::uint32_t s) {
+          if (level[s] == kNoLevel) return;
+          const float m = use[level[s]] * mismatch(x, y, s, least / use[level[s]]);
+          if (m < least) least = m, best = s;
+        };
+        for (int v = -1; v <= 1; ++v)
+          for (int u = -1; u <= 1; ++u) {
+            int px = x + u, py = y + v;
+            if (px < 0 || py < 0 || px >= w || py >= h) {
+              if (!periodic) continue;
+              px = (px + w) % w, py = (py + h) % h;
+            }
+            const std::size_t q = field.index(px, py);
+            if (!known[q] || q == p) continue;
+            const int sx = static_cast<int>(from[q]) % sw - u, sy = static_cast<int>(from[q]) / sw % sh - v;
+            if (sx < 0 || sy < 0 || sx >= sw || sy >= sh) continue;
+            try_source(static_cast<std::uint32_t>(static_cast<int>(from[q]) - v * sw - u));
+          }
+        const auto& same = pixels_of[field.at[p]];
+        Random random(seed, 0x0cc8 + static_cast<std::uint64_t>(round), p);
+        for (int k = 0; k < kRandom && !same.empty(); ++k) try_source(same[random.below(same.size())]);
+        if (least >= 1e30f) continue;
+        if (level[best] != field.at[p]) usage.change(x, y, field.at[p], level[best]);
+        field.at[p] = level[best];
+        from[p] = best, now[p] = positions[best], known[p] = 1;
+      }
+    }
+  return from;
+}
+
+}  // namespace terrazzo::cooccurrence_synth

@@ -1,0 +1,112 @@
+#include "nodes/detail/detail_solid/isotropy.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "nodes/data/linear.h"
+
+namespace terrazzo::detail_solid {
+namespace {
+
+constexpr int kTowards = 48;  // on half of the sphere
+constexpr float kWidth = 10;  // of the window: exp(width (cos² − 1))
+constexpr double kShell = 4;  // thickness of the shells over which power is summed, frequencies
+constexpr float kLeastFactor = 0.25f, kMostFactor = 4;
+
+std::array<Vec3f, kTowards> directions() {
+  std::array<Vec3f, kTowards> out;
+  for (int k = 0; k < kTowards; ++k) {
+    const double z = (k + 0.5) / kTowards, a = k * 2.399963229728653, r = std::sqrt(1 - z * z);
+    out[static_cast<std::size_t>(k)] = Vec3(r * std::cos(a), r * std::sin(a), z).cast<float>();
+  }
+  return out;
+}
+
+// Sums of one shell.
+struct Shell {
+  std::array<Lane, kTowards> power{};
+  std::array<float, kTowards> weight{};
+  Lane all{};
+  float count = 0;
+};
+
+}  // namespace
+
+void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& work) {
+  const auto n = static_cast<std::size_t>(size);
+  const std::array<Vec3f, kTowards> towards = directions();
+  const auto frequency = [&](std::size_t i) {
+    return i <= n / 2 ? static_cast<float>(i) : static_cast<float>(i) - static_cast<float>(n);
+  };
+  const auto shells = static_cast<std::size_t>(std::sqrt(3.0) * size / 2 / kShell) + 2;
+  // Calls use(element, shell below, share of the shell above, weights of the directions) for each frequency
+  // of a plane but the origin.
+  const auto each = [&](std::size_t z, auto&& use) {
+    std::array<float, kTowards> weight;
+    for (std::size_t y = 0; y < n; ++y)
+      for (std::size_t x = 0; x < n; ++x) {
+        const Vec3f f(frequency(x), frequency(y), frequency(z));
+        const float distance = f.norm();
+        if (!(distance > 0)) continue;
+        const Vec3f unit = f / distance;
+        for (std::size_t k = 0; k < kTowards; ++k) {
+          const float c = unit.dot(towards[k]), e = kWidth * (c * c - 1);
+          // Within 1e-3 of the exponential, and the same on every machine.
+          float w = std::max(0.0f, 1 + e / 16);
+          w *= w, w *= w, w *= w, w *= w;
+          weight[k] = w;
+        }
+        const float at = distance / static_cast<float>(kShell);
+        const auto low = std::min(static_cast<std::size_t>(at), shells - 2);
+        use((z * n + y) * n + x, low, at - static_cast<float>(low), weight);
+      }
+  };
+  // Each plane has sums of its own, so that any number of threads adds in the same order.
+  std::vector<std::vector<Shell>> planes(n);
+  work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t z = begin; z < end; ++z) {
+      auto& sums = planes[z];
+      sums.assign(shells, {});
+      each(z, [&](std::size_t i, std::size_t low, float t, const std::array<float, kTowards>& weight) {
+        Shell& s = sums[low + (t >= 0.5f ? 1 : 0)];
+        const Lane power = data[i].re * data[i].re + data[i].im * data[i].im;
+        s.all += power, ++s.count;
+        for (std::size_t k = 0; k < kTowards; ++k) s.power[k] += weight[k] * power, s.weight[k] += weight[k];
+      });
+    }
+  });
+  std::vector<Shell> sums(shells);
+  for (const auto& plane : planes)
+    for (std::size_t r = 0; r < shells; ++r) {
+      sums[r].all += plane[r].all, sums[r].count += plane[r].count;
+      for (std::size_t k = 0; k < kTowards; ++k)
+        sums[r].power[k] += plane[r].power[k], sums[r].weight[k] += plane[r].weight[k];
+    }
+  std::vector<std::array<Lane, kTowards>> gain(shells);
+  for (std::size_t r = 0; r < shells; ++r)
+    for (std::size_t k = 0; k < kTowards; ++k)
+      for (int c = 0; c < 4; ++c) {
+        const Shell& s = sums[r];
+        const float mean = s.count > 0 ? s.all[c] / s.count : 0;
+        gain[r][k][c] =
+            s.weight[k] > 1 && s.power[k][c] > 0 && mean > 0
+                ? std::clamp(std::sqrt(mean * s.weight[k] / s.power[k][c]), kLeastFactor, kMostFactor)
+                : 1.0f;
+      }
+  work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t z = begin; z < end; ++z)
+      each(z, [&](std::size_t i, std::size_t low, float t, const std::array<float, kTowards>& weight) {
+        Lane sum{};
+        float all = 0;
+        for (std::size_t k = 0; k < kTowards; ++k) {
+          sum += weight[k] * ((1 - t) * gain[low][k] + t * gain[low + 1][k]);
+          all += weight[k];
+        }
+        sum /= all;
+        data[i].re *= sum, data[i].im *= sum;
+      });
+  });
+}
+
+}  // namespace terrazzo::detail_solid

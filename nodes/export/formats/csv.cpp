@@ -1,0 +1,126 @@
+#include "nodes/export/formats/csv.h"
+
+#include <fmt/format.h>
+
+#include "graph/text/utf8.h"
+
+namespace terrazzo::exporting {
+namespace {
+
+class Lines {
+ public:
+  explicit Lines(const std::vector<std::string>& header) {
+    for (const auto& h : header) word(h);
+    end();
+  }
+  void number(double v) { cell(fmt::format("{}", v)); }
+  void number(float v) { cell(fmt::format("{}", v)); }
+  void integer(std::int64_t v) { cell(fmt::format("{}", v)); }
+  void word(const std::string& text) {
+    const std::string s = escape_controls(text);
+    if (s.find_first_of(",\"\r\n") == std::string::npos) return cell(s);
+    std::string quoted = "\"";
+    for (const char c : s) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+    cell(quoted + '"');
+  }
+  template <class V>
+  void vector(const V& v) {
+    for (Eigen::Index i = 0; i < v.size(); ++i) number(v[i]);
+  }
+  void end() {
+    text_ += '\n';
+    first_ = true;
+  }
+  std::string take() { return std::move(text_); }
+
+ private:
+  void cell(const std::string& s) {
+    if (!first_) text_ += ',';
+    text_ += s;
+    first_ = false;
+  }
+  std::string text_;
+  bool first_ = true;
+};
+
+}  // namespace
+
+std::string csv_of(const Table& table) {
+  Lines out(table.columns);
+  for (const auto& row : table.rows) {
+    for (const auto& cell : row) {
+      if (const auto* v = std::get_if<double>(&cell))
+        out.number(*v);
+      else
+        out.word(std::get<std::string>(cell));
+    }
+    out.end();
+  }
+  return out.take();
+}
+
+std::string csv_of(const Profiles& profiles) {
+  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "confidence",
+             "color_r", "color_g", "color_b"});
+  for (const auto& p : profiles.profiles) {
+    out.integer(p.section), out.integer(p.cls), out.number(p.area), out.vector(p.centroid);
+    out.integer(p.touches_border), out.number(p.weight), out.number(p.confidence), out.vector(p.color);
+    out.end();
+  }
+  return out.take();
+}
+
+std::string csv_of(const Particles& particles) {
+  Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
+             "color_g", "color_b", "void"});
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    out.integer(static_cast<std::int64_t>(i)), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
+    out.vector(particles.position[i]);
+    out.number(particles.orientation[i].w()), out.vector(particles.orientation[i].vec());
+    out.number(particles.scale[i]), out.number(particles.size[i]), out.vector(particles.color[i]);
+    out.integer(particles.is_void(i));
+    out.end();
+  }
+  return out.take();
+}
+
+std::string csv_of(const SizeDistribution& distribution) {
+  Lines out({"shape", "class", "size_low", "size_high", "N_V", "low", "high"});
+  for (const auto& entry : distribution.shapes)
+    for (std::size_t k = 0; k < entry.N_V.size(); ++k) {
+      out.integer(entry.shape), out.integer(entry.cls);
+      out.number(distribution.class_edges.at(k)), out.number(distribution.class_edges.at(k + 1));
+      out.number(entry.N_V[k]), out.number(entry.low.at(k)), out.number(entry.high.at(k));
+      out.end();
+    }
+  return out.take();
+}
+
+std::string csv_of(const KMatrix& kmatrix) {
+  std::vector<std::string> header = {"shape", "profile_class"};
+  for (int j = 1; j <= kmatrix.classes; ++j) header.push_back("size_" + std::to_string(j));
+  Lines out(header);
+  for (std::size_t s = 0; s < kmatrix.shapes.size(); ++s)
+    for (Eigen::Index i = 0; i < kmatrix.shapes[s].K.rows(); ++i) {
+      out.integer(static_cast<std::int64_t>(s)), out.integer(i + 1);
+      for (Eigen::Index j = 0; j < kmatrix.shapes[s].K.cols(); ++j) out.number(kmatrix.shapes[s].K(i, j));
+      out.end();
+    }
+  return out.take();
+}
+
+std::string csv_of(const Shapes& shapes) {
+  Lines out({"name", "probability", "vertices", "triangles", "volume", "surface_area", "mean_caliper",
+             "max_section_area"});
+  for (const auto& s : shapes.shapes) {
+    out.word(s.name), out.number(s.probability);
+    out.integer(static_cast<std::int64_t>(s.mesh.vertices.size()));
+    out.integer(static_cast<std::int64_t>(s.mesh.triangles.size()));
+    out.number(s.volume), out.number(s.surface_area), out.number(s.mean_caliper),
+        out.number(s.max_section_area);
+    out.end();
+  }
+  return out.take();
+}
+
+}  // namespace terrazzo::exporting

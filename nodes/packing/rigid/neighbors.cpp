@@ -1,0 +1,157 @@
+#include "nodes/packing/rigid/neighbors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "nodes/common/geometry/periodic.h"
+
+namespace terrazzo::packing {
+namespace {
+
+struct Level {
+  double largest = 0;  // radius
+  PeriodicCells grid;
+  std::vector<std::int32_t> begin;  // per cell, + 1
+  std::vector<std::int32_t> item;
+  std::vector<Vec3> place;  // positions of the items, for sequential access
+};
+
+std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& position,
+                               const std::vector<double>& radius, const std::vector<int>& level_of, int count,
+                               double reach) {
+  std::vector<Level> levels(count);
+  std::vector<std::size_t> members(count, 0);
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    auto& level = levels[level_of[i]];
+    level.largest = std::max(level.largest, radius[i]);
+    ++members[level_of[i]];
+  }
+  for (int l = 0; l < count; ++l) {
+    Level& level = levels[l];
+    if (members[l] == 0) continue;
+    // At most a few cells per member: a level with one tiny ball needs no fine grid.
+    const double width = std::max(2 * level.largest + reach, std::cbrt(box.prod() / (4.0 * members[l] + 8)));
+    level.grid = PeriodicCells(box, width, std::numeric_limits<int>::max());
+    level.begin.assign(level.grid.count() + 1, 0);
+    level.item.resize(members[l]);
+  }
+  std::vector<std::size_t> cell(radius.size());
+  for (std::size_t i = 0; i < radius.size(); ++i) {
+    Level& level = levels[level_of[i]];
+    cell[i] = level.grid.at(position[i]);
+    ++level.begin[cell[i] + 1];
+  }
+  for (auto& level : levels)
+    for (std::size_t c = 1; c < level.begin.size(); ++c) level.begin[c] += level.begin[c - 1];
+  std::vector<std::vector<std::int32_t>> at(count);
+  for (int l = 0; l < count; ++l) at[l] = levels[l].begin;
+  for (std::size_t i = 0; i < radius.size(); ++i)
+    levels[level_of[i]].item[at[level_of[i]][cell[i]]++] = static_cast<std::int32_t>(i);
+  for (auto& level : levels)
+    for (std::int32_t i : level.item) level.place.push_back(position[i]);
+  return levels;
+}
+
+}  // namespace
+
+std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
+                             const std::vector<double>& radius, double reach, const Work& work) {
+  const std::size_t n = position.size();
+  if (n < 2) return {};
+  const double largest = *std::max_element(radius.begin(), radius.end());
+  std::vector<int> level_of(n);
+  int count = 1;
+  for (std::size_t i = 0; i < n; ++i) {
+    level_of[i] = radius[i] > 0
+                      ? std::min(12, static_cast<int>(std::floor(std::log2(largest / radius[i]) + 1e-9)))
+                      : 12;
+    count = std::max(count, level_of[i] + 1);
+  }
+  const auto levels = make_levels(box, position, radius, level_of, count, reach);
+
+  constexpr std::size_t kGrain = 512;
+  std::vector<std::vector<Pair>> parts((n + kGrain - 1) / kGrain);
+  work.parallel(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    auto& out = parts[begin / kGrain];
+    for (std::size_t s = begin; s < end; ++s) {
+      const auto i = static_cast<std::int32_t>(s);
+      const Vec3& p = position[i];
+      for (int l = level_of[i]; l >= 0; --l) {
+        const Level& level = levels[l];
+        if (level.item.empty()) continue;
+        const double far = radius[i] + level.largest + reach;
+        const Vec3i& cells = level.grid.cells;
+        std::array<int, 3> lo, hi;
+        for (int a = 0; a < 3; ++a) {
+          const double width = box[a] / cells[a];
+          lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
+          hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
+        }
+        struct Cell {
+          int at = 0, image = 0;
+          Cell(int c, int n) {  // most cells are inside the box and need no division
+            image = c >= 0 && c < n ? 0 : c >= 0 ? c / n : -((n - 1 - c) / n);
+            at = c - image * n;
+          }
+        };
+        std::array<int, 3> image;
+        for (int z = lo[2]; z <= hi[2]; ++z) {
+          const Cell cz(z, cells[2]);
+          image[2] = cz.image;
+          const std::size_t plane = static_cast<std::size_t>(cz.at) * cells[1];
+          for (int y = lo[1]; y <= hi[1]; ++y) {
+            const Cell cy(y, cells[1]);
+            image[1] = cy.image;
+            const std::size_t row = (plane + cy.at) * cells[0];
+            for (int x = lo[0]; x <= hi[0]; ++x) {
+              const Cell cx(x, cells[0]);
+              image[0] = cx.image;
+              const std::size_t f = row + cx.at;
+              const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
+              for (std::int32_t k = level.begin[f]; k < level.begin[f + 1]; ++k) {
+                const double square = (level.place[k] - from).squaredNorm();
+                if (square >= far * far) continue;
+                const std::int32_t j = level.item[k];
+                if (l == level_of[i] && j <= i) continue;
+                const double sum = radius[i] + radius[j] + reach;
+                if (square >= sum * sum) continue;
+                Pair pair{i,
+                          j,
+                          {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
+                           static_cast<std::int8_t>(image[2])}};
+                if (j < i) {
+                  std::swap(pair.a, pair.b);
+                  for (auto& v : pair.image) v = static_cast<std::int8_t>(-v);
+                }
+                out.push_back(pair);
+              }
+            }
+          }
+        }
+      }
+    }
+  });
+  std::vector<Pair> pairs;
+  std::size_t total = 0;
+  for (const auto& part : parts) total += part.size();
+  pairs.reserve(total);
+  for (const auto& part : parts) pairs.insert(pairs.end(), part.begin(), part.end());
+  return pairs;
+}
+
+Incidence incidence_of(std::size_t n, const std::vector<Pair>& pairs) {
+  Incidence inc;
+  inc.begin.assign(n + 1, 0);
+  for (const auto& p : pairs) ++inc.begin[p.a + 1], ++inc.begin[p.b + 1];
+  for (std::size_t i = 0; i < n; ++i) inc.begin[i + 1] += inc.begin[i];
+  inc.entry.resize(2 * pairs.size());
+  std::vector<std::int32_t> at(inc.begin.begin(), inc.begin.end() - 1);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    inc.entry[at[pairs[k].a]++] = static_cast<std::int32_t>(2 * k);
+    inc.entry[at[pairs[k].b]++] = static_cast<std::int32_t>(2 * k + 1);
+  }
+  return inc;
+}
+
+}  // namespace terrazzo::packing

@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "graph/node_type.h"
+#include "nodes/common/io/image_file.h"
+#include "nodes/common/io/pictures/color_config.h"
+#include "runtime/context.h"
+
+namespace terrazzo::load_image {
+namespace {
+
+// The metadata may be wrong, so they never set the size of a pixel; users who left the default should
+// know.
+void offer(const PixelScale& scale, Context& c) {
+  if (std::abs(c.number("pixel_size") - scale.size) <= scale.uncertainty * scale.size) return;
+  c.warn(fmt::format(
+      "according to {}, a pixel is {:.3g} mm wide (± {:.0f} %), but pixel_size is {:g}; if the metadata "
+      "are right, set pixel_size: {:.3g}",
+      scale.source, scale.size, 100 * scale.uncertainty, c.number("pixel_size"), scale.size));
+}
+
+void compute(Context& c) {
+  if (c.text("color_config") != color_config_id())
+    throw Error("color-config",
+                "the color configuration is '" + color_config_id() + "', but the graph asks for '" +
+                    c.text("color_config") + "'",
+                "set the environment variable OCIO to the configuration that the graph was written for, or "
+                "remove color_config from the graph")
+        .parameter("color_config");
+  const auto& files = c.files("path");
+  const std::string colorspace = c.text("colorspace");
+  const PageChoice choice = page_choice(c);
+  Image stack;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    c.work().check();
+    std::optional<PixelScale> scale;
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &scale, choice);
+    if (i == 0 && scale) offer(*scale, c);
+    if (i == 0) {
+      stack = std::move(section);
+      require_memory(
+          static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()),
+          c.memory(), std::to_string(files.size()) + " images");
+      stack.pixels.reserve(stack.pixels.size() * files.size());
+    } else {
+      if (section.width != stack.width || section.height != stack.height)
+        throw Error("size-mismatch",
+                    "'" + files[i].string() + "' is " + std::to_string(section.width) + " × " +
+                        std::to_string(section.height) + " pixels, but '" + files[0].string() + "' " +
+                        std::to_string(stack.width) + " × " + std::to_string(stack.height),
+                    "all sections of a stack must have the same size and scale")
+            .parameter("path");
+      stack.pixels.insert(stack.pixels.end(), section.pixels.begin(), section.pixels.end());
+      ++stack.sections;
+    }
+    c.work().progress(static_cast<double>(i + 1) / static_cast<double>(files.size()));
+  }
+  c.metric("width", stack.width);
+  c.metric("height", stack.height);
+  c.metric("sections", stack.sections);
+  c.output("image", std::move(stack));
+}
+
+}  // namespace
+}  // namespace terrazzo::load_image
+
+namespace terrazzo {
+
+NodeType load_image_node() {
+  using namespace load_image;
+  return NodeType("LoadImage", 4)
+      .doc_(
+          "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
+          "PNG, TIFF, OpenEXR, Radiance HDR, BMP, PNM, GIF and the raw files of cameras; color spaces are "
+          "converted "
+          "through OpenColorIO and Little CMS. A truncated file is an error; other decoder messages become "
+          "warnings.")
+      .output("image", "Image", "One section per file, in file name order")
+      .parameter(Parameter::input_path("path").doc_(
+          "Image file. A glob names a stack of sections of equal size and scale."))
+      .parameter(Parameter::number("pixel_size", 1)
+                     .unit_("mm")
+                     .range(1e-9, 1e9)
+                     .doc_("Edge length of a pixel. A warning appears if the file's metadata (EXIF, scanner "
+                           "resolution, ImageJ calibration) state another size."))
+      .parameter(Parameter::text("colorspace", "auto")
+                     .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
+                           "$OCIO if set, then in the built-in one. auto: what the file states (ICC profile, "
+                           "PNG chunks, EXIF, OpenEXR chromaticities), else sRGB for integer formats and "
+                           "scene-linear for float formats."))
+      .parameter(Parameter::optional_integer("page", "auto")
+                     .range(1, 1e6)
+                     .doc_("Page to read of a file with several, from 1. auto: the only one."))
+      .parameter(Parameter::optional_integer("channel", "auto")
+                     .range(1, 10000)
+                     .doc_("Channel to read as gray, from 1. auto: the colors, or the only one."))
+      .parameter(Parameter::text("color_config", color_config_id())
+                     .doc_("Identity of the OpenColorIO configuration in use, so that a changed $OCIO counts "
+                           "as a changed input. Set it only to require a particular configuration."))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

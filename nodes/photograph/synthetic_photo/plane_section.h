@@ -1,0 +1,20 @@
+// Plane sections: profiles in a binder, as a saw, a polished face or a microscope shows them.
+#pragma once
+
+#include "nodes/photograph/synthetic_photo/canvas.h"
+#include "nodes/photograph/synthetic_photo/palette.h"
+#include "runtime/work.h"
+
+namespace terrazzo::synthetic_photo {
+
+struct SectionOptions {
+  double fill = 0.5;  // area fraction aimed at, 0 to 1
+  bool grown =
+      false;  // as phases grow in a metal: lobed particles, fine ones between large ones, halos, scratches
+};
+
+// Cells of a power diagram above a fill of about 0.6 unless `grown`, otherwise shapes dropped one after the
+// other where there is room, so that neighbors may touch.
+void make_plane_section(Canvas&, const SectionOptions&, const PhotoPalette&, Random&, const Work&);
+
+}  // namespace terrazzo::synthetic_photo

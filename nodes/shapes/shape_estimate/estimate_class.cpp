@@ -1,0 +1,215 @@
+#include "nodes/shapes/shape_estimate/estimate_class.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/stereology/shape_measures.h"
+#include "nodes/shapes/shape_estimate/fit.h"
+#include "nodes/shapes/shape_estimate/methods/method.h"
+#include "nodes/shapes/shape_estimate/self_intersections.h"
+
+namespace terrazzo::shape_estimate {
+namespace {
+
+const EstimateMethod& method_of(const std::string& name) {
+  const auto& all = estimate_methods();
+  return *std::find_if(all.begin(), all.end(), [&](const auto& m) { return m.name == name; });
+}
+
+struct Chosen {
+  std::vector<std::vector<Outline>> shapes;  // profiles of each shape
+  std::vector<Outline> all;
+  bool by_id = false;
+  bool same = false;  // every shape uses the same profiles
+  std::size_t usable = 0;
+};
+
+constexpr std::size_t kFitHands = 4;
+
+// The method that the parameter names; with auto, fit if there are enough profiles.
+const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
+  const std::string name = c.text("method");
+  if (name != "auto") return method_of(name);
+  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
+  const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
+  return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
+}
+
+[[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
+  const bool no_outlines =
+      !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
+  throw Error("too-few-profiles",
+              fmt::format("a shape needs {} profiles; of the {} given: {}", each, profiles.profiles.size(),
+                          candidates.text()),
+              no_outlines
+                  ? "these profiles are areas without outlines: connect profiles from Segment or Section"
+                  : "use a larger or sharper image, lower smallest, or choose profiles by their ids")
+      .parameter("profiles");
+}
+
+Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method,
+              const CandidateOptions& options) {
+  // The method that estimates all shapes together starts from several groups of profiles.
+  const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
+  auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
+  if (method.most) each = std::min(each, method.most);
+  const double crease = c.number("crease");
+  Chosen out;
+  auto candidates = candidates_of(profiles, options, c.work());
+  out.usable = candidates.outlines.size();
+  const std::string rule = c.keyword("profiles");
+  if (!rule.empty()) {
+    if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
+    if (method.run && candidates.outlines.size() < shapes * each)
+      c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
+                         candidates.outlines.size()));
+    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each, c.seed(), c.work());
+    for (const auto& hand : hands) {
+      out.shapes.emplace_back();
+      for (const int i : hand) out.shapes.back().push_back(candidates.outlines[i]);
+    }
+    out.all = std::move(candidates.outlines);
+    return out;
+  }
+  const auto ids = c.ints("profiles");
+  std::vector<Outline> outlines;
+  try {
+    outlines = outlines_by_id(profiles, ids, crease);
+  } catch (Error& e) {
+    throw e.parameter("profiles");
+  }
+  if (ids.size() < method.least)
+    throw Error("too-few-profiles",
+                fmt::format("a shape needs at least {} profiles; {} {} given", method.least, ids.size(),
+                            ids.size() == 1 ? "is" : "are"),
+                "list more profiles, or repeat one of them")
+        .parameter("profiles");
+  for (const auto id : ids)
+    if (profiles.profiles[static_cast<std::size_t>(id) - 1].touches_border)
+      c.warn(fmt::format("profile {} is cut by the border, so its outline is incomplete", id));
+  out.by_id = true;
+  out.same = outlines.size() < shapes * each || shapes == 1;
+  for (std::size_t s = 0; s < shapes; ++s) {
+    const auto from = outlines.begin() + static_cast<std::ptrdiff_t>(s * each);
+    out.shapes.push_back(out.same ? outlines
+                                  : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
+  }
+  if (!out.same && outlines.size() > shapes * each)
+    c.warn(fmt::format("the last {} of the {} profiles are not used", outlines.size() - shapes * each,
+                       outlines.size()));
+  out.all = std::move(candidates.outlines);
+  return out;
+}
+
+struct Attempt {
+  Estimate estimate;
+  std::int64_t self_intersections = 0;
+};
+
+// Builds the shape as requested. If it intersects itself, tries other base curves with the same profiles.
+Attempt attempt(const EstimateMethod& method, EstimateRequest request, bool any_base, const Work& work) {
+  Attempt best;
+  const int n = static_cast<int>(request.chosen.size()), first = request.base;
+  for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
+    request.base = (first + turn) % n;
+    Attempt made{method.run(request, work)};
+    made.self_intersections = self_intersections(made.estimate.mesh, work);
+    if (mesh_volume(made.estimate.mesh) <= 0)
+      made.self_intersections += static_cast<std::int64_t>(made.estimate.mesh.triangles.size());
+    if (turn == 0 || made.self_intersections < best.self_intersections) best = std::move(made);
+    if (best.self_intersections == 0) break;
+  }
+  return best;
+}
+
+ClassEstimate estimate_fit(Context& c, const Chosen& chosen, const Work& work) {
+  if (chosen.all.size() < kFitLeast)
+    throw Error(
+        "too-few-profiles",
+        fmt::format("fit needs at least {} usable profiles; there are {}", kFitLeast, chosen.all.size()),
+        "use a larger image or several sections, lower smallest, or use another method")
+        .parameter("method");
+  if (chosen.all.size() < 60)
+    c.warn(fmt::format("only {} profiles: the shapes will also fit sampling noise", chosen.all.size()));
+  FitRequest request;
+  request.hands = chosen.shapes;
+  request.all = &chosen.all;
+  request.count = static_cast<int>(c.integer("count"));
+  request.smallest = c.number("smallest");
+  request.one_size = c.text("sizes") == "equal";
+  request.rounds = static_cast<int>(c.integer("rounds"));
+  request.seed = c.seed();
+  Fit fit = fit_bodies(request, work.part(0, 0.95));
+  ClassEstimate out;
+  for (auto& body : fit.bodies) {
+    const auto crossing = static_cast<double>(self_intersections(body.mesh, work));
+    const std::string name = fmt::format("fit {} from {}", out.shapes.size() + 1, body.from);
+    if (crossing > 0) c.warn(fmt::format("{} intersects itself ({} pairs of triangles)", name, crossing));
+    out.self_intersections += crossing;
+    out.triangles += static_cast<double>(body.mesh.triangles.size());
+    Shape shape = measure_shape(name, std::move(body.mesh), body.probability, work.part(0.95, 1));
+    shape.smooth = body.smooth;
+    out.shapes.push_back(std::move(shape));
+  }
+  out.start_distance = fit.start, out.distance = fit.distance;
+  return out;
+}
+
+ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chosen& chosen,
+                            const Work& all_work) {
+  const std::string axis = c.text("axis");
+  ClassEstimate out;
+  const std::size_t count = chosen.shapes.size();
+  for (std::size_t s = 0; s < count; ++s) {
+    const Work work = all_work.part(static_cast<double>(s) / count, (s + 1.0) / count);
+    EstimateRequest request;
+    request.chosen = chosen.shapes[s];
+    request.all = &chosen.all;
+    request.index = static_cast<int>(s);
+    request.seed = c.seed();
+    request.subdivision = static_cast<int>(c.integer("subdivision"));
+    request.control = static_cast<int>(c.optional_integer("control").value_or(0));
+    request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
+    // If the profiles are the same again, use another one of them as the base.
+    const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
+    request.base = chosen.same ? static_cast<int>(s % permutations) : 0;
+    Attempt made = attempt(method, request, !chosen.same, work);
+    std::string name;
+    for (const auto& o : request.chosen) name += fmt::format("{}{}", name.empty() ? "profiles " : ", ", o.id);
+    if (made.self_intersections > 0)
+      c.warn(fmt::format("the shape of {} intersects itself ({} pairs of triangles)", name,
+                         made.self_intersections));
+    const Mesh& mesh = made.estimate.mesh;
+    if (const auto handles = 1 - (static_cast<std::int64_t>(mesh.vertices.size()) -
+                                  static_cast<std::int64_t>(mesh.triangles.size()) / 2) /
+                                     2;
+        handles > 0)
+      c.warn(fmt::format("the shape of {} has {} handle{}", name, handles, handles == 1 ? "" : "s"));
+    if (method.silhouettes && made.estimate.deviation > 0.01)
+      c.warn(fmt::format(
+          "the silhouettes of {} cut each other: they are reproduced only to {:.1f} % of their diameter",
+          name, 100 * made.estimate.deviation));
+    Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
+    shape.smooth = made.estimate.smooth;
+    out.triangles += static_cast<double>(shape.mesh.triangles.size());
+    out.self_intersections += static_cast<double>(made.self_intersections);
+    out.deviation = std::max(out.deviation, made.estimate.deviation);
+    out.shapes.push_back(std::move(shape));
+  }
+  return out;
+}
+
+}  // namespace
+
+ClassEstimate estimate_class(Context& c, const Profiles& profiles, const CandidateOptions& options,
+                             const Work& work) {
+  const EstimateMethod& method = chosen_method(c, profiles, options);
+  const Chosen chosen = choose(c, profiles, method, options);
+  ClassEstimate out = method.run ? estimate_each(c, method, chosen, work) : estimate_fit(c, chosen, work);
+  out.usable = chosen.usable;
+  return out;
+}
+
+}  // namespace terrazzo::shape_estimate

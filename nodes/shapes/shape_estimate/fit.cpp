@@ -1,0 +1,328 @@
+#include "nodes/shapes/shape_estimate/fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/rank.h"
+#include "nodes/shapes/shape_estimate/feature_match.h"
+#include "nodes/shapes/shape_estimate/least_squares.h"
+#include "nodes/shapes/shape_estimate/methods/body_family.h"
+#include "nodes/shapes/shape_estimate/methods/method.h"
+#include "nodes/shapes/shape_estimate/self_intersections.h"
+#include "nodes/shapes/shape_estimate/size_selection.h"
+
+namespace terrazzo::shape_estimate {
+
+namespace {
+
+// Planes per trial: the number of profiles within these bounds; a longer search may use more. kLastPlanes:
+// planes for the final bodies.
+constexpr std::size_t kLeastPlanes = 144, kPlanesPerRound = 85, kMostPlanes = 512;
+constexpr std::size_t kLastPlanes = 1536;
+constexpr std::size_t kHands = 4;
+constexpr int kPoints = 128;  // as in ShapeMetrics
+// Blur of outlines, relative to their length: hides the triangles of a body and of an original, and what
+// segmentation does to an outline. In addition, a multiple of the smoothing that pixel steps need.
+constexpr double kMeshBlur = 0.0045, kFrayBlur = 0.009, kPixelBlur = 1.5;
+constexpr std::size_t kGuesses = 96;  // number of modeled starting bodies
+
+struct Start {
+  Mesh mesh;
+  std::string from;
+  double distance = 0;
+};
+
+// Bodies from the other methods; those of the cylinders both lying and upright.
+std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) {
+  struct Task {
+    std::size_t hand;
+    const EstimateMethod* method;
+    const char* axis;
+  };
+  std::vector<Task> tasks;
+  for (std::size_t h = 0; h < std::min(kHands, request.hands.size()); ++h)
+    for (const auto& m : estimate_methods()) {
+      if (!m.run || request.hands[h].size() < m.least) continue;
+      for (const char* axis : {"short", "long"}) {
+        const bool turns = m.name.find("cylinder") != std::string::npos;
+        if (turns || axis[0] == 's') tasks.push_back({h, &m, axis});
+      }
+    }
+  std::vector<std::optional<Start>> made(tasks.size());
+  work.parallel(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      EstimateRequest r;
+      r.chosen = request.hands[tasks[i].hand];
+      r.all = request.all;
+      r.index = static_cast<int>(tasks[i].hand);
+      r.seed = request.seed;
+      // Omit fine detail of silhouettes, which extrusion would turn into ridges.
+      r.subdivision = tasks[i].method->silhouettes ? -1 : 1;
+      r.axis = tasks[i].axis;
+      try {
+        Mesh mesh = tasks[i].method->run(r, work.quiet()).mesh;
+        // The deformations cannot remove self-intersections.
+        if (mesh_volume(mesh) > 0 && self_intersections(mesh, work.quiet()) == 0)
+          made[i] = Start{std::move(mesh), tasks[i].method->name, 0};
+      } catch (const Error&) {
+        // This method cannot use these profiles; the others can.
+      }
+    }
+  });
+  std::vector<Start> out;
+  for (auto& m : made)
+    if (m) out.push_back(std::move(*m));
+  return out;
+}
+
+// The body at x, or closer to the starting body if it passes through itself at more places than that:
+// sharpening is not a map of space. Triangles of a starting body may touch within rounding.
+Mesh simple_body(const BodyFamily& family, const Eigen::VectorXd& x, const Work& work) {
+  Mesh start = family.body(Eigen::VectorXd::Zero(x.size()));
+  const std::int64_t touching = self_intersections(start, work.quiet());
+  for (const double share : {1.0, 0.9, 0.8, 0.65, 0.5, 0.25}) {
+    Mesh body = family.body(share * x);
+    if (!body.triangles.empty() && self_intersections(body, work.quiet()) <= touching) return body;
+  }
+  return start;
+}
+
+// Rescales the weights of a sample to its share of a mixture.
+FeatureSample with_share(FeatureSample s, double share) {
+  const double total = total_weight(s);
+  for (double& w : s.weight) w *= share / total;
+  return s;
+}
+
+void append(FeatureSample& to, const FeatureSample& s) {
+  to.features.insert(to.features.end(), s.features.begin(), s.features.end());
+  to.root_area.insert(to.root_area.end(), s.root_area.begin(), s.root_area.end());
+  to.weight.insert(to.weight.end(), s.weight.begin(), s.weight.end());
+}
+
+// Shares ≥ 0 with sum 1 for which the mixture's distribution functions are closest to the observed ones, by
+// projected gradient. A small ridge draws them to equal shares, because the observed profiles are a sample.
+std::vector<double> shares_of(const FeatureTarget& target, const std::vector<FeatureSample>& samples) {
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  const auto importance = target.importance();
+  const auto& goal = target.observed_cumulative();
+  Eigen::MatrixXd a(static_cast<Eigen::Index>(goal.size()), n);
+  Eigen::VectorXd b(static_cast<Eigen::Index>(goal.size()));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto f = target.cumulative(samples[static_cast<std::size_t>(k)]);
+    for (std::size_t i = 0; i < goal.size(); ++i)
+      a(static_cast<Eigen::Index>(i), k) = std::sqrt(importance[i]) * f[i];
+  }
+  for (std::size_t i = 0; i < goal.size(); ++i)
+    b[static_cast<Eigen::Index>(i)] = std::sqrt(importance[i]) * goal[i];
+  Eigen::MatrixXd h = a.transpose() * a;
+  h.diagonal().array() += 0.02;
+  const Eigen::VectorXd g = a.transpose() * b + Eigen::VectorXd::Constant(n, 0.02 / static_cast<double>(n));
+  Eigen::VectorXd w = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+  const double step = 1 / h.trace();
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::VectorXd moved = w - step * (h * w - g);
+    // Project onto the simplex (Held, Wolfe, Crowder 1974).
+    std::vector<double> sorted(moved.data(), moved.data() + n);
+    std::sort(sorted.rbegin(), sorted.rend());
+    double sum = 0, level = 0;
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+      sum += sorted[k];
+      const double t = (sum - 1) / static_cast<double>(k + 1);
+      if (sorted[k] > t) level = t;
+    }
+    w = (moved.array() - level).max(0.0);
+  }
+  return {w.data(), w.data() + n};
+}
+
+}  // namespace
+
+Fit fit_bodies(const FitRequest& request, const Work& work) {
+  OutlineMeasuring measuring;
+  measuring.points = kPoints;
+  std::vector<double> blurs, convexity, sizes;
+  for (const Outline& o : *request.all)
+    blurs.push_back(o.blur), convexity.push_back(o.convexity), sizes.push_back(std::sqrt(o.area));
+  // If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur
+  // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
+  // merged ones.
+  const double blur = kPixelBlur * median(std::move(blurs));
+  measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
+  std::sort(convexity.begin(), convexity.end());
+  const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];
+  const double least_convex = blur > 0 ? lower - 3 * (upper - lower) : 0;
+
+  FeatureSample observed;
+  for (const Outline& o : *request.all) {
+    if (o.convexity < least_convex) continue;
+    OutlineMeasuring seen = measuring;
+    const double more = std::sqrt(std::max(0.0, blur * blur - o.blur * o.blur));
+    seen.blur = std::min(0.05, std::hypot(measuring.blur, more / o.perimeter));
+    const OutlineFeatures f = outline_features(o.soft.empty() ? o.points : o.soft, seen);
+    if (f[OutlineFeature::Circularity] <= 0) continue;
+    observed.features.push_back(f);
+    observed.root_area.push_back(std::sqrt(o.area));
+    observed.weight.push_back(1);
+  }
+  const std::size_t most =
+      std::clamp(kPlanesPerRound * static_cast<std::size_t>(request.rounds), kLeastPlanes, kMostPlanes);
+  const std::size_t planes =
+      request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, most);
+  const FeatureTarget target(observed, request.one_size, request.seed);
+
+  auto starts = starting_bodies(request, work.part(0, 0.05));
+  if (starts.empty())
+    throw Error("no-start", "none of the other methods can build a body from these profiles",
+                "check the profiles, or choose others by their ids");
+  std::vector<std::vector<CutProfile>> started(starts.size());
+  work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) started[i] = cut_sections(starts[i].mesh, planes);
+  });
+  const SizeSelection selection = request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
+                                                   : SizeSelection(sizes, started);
+  const auto measure = [&](std::vector<CutProfile> sections) {
+    selection.apply(sections);
+    return measured(sections, measuring, blur);
+  };
+  const auto sample = [&](const Mesh& mesh, std::size_t planes) {
+    return measure(cut_sections(mesh, planes));
+  };
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    starts[i].distance = target.distance(measure(std::move(started[i])));
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.distance < b.distance; });
+
+  std::vector<FeatureSample> guesses(kGuesses);
+  work.part(0.08, 0.15).parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto family = modeled_bodies(request.seed, static_cast<int>(i));
+      guesses[i] = sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
+    }
+  });
+
+  Fit fit;
+  fit.start = starts[0].distance;
+  std::vector<Mesh> bodies;
+  FeatureSample before;
+  const int count = request.count;
+  enum class Kind { Deformed, Cut, Modeled } kind = Kind::Deformed;  // family that won for the first body
+  for (int k = 0; k < count; ++k) {
+    const double from = 0.15 + 0.83 * k / count;
+    const Work part = work.part(from, from + 0.83 / count);
+    const std::uint64_t seed = request.seed + static_cast<std::uint64_t>(k);
+    const auto with_those_before = [&](FeatureSample s) {
+      if (k > 0 && !s.features.empty()) {
+        s = with_share(std::move(s), 1.0 / (k + 1));
+        append(s, before);
+      }
+      return s;
+    };
+    const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x,
+                                  std::size_t planes) -> Eigen::VectorXd {
+      part.check();
+      const Mesh mesh = family.body(x);
+      if (mesh.triangles.empty()) return {};
+      const FeatureSample s = with_those_before(sample(mesh, planes));
+      return target.residuals(s);
+    };
+    // A round with each promising start, then the remaining rounds with the best.
+    struct Run {
+      std::unique_ptr<BodyFamily> family;
+      std::string from;
+      Kind kind;
+      LeastSquares at;
+      int guess = -1;  // index of a modeled body
+    };
+    std::vector<Run> runs;
+    const std::size_t n = starts.size();
+    const auto deformed = [&](std::size_t i) {
+      runs.push_back({deformed_bodies(starts[i % n].mesh, seed), starts[i % n].from, Kind::Deformed, {}, -1});
+    };
+    const auto polyhedron = [&](std::size_t i) {
+      runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from + ", cut", Kind::Cut, {}, -1});
+    };
+    const auto modeled = [&](std::size_t most) {
+      std::vector<std::pair<double, int>> order;
+      for (std::size_t g = 0; g < kGuesses; ++g)
+        if (!guesses[g].features.empty())
+          order.emplace_back(target.distance(with_those_before(guesses[g])), static_cast<int>(g));
+      std::sort(order.begin(), order.end());
+      for (std::size_t i = 0; i < std::min(most, order.size()); ++i)
+        runs.push_back(
+            {modeled_bodies(request.seed, order[i].second), "a ball", Kind::Modeled, {}, order[i].second});
+    };
+    const auto i = static_cast<std::size_t>(k);
+    if (k == 0) {
+      for (std::size_t s = 0; s < std::min<std::size_t>(n, 3); ++s) deformed(s);
+      polyhedron(0);
+      modeled(2);
+    } else if (kind == Kind::Deformed) {
+      deformed(i), modeled(1);
+    } else if (kind == Kind::Cut) {
+      polyhedron(i), modeled(1);
+    } else {
+      modeled(2);
+    }
+    const auto go = [&](Run& run, int rounds, double step, std::size_t planes, const Work& w) {
+      LeastSquaresOptions options;
+      options.rounds = rounds;
+      options.step = step;
+      run.at = least_squares([&](const Eigen::VectorXd& x) { return residuals_of(*run.family, x, planes); },
+                             run.at.x, options, w);
+    };
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
+      const double share = 0.5 / static_cast<double>(runs.size());
+      go(runs[i], 1, 0.4, std::min(planes, kLeastPlanes),
+         part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
+    }
+    Run& best = *std::min_element(runs.begin(), runs.end(),
+                                  [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
+    go(best, request.rounds, 0.25, planes, part.part(0.5, 1));
+    if (k == 0) kind = best.kind;
+    // Do not start from the same modeled body again.
+    if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
+    bodies.push_back(simple_body(*best.family, best.at.x, part));
+    fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
+    // All bodies so far have equal shares of the profiles.
+    FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));
+    for (double& w : before.weight) w *= (k + 1.0) / (k + 2);
+    append(before, own);
+  }
+
+  std::vector<FeatureSample> samples(bodies.size());
+  work.part(0.98, 1).parallel(bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sample(bodies[i], kLastPlanes);
+  });
+  const auto shares = shares_of(target, samples);
+  FeatureSample together;
+  double mean = 0, sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (shares[i] <= 0) continue;
+    // Convert shares of profiles to shares by number: divide by how many profiles one body shows.
+    fit.bodies[i].probability = shares[i] / total_weight(samples[i]);
+    sum += fit.bodies[i].probability;
+    append(together, with_share(samples[i], shares[i]));
+  }
+  for (std::size_t i = 0; i < together.weight.size(); ++i) mean += together.weight[i] * together.root_area[i];
+  mean /= total_weight(together);
+  fit.distance = target.distance(together);
+  const double scale = target.mean_root_area() / mean;
+  std::vector<FittedBody> kept;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (fit.bodies[i].probability / sum < 1e-3) continue;
+    for (auto& v : bodies[i].vertices) v *= scale;
+    fit.bodies[i].mesh = std::move(bodies[i]);
+    fit.bodies[i].probability /= sum;
+    kept.push_back(std::move(fit.bodies[i]));
+  }
+  fit.bodies = std::move(kept);
+  return fit;
+}
+
+}  // namespace terrazzo::shape_estimate

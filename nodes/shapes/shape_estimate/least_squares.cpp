@@ -1,0 +1,84 @@
+#include "nodes/shapes/shape_estimate/least_squares.h"
+
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace terrazzo::shape_estimate {
+
+constexpr double kLittle = 0.98;  // less progress than this calls for new finite differences
+
+LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residuals,
+                           const Eigen::VectorXd& start, const LeastSquaresOptions& o, const Work& work) {
+  const double ridge = o.ridge * o.ridge;
+  const auto total = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
+    return r.size() ? r.squaredNorm() + ridge * x.squaredNorm() : std::numeric_limits<double>::infinity();
+  };
+  const auto n = start.size();
+  LeastSquares best{start, 0};
+  Eigen::VectorXd at = residuals(start);
+  best.value = total(start, at);
+  double damping = 0.1, step = o.step;
+  int failures = 0;
+  for (int round = 0; round < o.rounds; ++round) {
+    work.check();
+    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(at.size(), n);
+    work.quiet().parallel(static_cast<std::size_t>(n), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto c = static_cast<Eigen::Index>(k);
+        for (const double h : {step, -step}) {
+          Eigen::VectorXd x = best.x;
+          x[c] += h;
+          const Eigen::VectorXd r = residuals(x);
+          if (!r.size()) continue;
+          slope.col(c) = (r - at) / h;
+          break;
+        }
+      }
+    });
+    bool improved = false;
+    for (int move = 0; move <= o.updates; ++move) {
+      const Eigen::MatrixXd square = slope.transpose() * slope;
+      const Eigen::VectorXd fall = -(slope.transpose() * at + ridge * best.x);
+      constexpr std::array<double, 6> kDampings{0.01, 0.1, 1, 10, 100, 1000};
+      std::array<LeastSquares, kDampings.size()> tries;
+      std::array<Eigen::VectorXd, kDampings.size()> reached;
+      const double level = square.trace() / static_cast<double>(n);
+      work.quiet().parallel(tries.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          Eigen::MatrixXd m = square;
+          m.diagonal().array() += ridge + damping * kDampings[k] * level;
+          Eigen::VectorXd x = m.ldlt().solve(fall);
+          // Limit the step to where the finite differences are valid.
+          const double most = 10 * o.step, far = x.norm();
+          if (far > most) x *= most / far;
+          tries[k].x = best.x + x;
+          reached[k] = residuals(tries[k].x);
+          tries[k].value = total(tries[k].x, reached[k]);
+        }
+      });
+      std::size_t chosen = 0;
+      for (std::size_t k = 1; k < tries.size(); ++k)
+        if (tries[k].value < tries[chosen].value) chosen = k;
+      if (!(tries[chosen].value < best.value)) break;
+      const bool little = tries[chosen].value > kLittle * best.value;
+      const Eigen::VectorXd x = tries[chosen].x - best.x, r = reached[chosen] - at;
+      slope += (r - slope * x) * x.transpose() / x.squaredNorm();
+      best = tries[chosen];
+      at = reached[chosen];
+      damping = std::min(10.0, std::max(1e-4, damping * kDampings[chosen]));
+      improved = true;
+      if (little) break;
+    }
+    work.progress((round + 1.0) / o.rounds);
+    if (improved) {
+      failures = 0;
+      continue;
+    }
+    if (++failures == 2) break;
+    step = -step / 2;
+  }
+  return best;
+}
+
+}  // namespace terrazzo::shape_estimate

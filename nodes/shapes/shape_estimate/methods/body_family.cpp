@@ -1,0 +1,229 @@
+#include "nodes/shapes/shape_estimate/methods/body_family.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "nodes/common/geometry/mesh/convex_polyhedron.h"
+#include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/mesh/principal_axes.h"
+#include "nodes/shapes/shape_estimate/methods/swelling.h"
+
+namespace terrazzo::shape_estimate {
+
+namespace {
+
+constexpr int kFamilyDegrees = 4, kFamilyHarmonics = harmonic_count(kFamilyDegrees);
+constexpr int kLowDegrees = 3, kLowHarmonics = harmonic_count(kLowDegrees);
+constexpr int kFamilyPlanes = 6, kCuts = 16, kFamilyFields = Fields::kCount;
+
+// Splits edges longer than `limit` in rounds, if they are the longest edge of both their triangles.
+void split_edges(Mesh& mesh, double limit) {
+  using Edge = std::pair<std::int32_t, std::int32_t>;
+  for (int round = 0; round < 12; ++round) {
+    const auto longest = [&](const Triangle& t) {
+      Edge best{-1, -1};
+      double length = -1;
+      for (int k = 0; k < 3; ++k) {
+        const Edge e = std::minmax(t[k], t[(k + 1) % 3]);
+        const double l = (mesh.vertices[e.first] - mesh.vertices[e.second]).squaredNorm();
+        if (l > length || (l == length && e < best)) best = e, length = l;
+      }
+      return best;
+    };
+    std::map<Edge, int> votes;
+    for (const auto& t : mesh.triangles) {
+      const Edge e = longest(t);
+      if ((mesh.vertices[e.first] - mesh.vertices[e.second]).norm() > limit) ++votes[e];
+    }
+    std::map<Edge, std::int32_t> middle;
+    for (const auto& [e, n] : votes)
+      if (n == 2) {
+        middle[e] = static_cast<std::int32_t>(mesh.vertices.size());
+        mesh.vertices.push_back((mesh.vertices[e.first] + mesh.vertices[e.second]) / 2);
+      }
+    if (middle.empty()) return;
+    const std::size_t count = mesh.triangles.size();
+    for (std::size_t i = 0; i < count; ++i) {
+      const Triangle t = mesh.triangles[i];
+      const Edge e = longest(t);
+      const auto found = middle.find(e);
+      if (found == middle.end()) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (Edge(std::minmax(t[k], t[(k + 1) % 3])) != e) continue;
+        mesh.triangles[i] = {t[k], found->second, t[(k + 2) % 3]};
+        mesh.triangles.push_back({found->second, t[(k + 1) % 3], t[(k + 2) % 3]});
+      }
+    }
+  }
+}
+
+Mat3 covariance(const Mesh& mesh) {
+  Mat3 sum = Mat3::Zero();
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+    const Vec3 s = a + b + c;
+    sum += a.dot(b.cross(c)) / 120 *
+           (a * a.transpose() + b * b.transpose() + c * c.transpose() + s * s.transpose());
+  }
+  return sum;
+}
+
+// Laplacian smoothing: moves vertices halfway to the mean of their neighbors, `rounds` times.
+std::vector<Vec3> smoothed(const Mesh& mesh, int rounds) {
+  std::vector<Vec3> at = mesh.vertices;
+  for (int r = 0; r < rounds; ++r) {
+    std::vector<Vec3> sum(at.size(), Vec3::Zero());
+    std::vector<int> n(at.size(), 0);
+    for (const auto& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k) {
+        sum[t[k]] += at[t[(k + 1) % 3]] + at[t[(k + 2) % 3]];
+        n[t[k]] += 2;
+      }
+    for (std::size_t v = 0; v < at.size(); ++v) at[v] = 0.5 * at[v] + 0.5 * sum[v] / std::max(1, n[v]);
+  }
+  return at;
+}
+
+// Moves the centroid to the origin, aligns the principal axes, and scales to the volume of the unit sphere.
+void normalize(Mesh& m) {
+  transform(m, Mat3::Identity(), -mesh_centroid(m));
+  const auto solver = eigen_axes(covariance(m));
+  Mat3 axes = principal_axes(solver);
+  if (axes.determinant() < 0) axes.col(2) *= -1;
+  transform(m, axes.transpose() / std::cbrt(mesh_volume(m) * 3 / (4 * std::numbers::pi)), Vec3::Zero());
+}
+
+Vec3 stretch_of(double a, double b) {
+  const double s1 = std::exp(bounded(0.5 * a, 1)), s2 = std::exp(bounded(0.5 * b, 1));
+  return {s1, s2, 1 / (s1 * s2)};
+}
+
+class Deformed : public BodyFamily {
+ public:
+  Deformed(Mesh start, std::uint64_t seed)
+      : body_(std::move(start)), planes_(spread_directions(seed, kFamilyPlanes)) {
+    normalize(body_);
+    split_edges(body_, 0.12);
+    const auto soft = smoothed(body_, 6);
+    const std::size_t n = body_.vertices.size();
+    const Fields fields(seed);
+    swells_.resize(static_cast<Eigen::Index>(n), kFamilyHarmonics + kFamilyFields);
+    for (std::size_t v = 0; v < n; ++v) {
+      smoothing_.push_back(soft[v] - body_.vertices[v]);
+      double h[kFamilyHarmonics];
+      const Vec3 u = body_.vertices[v].normalized();
+      harmonics(u, kFamilyDegrees, h);
+      const auto row = static_cast<Eigen::Index>(v);
+      for (int k = 0; k < kFamilyHarmonics; ++k) swells_(row, k) = h[k];
+      for (int k = 0; k < kFamilyFields; ++k) swells_(row, kFamilyHarmonics + k) = fields(k, u);
+    }
+  }
+  int dimensions() const override { return 2 + kFamilyHarmonics + kFamilyFields + kFamilyPlanes + 1; }
+  Mesh body(const Eigen::VectorXd& x) const override {
+    Mesh mesh = body_;
+    int at = 0;
+    const Vec3 stretch = stretch_of(x[0], x[1]);
+    at += 2;
+    Eigen::VectorXd c(kFamilyHarmonics + kFamilyFields);
+    for (int k = 0, n = 2; n <= kFamilyDegrees; ++n)
+      for (int m = 0; m < 2 * n + 1; ++m, ++k) c[k] = bounded(0.24 / n * x[at + k], 0.4);
+    at += kFamilyHarmonics;
+    for (int k = 0; k < kFamilyFields; ++k)
+      c[kFamilyHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
+    at += kFamilyFields;
+    const double smooth = std::clamp(x[at + kFamilyPlanes], -0.25, 1.6);
+    const Eigen::VectorXd swell = swells_ * c;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      Vec3& p = mesh.vertices[v];
+      p += smooth * smoothing_[v];
+      p *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
+      p = p.cwiseProduct(stretch);
+    }
+    for (int k = 0; k < kFamilyPlanes; ++k) {
+      const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // relative to the body's extent
+      if (depth == 0) continue;
+      double high = 0;
+      for (const Vec3& p : mesh.vertices) high = std::max(high, planes_[static_cast<std::size_t>(k)].dot(p));
+      const double level = (1 - depth) * high;
+      for (Vec3& p : mesh.vertices) {
+        const Vec3& n = planes_[static_cast<std::size_t>(k)];
+        p -= 0.95 * std::max(0.0, n.dot(p) - level) * n;
+      }
+    }
+    return mesh;
+  }
+
+ private:
+  Mesh body_;
+  std::vector<Vec3> smoothing_;  // displacement of each vertex
+  Eigen::MatrixXd swells_;       // [vertex][harmonic, then field], each with unit mean square
+  std::vector<Vec3> planes_;
+};
+
+class Cut : public BodyFamily {
+ public:
+  Cut(Mesh start, std::uint64_t seed) : planes_(spread_directions(seed, kCuts)), fields_(seed) {
+    normalize(start);
+    for (const Vec3& n : planes_) {
+      double high = 0;
+      for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));
+      // Start inside the body, so that planes cut off a part of it.
+      reach_.push_back(0.88 * high);
+    }
+  }
+  int dimensions() const override { return kCuts + 2 + kLowHarmonics + kFamilyFields + 1; }
+  Mesh body(const Eigen::VectorXd& x) const override {
+    std::vector<HalfSpace> sides;
+    for (std::size_t k = 0; k < planes_.size(); ++k)
+      sides.push_back(
+          {planes_[k], reach_[k] * std::exp(bounded(0.25 * x[static_cast<Eigen::Index>(k)], 1.2))});
+    for (int k = 0; k < 6; ++k) {
+      Vec3 n = Vec3::Zero();
+      n[k / 2] = k % 2 ? 1 : -1;
+      sides.push_back({n, 3.1 + 0.01 * k});
+    }
+    const ConvexPolyhedron p = intersect(sides);
+    if (p.corners.size() < 4) return {};
+    Mesh mesh = triangulate(p);
+    // Corners where more than three planes meet do not produce a closed mesh.
+    if (mesh.vertices.size() != 2 + mesh.triangles.size() / 2 || !mesh_faults(mesh).empty()) return {};
+    split_edges(mesh, 0.32);
+    int at = kCuts;
+    const Vec3 stretch = stretch_of(x[at], x[at + 1]);
+    at += 2;
+    const double wear = std::clamp(x[at + kLowHarmonics + kFamilyFields], 0.0, 1.5);
+    if (wear > 0) {
+      const auto soft = smoothed(mesh, 4);
+      for (std::size_t v = 0; v < soft.size(); ++v) mesh.vertices[v] += wear * (soft[v] - mesh.vertices[v]);
+    }
+    for (Vec3& v : mesh.vertices) {
+      const Vec3 u = v.normalized();
+      double h[kLowHarmonics], swell = 0;
+      harmonics(u, kLowDegrees, h);
+      for (int k = 0; k < kLowHarmonics; ++k) swell += bounded((k < 5 ? 0.07 : 0.05) * x[at + k], 0.3) * h[k];
+      for (int k = 0; k < kFamilyFields; ++k)
+        swell += bounded(0.5 * Fields::kAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
+      v = v.cwiseProduct(stretch) * std::exp(std::clamp(swell, -1.0, 1.0));
+    }
+    return mesh;
+  }
+
+ private:
+  std::vector<Vec3> planes_;
+  std::vector<double> reach_;
+  Fields fields_;
+};
+
+}  // namespace
+
+std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed) {
+  return std::make_unique<Deformed>(std::move(start), seed);
+}
+
+std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed) {
+  return std::make_unique<Cut>(start, seed);
+}
+
+}  // namespace terrazzo::shape_estimate

@@ -1,0 +1,24 @@
+#include "nodes/shapes/shape_estimate/methods/method.h"
+
+namespace terrazzo::shape_estimate {
+
+const std::vector<EstimateMethod>& estimate_methods() {
+  static const std::vector<EstimateMethod> methods{
+      {"spherical_harmonics", 1, 0,
+       "a sphere whose radius is a random function of direction with the profiles' spectrum, drawn "
+       "independently for each shape",
+       spherical_harmonics},
+      {"csg", 3, 3, "the intersection of three extruded profiles, which are its silhouettes", csg, 6, true},
+      {"generalized_cylinder", 2, 2, "half of one profile swept around another", generalized_cylinder},
+      {"morphed_generalized_cylinder", 3, 0,
+       "a profile swept around another while it morphs between two or more", morphed_generalized_cylinder},
+      {"fit", 3, 0,
+       "bodies from the other methods, deformed until their random sections have the joint distribution of "
+       "circularity, total curvature, aspect ratio, convexity, corners, symmetry and curvature of all "
+       "profiles",
+       nullptr},
+  };
+  return methods;
+}
+
+}  // namespace terrazzo::shape_estimate

@@ -1,0 +1,73 @@
+#include "nodes/shapes/shape_estimate/section_sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/common/geometry/mesh/mesh_section.h"
+#include "nodes/common/stereology/random_sections.h"
+
+namespace terrazzo::shape_estimate {
+
+std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::size_t first) {
+  std::vector<CutProfile> out;
+  MeshCutter cutter(mesh);
+  for (std::size_t i = 0; i < planes; ++i) {
+    const auto k = static_cast<double>(first + i + 1);
+    const auto part = [&](double step) { return std::fmod(0.5 + step * k, 1.0); };
+    const double z = part(0.8191725133961645), phi = 2 * std::numbers::pi * part(0.6710436067037893),
+                 depth = part(0.5497004779019703), r = std::sqrt(1 - z * z);
+    const Vec3 u(r * std::cos(phi), r * std::sin(phi), z);
+    const auto [low, high] = cutter.turn(u);
+    for (auto& profile : section_profiles(cutter.loops(frame_about(u), low + depth * (high - low)))) {
+      CutProfile s;
+      s.loop = std::move(profile[0]);
+      const double area = loop_area(s.loop);
+      if (!(area > 0)) continue;
+      s.root_area = std::sqrt(area);
+      s.perimeter = loop_perimeter(s.loop);
+      s.weight = high - low;
+      out.push_back(std::move(s));
+    }
+  }
+  return out;
+}
+
+void drop_small(std::vector<CutProfile>& sections, double smallest) {
+  if (smallest <= 0 || sections.empty()) return;
+  std::vector<std::size_t> order(sections.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) {
+    return sections[a].root_area > sections[b].root_area ||
+           (sections[a].root_area == sections[b].root_area && a < b);
+  });
+  double total = 0, above = 0;
+  for (const CutProfile& s : sections) total += s.weight;
+  double large = sections[order[0]].root_area;
+  for (const auto i : order) {
+    large = sections[i].root_area;
+    if ((above += sections[i].weight) >= total / 10) break;
+  }
+  std::erase_if(sections, [&](const CutProfile& s) { return s.root_area < smallest * large; });
+}
+
+double total_weight(const FeatureSample& s) { return std::accumulate(s.weight.begin(), s.weight.end(), 0.0); }
+
+FeatureSample measured(const std::vector<CutProfile>& sections, const OutlineMeasuring& how, double blur) {
+  constexpr double kMost = 0.05;  // as OutlineMeasuring allows
+  FeatureSample out;
+  for (const CutProfile& s : sections) {
+    OutlineMeasuring seen = how;
+    if (s.scale > 0) seen.blur = std::min(kMost, std::hypot(how.blur, blur / (s.perimeter * s.scale)));
+    const OutlineFeatures f = outline_features(s.loop, seen);
+    if (f[OutlineFeature::Circularity] <= 0) continue;
+    out.features.push_back(f);
+    out.root_area.push_back(s.root_area);
+    out.weight.push_back(s.weight);
+  }
+  return out;
+}
+
+}  // namespace terrazzo::shape_estimate

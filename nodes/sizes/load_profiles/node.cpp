@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/node_type.h"
+#include "nodes/common/io/json_input.h"
+#include "nodes/common/io/text_input.h"
+#include "nodes/sizes/load_profiles/profile_json.h"
+#include "nodes/sizes/load_profiles/profile_table.h"
+#include "runtime/context.h"
+
+namespace terrazzo::load_profiles {
+namespace {
+
+// A row has at least two characters. In memory it needs its text and its profile, each up to twice while the
+// lists grow.
+std::string text_of(const std::filesystem::path& file, Context& c) {
+  try {
+    std::string text = read_text(file, reading_of(c));
+    require_memory(is_json(text) ? memory_to_read_json(text)
+                                 : 4.0 * static_cast<double>(text.size()) +
+                                       static_cast<double>(count_lines(text)) * (3 * sizeof(Profile) + 150),
+                   c.memory(), "the profiles '" + file.string() + "'");
+    return text;
+  } catch (Error& e) {
+    throw e.parameter("path");
+  }
+}
+
+// The profiles of tables, or of one JSON file.
+Profiles profiles_of(Context& c) {
+  const auto unit = profile_unit(c.text("unit"));
+  Profiles all;
+  all.sections = 0;
+  for (const auto& file : c.files("path")) {
+    c.work().check();
+    const std::string text = text_of(file, c);
+    if (is_json(text)) {
+      if (c.files("path").size() != 1)
+        throw Error("several-files",
+                    "'" + file.string() + "' is JSON, which cannot be joined with other files",
+                    "name one file")
+            .parameter("path");
+      if (unit && unit->length != 1)
+        throw Error("bad-value", "'" + file.string() + "' is JSON, which is in mm", "leave out the unit")
+            .parameter("unit");
+      return read_profiles_json(text, file.string());
+    }
+    Profiles one = read_profiles(text, file.string(), unit, [&](const std::string& w) { c.warn(w); });
+    for (auto& p : one.profiles) {
+      p.section += all.sections;
+      all.profiles.push_back(std::move(p));
+    }
+    all.sections += one.sections;
+    all.classes = std::max(all.classes, one.classes);
+  }
+  return all;
+}
+
+// Areas are written with three digits or more, and so are their sum and the observed area. Profiles that fill
+// the section may exceed it by as much.
+constexpr double kRounding = 1e-3;
+
+void compute(Context& c) {
+  Profiles all = profiles_of(c);
+  double sum = 0;
+  for (const auto& p : all.profiles) sum += p.area;
+  if (c.number("observed_area") > 0) {
+    all.observed_area = c.number("observed_area");
+    if (sum > (1 + kRounding) * all.observed_area)
+      throw Error(
+          "area-too-small",
+          fmt::format("the profiles cover {:.6g} mm², which is {:.3g} times the observed area of {} mm²", sum,
+                      sum / all.observed_area, all.observed_area),
+          "check unit and observed_area (mm², total of all sections)")
+          .parameter("observed_area");
+    all.area_fraction = std::min(1.0, sum / all.observed_area);
+  }
+  c.metric("profiles", static_cast<double>(all.profiles.size()));
+  c.metric("area", sum);
+  c.output("profiles", std::move(all));
+}
+
+}  // namespace
+}  // namespace terrazzo::load_profiles
+
+namespace terrazzo {
+
+NodeType load_profiles_node() {
+  using namespace load_profiles;
+  return NodeType("LoadProfiles", 3)
+      .doc_(
+          "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools, "
+          "and "
+          "profiles that Export wrote to .json, with their outlines.")
+      .output("profiles", "Profiles", "Profile sizes; with outlines if the file is JSON")
+      .parameter(Parameter::input_path("path").doc_("CSV or TSV file with a column area or diameter, or one "
+                                                    "JSON file of profiles. A glob joins several "
+                                                    "tables, each with its own sections."))
+      .parameter(
+          Parameter::number("observed_area", 0)
+              .unit_("mm²")
+              .range(0, 1e18)
+              .doc_("Total area, over all sections, in which the profiles were counted. 0: what the JSON "
+                    "file says; for tables, unknown, so densities are relative."))
+      .parameter(
+          Parameter::choice("unit", "auto",
+                            {"auto", "mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})
+              .doc_("Unit of length in the table. Areas are in its square. auto: the unit that the header "
+                    "names, as in 'Area (µm²)', else mm. A header that names another unit than this "
+                    "parameter is an error. JSON is in mm."))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo

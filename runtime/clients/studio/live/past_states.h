@@ -1,0 +1,40 @@
+// Finished evaluations, so that earlier states can be shown again: their values are in the cache.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "runtime/clients/studio/live/node_states.h"
+
+namespace terrazzo::studio {
+
+class PastStates {
+ public:
+  struct State {
+    std::size_t number;
+    std::string text;     // of the graph
+    std::string changed;  // what is new in its first lines that the state before has not
+    std::chrono::system_clock::time_point when;
+    std::map<std::string, NodeResult> nodes;
+  };
+
+  // Adds the state after an evaluation; replaces the last one if the text is the same.
+  void add(const std::string& text, const NodeStates&);
+  void clear();
+  // [{number, changed, when: seconds since 1970}], oldest first.
+  nlohmann::json list() const;
+  // Throws Error "unknown-state".
+  const State& at(std::size_t number) const;
+
+ private:
+  std::deque<State> states_;  // the most recent ones
+  std::size_t made_ = 0, bytes_ = 0;
+};
+
+// {number, text, nodes: {path: {outputs, metrics}}}.
+nlohmann::json json_of(const PastStates::State&);
+
+}  // namespace terrazzo::studio

@@ -1,0 +1,110 @@
+#include "runtime/clients/studio/server/graph_routes.h"
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "graph/document/paste_nodes.h"
+#include "graph/text/number_text.h"
+#include "runtime/clients/studio/live/live_graph.h"
+#include "runtime/json_text.h"
+
+#include "runtime/clients/studio/server/local_server.h"  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+
+namespace terrazzo::studio {
+using nlohmann::json;
+namespace {
+
+WrittenValue written_value(const json& j) {
+  const auto word = [](const json& x) { return x.is_string() ? x.get<std::string>() : json_text(x); };
+  WrittenValue v{j.is_array(), {}, {}};
+  if (!j.is_array()) {
+    v.items.push_back(word(j));
+    return v;
+  }
+  for (const auto& x : j) v.items.push_back(word(x));
+  return v;
+}
+
+Edit edit_of(const json& j) {
+  static const std::map<std::string, Edit::Kind> kinds = {{"set", Edit::Kind::SetParameter},
+                                                          {"reset", Edit::Kind::ResetParameter},
+                                                          {"append", Edit::Kind::AppendItem},
+                                                          {"remove_item", Edit::Kind::RemoveItem},
+                                                          {"set_default", Edit::Kind::SetDefault},
+                                                          {"connect", Edit::Kind::Connect},
+                                                          {"rewire", Edit::Kind::Rewire},
+                                                          {"bypass", Edit::Kind::SetBypass},
+                                                          {"add", Edit::Kind::AddNode},
+                                                          {"remove", Edit::Kind::RemoveNode},
+                                                          {"rename", Edit::Kind::RenameNode}};
+  const auto kind = kinds.find(j.at("op").get<std::string>());
+  if (kind == kinds.end())
+    throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
+  Edit e;
+  e.kind = kind->second;
+  e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
+  e.type = j.value("type", ""), e.graph = j.value("graph", "");
+  e.index = j.value("index", std::size_t{0});
+  e.bypass = j.value("bypass", false);
+  if (j.contains("value")) e.value = written_value(j["value"]);
+  if (j.contains("wires")) e.wires = j["wires"].get<std::vector<std::string>>();
+  const bool needs_value = e.kind == Edit::Kind::SetParameter || e.kind == Edit::Kind::AppendItem ||
+                           e.kind == Edit::Kind::SetDefault;
+  if (needs_value && !j.contains("value")) throw Error("bad-request", "the edit has no value");
+  return e;
+}
+
+}  // namespace
+
+std::vector<Edit> edits_of(const json& list) {
+  std::vector<Edit> edits;
+  for (const auto& e : list) edits.push_back(edit_of(e));
+  return edits;
+}
+
+Places places_of(const json& body) { return body.value("places", Places()); }
+
+void add_graph_routes(LocalServer& server, LiveGraph& live) {
+  using In = httplib::Request;
+  using Out = httplib::Response;
+  auto& http = server.http();
+  http.Post("/api/price", server.handler([&live](const In&, const json& body, Out& out) {
+    LocalServer::answer(out, live.price(edits_of(body.at("edits"))));
+  }));
+  http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
+    json names = json::array();
+    live.change([&](Document& d) {
+      Pasted p = paste_nodes(d.text(), d.file(), body.at("text").get<std::string>());
+      const Places given = places_of(body);
+      Places places;
+      for (const auto& [copied, now] : p.names) {
+        names.push_back(now);
+        if (const auto it = given.find(copied); it != given.end()) places[now] = it->second;
+      }
+      d.replace(std::move(p.text), places);
+    });
+    LocalServer::answer(out, {{"number", live.events().last()}, {"names", names}});
+  }));
+  http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
+    LocalServer::answer(out, live.history());
+  }));
+  http.Get("/api/history/([0-9]{1,9})", server.handler([&live](const In& in, const json&, Out& out) {
+    LocalServer::answer(out, live.past(number_in_text<std::size_t>(in.matches[1].str()).value_or(0)));
+  }));
+  http.Post("/api/restore", server.handler([&live](const In&, const json& body, Out& out) {
+    live.restore(body.at("number").get<std::size_t>());
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
+  http.Get("/api/subgraph", server.handler([&live](const In& in, const json&, Out& out) {
+    LocalServer::answer(out, live.subgraph(in.get_param_value("path")));
+  }));
+  http.Get("/api/files", server.handler([&live](const In&, const json&, Out& out) {
+    LocalServer::answer(out, live.files());
+  }));
+  http.Post("/api/arrange", server.handler([&live](const In&, const json& body, Out& out) {
+    live.arrange(body.at("arrangement"), body.value("group", ""));
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
+}
+
+}  // namespace terrazzo::studio
