@@ -4,38 +4,44 @@
 #include <filesystem>
 
 #include "graph/diagnostic.h"
+#include "nodes/export/writers.h"
 
 namespace terrazzo::exporting {
-namespace {
 
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      {".glb", {"Particles", "Shapes", "Image"}, {"Shapes"}, true},
-      {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes"}, true},
-      {".xml", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
-      {".pbrt", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true},
-      {".nvdb", {"Volume"}},
-      {".vdb", {"Volume"}},
-      {".vti", {"Volume", "Particles"}, {"Volume"}, true},
-      {".dream3d", {"Volume", "Particles"}, {"Volume"}, true},
-      {".inp", {"Volume", "Particles"}, {"Volume"}, true},
-      {".npy", {"Volume", "Labels"}},
-      {".nii.gz", {"Volume"}},
-      {".nii", {"Volume"}},
-      {".png", {"Image", "Labels"}},
-      {".tif", {"Image", "Labels"}},
-      {".exr", {"Image", "Labels"}},
-      {".jpg", {"Image"}},
-      {".hdr", {"Image"}},
-      {".csv", {"Table", "Profiles", "Particles", "SizeDistribution", "KMatrix", "Shapes"}},
-      {".json", {}},
-      {".obj", {"Shapes"}},
-      {".ply", {"Shapes"}},
-      {".stl", {"Shapes", "Volume", "Particles"}, {}, true},
-      {".msh", {"Volume", "Particles"}, {"Volume"}, true},
+      {".glb", {"Particles", "Shapes", "Image"}, {"Shapes"}, true, write_glb_file},
+      {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes"}, true, write_scene},
+      {".xml", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true, write_scene},
+      {".pbrt", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true, write_scene},
+      {".nvdb", {"Volume"}, {}, false, write_nvdb_file},
+      {".vdb", {"Volume"}, {}, false, write_vdb_file},
+      {".vti", {"Volume", "Particles"}, {"Volume"}, true, write_vti_file},
+      {".dream3d", {"Volume", "Particles"}, {"Volume"}, true, write_dream3d_file},
+      {".inp", {"Volume", "Particles"}, {"Volume"}, true, write_inp_file},
+      {".npy", {"Volume", "Labels"}, {}, false, write_npy_file},
+      {".nii.gz", {"Volume"}, {}, false, write_nifti_file},
+      {".nii", {"Volume"}, {}, false, write_nifti_file},
+      {".png", {"Image", "Labels"}, {}, false, write_pictures},
+      {".tif", {"Image", "Labels"}, {}, false, write_pictures},
+      {".exr", {"Image", "Labels"}, {}, false, write_pictures},
+      {".jpg", {"Image"}, {}, false, write_pictures},
+      {".hdr", {"Image"}, {}, false, write_pictures},
+      {".csv",
+       {"Table", "Profiles", "Particles", "SizeDistribution", "KMatrix", "Shapes"},
+       {},
+       false,
+       write_csv_file},
+      {".json", {}, {}, true, write_json_file},
+      {".obj", {"Shapes"}, {}, false, write_mesh_file},
+      {".ply", {"Shapes"}, {}, false, write_mesh_file},
+      {".stl", {"Shapes", "Volume", "Particles"}, {}, true, write_stl_file},
+      {".msh", {"Volume", "Particles"}, {"Volume"}, true, write_surfaces},
   };
   return all;
 }
+
+namespace {
 
 std::string joined(const std::vector<std::string>& words, const char* last) {
   std::string out;

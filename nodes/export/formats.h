@@ -1,4 +1,4 @@
-// The formats of Export: which file name selects which, and what each can hold.
+// The formats of Export: which file name selects which, what each can hold, and what writes it.
 #pragma once
 
 #include <map>
@@ -9,12 +9,18 @@
 
 namespace terrazzo::exporting {
 
+struct Job;  // writers.h
+
 struct Format {
   std::string extension;                   // ".vti"
   std::vector<std::string> types = {};     // types of values that it can hold; empty: any, and several
   std::vector<std::string> required = {};  // types without which it cannot be written
   bool several = false;                    // holds several values; otherwise one of `types`
+  void (*write)(const Job&) = nullptr;
 };
+
+// A new format is a line in this list and a function in writers.h.
+const std::vector<Format>& formats();
 
 // By the end of the file name. Throws Error "unknown-format".
 const Format& format_of(const std::string& path);

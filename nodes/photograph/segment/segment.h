@@ -37,6 +37,11 @@ struct SegmentOptions {
   std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
 };
 
+// By Method::Auto: the average precision to expect of each method's particles by their confidences, 0 to 1.
+struct Reliability {
+  double clusters = 0, network = 0, both = 0;
+};
+
 struct Segmentation {
   Labels labels;
   Profiles profiles;
@@ -49,11 +54,7 @@ struct Segmentation {
   double min_area = 0;               // pixels, of the last section
   std::int64_t specks = 0, speck_pixels = 0, holes = 0;
   bool distinct_phases = false;  // colors differ much more between phases than within them
-  // By Method::Auto: the average precision that the confidences of each method's particles let expect, 0
-  // to 1.
-  struct {
-    double clusters = 0, network = 0, both = 0;
-  } reliability;
+  Reliability reliability;
   std::int64_t unlikely = 0;              // particles dropped for their confidence
   std::vector<FoundObject> not_material;  // found and ignored
 };

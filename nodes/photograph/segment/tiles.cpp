@@ -67,9 +67,9 @@ Finding look_at_some(const Image& photo, const SegmentOptions& options, const st
 }
 
 // Puts the particles of tiles into one picture.
-class Mosaicked {
+class TileJoiner {
  public:
-  Mosaicked(const Image& photo, Finding& found) : photo_(photo), found_(found) {
+  TileJoiner(const Image& photo, Finding& found) : photo_(photo), found_(found) {
     found.result.labels.ids.assign(photo.pixels.size(), 0);
     found.coverage.assign(photo.pixels.size(), 0.0f);
   }
@@ -236,7 +236,7 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
   }
   found.result.network_scale = options.network_scale;
   found.ignored = options.ignored;
-  Mosaicked picture(photo, found);
+  TileJoiner picture(photo, found);
   for (std::size_t k = 0; k < tiles.size(); ++k) {
     const Tile& t = tiles[k];
     const double from = share + (1 - share) * static_cast<double>(k) / static_cast<double>(tiles.size()),

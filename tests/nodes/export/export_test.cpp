@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "nodes/common/io/image_file.h"
 #include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/data/volume.h"
+#include "nodes/export/formats.h"
 #include "nodes/export/formats/csv.h"
 #include "nodes/export/formats/picture_file.h"
 #include "tests/nodes/export/export_support.h"
@@ -27,6 +29,15 @@ std::string failure(const Inputs& inputs, const std::string& path, const fs::pat
     return e.diagnostic().code;
   }
   return "";
+}
+
+TEST(Export, EveryFormatHasAWriterAndAnExtensionOfItsOwn) {
+  std::set<std::string> extensions;
+  for (const Format& f : formats()) {
+    EXPECT_TRUE(f.write) << f.extension;
+    EXPECT_TRUE(extensions.insert(f.extension).second) << f.extension;
+    EXPECT_EQ(&format_of("folder/name" + f.extension), &f);
+  }
 }
 
 Table some_table() {

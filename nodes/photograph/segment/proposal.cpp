@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/attempt.h"
+#include "nodes/photograph/segment/proposal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ std::vector<double> confidences_of(std::vector<double> scores) {
   return scores;
 }
 
-void Attempt::add(Particles2D found, const std::vector<double>& judged) {
+void Proposal::add(Particles2D found, const std::vector<double>& judged) {
   const std::int32_t before = labels.count();
   for (const auto l : found.labels) labels.ids.push_back(l == 0 ? 0 : l + before);
   labels.classes.resize(before + judged.size(), 0);
@@ -27,11 +27,11 @@ void Attempt::add(Particles2D found, const std::vector<double>& judged) {
   specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
 }
 
-void Attempt::add_chosen(NetworkView::Found chosen) {
+void Proposal::add_chosen(NetworkView::Found chosen) {
   add(std::move(chosen.particles), confidences_of(chosen.scores));
 }
 
-void Attempt::fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
+void Proposal::fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
   const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
   if (section == 0) filled_ = {}, filled_confidence_ = {};
   const auto begin = labels.ids.begin() + static_cast<std::ptrdiff_t>(section * plane);
@@ -51,7 +51,7 @@ void Attempt::fill(int section, const Image& image, const NetworkView* judge, co
   coverage.assign(coverage.size(), 1);
 }
 
-void Attempt::refine(int section, const Image& image, const Work& work) {
+void Proposal::refine(int section, const Image& image, const Work& work) {
   const auto plane = static_cast<std::ptrdiff_t>(image.width) * image.height, first = section * plane;
   std::vector<std::int32_t> ids(labels.ids.begin() + first, labels.ids.begin() + first + plane);
   std::vector<float> shares(coverage.begin() + first, coverage.begin() + first + plane);
@@ -66,7 +66,7 @@ void Attempt::refine(int section, const Image& image, const Work& work) {
 }
 
 // Numbers the particles in the order of their sections, since splitting appends numbers.
-void Attempt::renumber(std::size_t plane) {
+void Proposal::renumber(std::size_t plane) {
   std::vector<std::int32_t> number(confidence.size() + 1, 0);
   std::vector<double> ordered;
   for (std::size_t first = 0; first < labels.ids.size(); first += plane) {
@@ -85,7 +85,7 @@ void Attempt::renumber(std::size_t plane) {
   labels.classes.assign(confidence.size(), 0);
 }
 
-double Attempt::left_out_by(const Attempt& other) const {
+double Proposal::left_out_by(const Proposal& other) const {
   double all = 0, out = 0;
   for (std::size_t i = 0; i < labels.ids.size(); ++i)
     if (const auto id = labels.ids[i]; id > 0) {
@@ -96,7 +96,7 @@ double Attempt::left_out_by(const Attempt& other) const {
   return all > 0 ? out / all : 0;
 }
 
-Attempt::Weight Attempt::weight() const {
+Proposal::Weight Proposal::weight() const {
   std::vector<double> area(confidence.size(), 0);
   for (const auto id : labels.ids)
     if (id > 0) ++area[id - 1];

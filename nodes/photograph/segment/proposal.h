@@ -1,4 +1,4 @@
-// The particles that one method finds.
+// Particles that one source proposes.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ namespace terrazzo::segment {
 // The confidences that scores of particles mean.
 std::vector<double> confidences_of(std::vector<double> scores);
 
-// The particles of all sections by one method, and what the network thinks of them. Sections are added from
-// the first on, and so are they filled or refined.
-struct Attempt {
+// The particles of all sections from one source, and what the network thinks of them. Sections are added in
+// order, and filled or refined in the same order.
+struct Proposal {
   Labels labels;
   std::vector<float> coverage;     // of each pixel of the stack
   std::vector<double> confidence;  // of label k at k − 1
@@ -34,14 +34,14 @@ struct Attempt {
   // Splits particles of two materials and corrects the outlines in a section by its colors.
   void refine(int section, const Image& image, const Work& work);
 
-  // What is expected to be right and what was found in all, each particle counted by the length of its
-  // outline: by area, one boulder would decide, by number, the crumbs.
+  // How much is expected to be right, and how much was found. Particles count by the length of their
+  // outlines: counted by area, one boulder would decide; counted by number, the smallest would.
   struct Weight {
     double right = 0, found = 0;
   };
   Weight weight() const;
   // The share of the particles' pixels, weighted by confidence, where `other` has no particle; 0 without any.
-  double left_out_by(const Attempt& other) const;
+  double left_out_by(const Proposal& other) const;
 
  private:
   std::vector<std::int32_t> filled_;  // by fill(), until its last section

@@ -1,0 +1,171 @@
+#include "nodes/export/writers.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "nodes/common/io/checked_file.h"
+#include "nodes/export/formats/csv.h"
+#include "nodes/export/formats/gltf.h"
+#include "nodes/export/formats/mesh_file.h"
+#include "nodes/export/formats/nifti_file.h"
+#include "nodes/export/formats/npy_file.h"
+#include "nodes/export/formats/nvdb_file.h"
+#include "nodes/export/formats/picture_file.h"
+#include "nodes/export/formats/shapes_json.h"
+#include "nodes/export/formats/vdb_file.h"
+#include "nodes/export/outputs.h"
+#include "runtime/json_text.h"
+
+namespace terrazzo::exporting {
+namespace fs = std::filesystem;
+namespace {
+
+std::string csv_of_value(const Value& v) {
+  if (v.is<Table>()) return csv_of(v.as<Table>());
+  if (v.is<Profiles>()) return csv_of(v.as<Profiles>());
+  if (v.is<Particles>()) return csv_of(v.as<Particles>());
+  if (v.is<SizeDistribution>()) return csv_of(v.as<SizeDistribution>());
+  if (v.is<KMatrix>()) return csv_of(v.as<KMatrix>());
+  return csv_of(v.as<Shapes>());
+}
+
+std::string json_text_of(const std::map<std::string, Value>& values) {
+  const auto describe = [](const Value& v) {
+    return v.is<Shapes>() ? json_with_meshes(v.as<Shapes>()) : v.type().describe(v.data());
+  };
+  if (values.size() == 1) return json_text(describe(values.begin()->second), 2) + "\n";
+  nlohmann::json all = nlohmann::json::object();
+  for (const auto& [type, v] : values) {
+    std::string key = type;
+    for (const Input& in : kInputs)
+      if (type == in.type) key = in.name;
+    all[key] = describe(v);
+  }
+  return json_text(all, 2) + "\n";
+}
+
+// Writes one file per section.
+template <class Picture, class Write>
+void write_sections(const Job& job, const Picture& picture, Write&& write) {
+  Context& c = job.context;
+  const std::string made_by = c.provenance();
+  if (picture.sections < 1) throw Error("empty-image", "the image has no sections");
+  for (int s = 0; s < picture.sections; ++s) {
+    c.work().check();
+    c.work().progress(double(s) / picture.sections);
+    write_named(c, picture.sections == 1 ? job.path : section_name(job.path, s, picture.sections),
+                [&](const std::filesystem::path& file) { write(file, picture, s, made_by); });
+  }
+}
+
+// The grids for a .nvdb file. Those that it has no type for are left out, unless they were named.
+Volume grids_for_nvdb(Context& c, const Volume& volume) {
+  if (c.keyword("grids").empty()) return chosen_grids(c, volume);
+  std::vector<std::string> lost;
+  Volume out = fit_for_nvdb(volume, lost);
+  for (const std::string& name : lost)
+    c.warn(fmt::format("the grid '{}' is left out: a .nvdb file has no type for it", name));
+  return out;
+}
+
+}  // namespace
+
+void write_csv_file(const Job& job) {
+  write_named(job.context, job.path,
+              [&](const fs::path& file) { write_bytes(file, csv_of_value(job.only())); });
+}
+
+void write_dream3d_file(const Job& job) {
+  export_dream3d(job.context, job.path, *job.volume(), job.particles());
+}
+
+void write_glb_file(const Job& job) {
+  Context& c = job.context;
+  const Shapes& shapes = *job.find<Shapes>("Shapes");
+  const Image* texture = job.find<Image>("Image");
+  const Particles* particles = job.particles();
+  if (particles && texture)
+    throw Error("no-uv", "an image is the texture of shapes without particles; both are connected",
+                "disconnect the image or the particles");
+  write_named(c, job.path, [&](const fs::path& file) {
+    if (particles)
+      write_glb(file, *particles, shapes, c.provenance(), c.work(), c.choice<Instancing>("instancing"),
+                static_cast<int>(c.integer("materials")));
+    else
+      write_glb(file, shapes, c.provenance(), c.work(), texture);
+  });
+}
+
+void write_inp_file(const Job& job) {
+  export_inp(job.context, job.path, job.format, *job.volume(), job.particles());
+}
+
+void write_json_file(const Job& job) {
+  write_named(job.context, job.path,
+              [&](const fs::path& file) { write_bytes(file, json_text_of(job.values)); });
+}
+
+void write_mesh_file(const Job& job) {
+  write_named(job.context, job.path,
+              [&](const fs::path& file) { write_mesh(file, job.only().as<Shapes>()); });
+}
+
+void write_nifti_file(const Job& job) {
+  Context& c = job.context;
+  write_named(c, job.path, [&](const fs::path& file) {
+    const VoxelBox box = voxel_box(*job.volume());
+    write_nifti(file, only_grid(c, *job.volume(), box), box, c.provenance(), c.work());
+  });
+}
+
+void write_npy_file(const Job& job) {
+  Context& c = job.context;
+  write_named(c, job.path, [&](const fs::path& file) {
+    if (const Labels* labels = job.find<Labels>("Labels")) return write_npy(file, *labels);
+    const VoxelBox box = voxel_box(*job.volume());
+    write_npy(file, only_grid(c, *job.volume(), box), box, c.work());
+  });
+}
+
+void write_nvdb_file(const Job& job) {
+  Context& c = job.context;
+  write_named(c, job.path,
+              [&](const fs::path& file) { write_nvdb(file, grids_for_nvdb(c, *job.volume()), c.work()); });
+}
+
+void write_pictures(const Job& job) {
+  if (const Image* image = job.find<Image>("Image")) return write_sections(job, *image, write_picture);
+  write_sections(job, *job.find<Labels>("Labels"), write_labels);
+}
+
+void write_scene(const Job& job) {
+  export_scene(job.context, job.path, job.format, job.particles(), *job.find<Shapes>("Shapes"), job.volume());
+}
+
+void write_stl_file(const Job& job) {
+  if (!job.find<Shapes>("Shapes")) return write_surfaces(job);
+  if (job.values.size() > 1)
+    throw Error("format-does-not-fit", "a .stl file holds one shape, or the surface of a volume, not both",
+                "use one Export node for each")
+        .parameter("path");
+  write_mesh_file(job);
+}
+
+void write_surfaces(const Job& job) {
+  if (!job.volume())
+    throw Error("missing-input", "particles without their shapes and volume have no surface",
+                "connect Voxelize.volume, or shapes");
+  export_surfaces(job.context, job.path, job.format, *job.volume(), job.particles());
+}
+
+void write_vdb_file(const Job& job) {
+  Context& c = job.context;
+  write_named(c, job.path, [&](const fs::path& file) {
+    write_vdb(file, chosen_grids(c, *job.volume()), c.provenance(), c.choice<WholeNumbers>("id_type"));
+  });
+}
+
+void write_vti_file(const Job& job) { export_vti(job.context, job.path, *job.volume(), job.particles()); }
+
+}  // namespace terrazzo::exporting

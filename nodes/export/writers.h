@@ -1,0 +1,69 @@
+// One function for each file format, or for formats that are written alike.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+
+#include "nodes/data/particles.h"
+#include "nodes/data/volume.h"
+#include "nodes/export/formats.h"
+#include "runtime/context.h"
+
+namespace terrazzo::exporting {
+
+// The inputs of Export, named after their types.
+struct Input {
+  const char *name, *type, *doc;
+};
+inline constexpr std::array<Input, 10> kInputs = {{
+    {"image", "Image", "Image or stack of images. In a .glb file, the texture of the shapes"},
+    {"labels", "Labels", "Profile id of each pixel"},
+    {"profiles", "Profiles", "Profiles of plane sections"},
+    {"shapes", "Shapes", "Shapes of the particles"},
+    {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
+    {"distribution", "SizeDistribution", "Number of particles per volume by size"},
+    {"particles", "Particles",
+     "Packing. A .glb, .usda, .xml or .pbrt file also needs shapes. A .vti or .inp file takes classes and "
+     "voids from it"},
+    {"volume", "Volume", "Volume of named grids"},
+    {"table", "Table", "Table of named columns"},
+    {"strokes", "Strokes", "Strokes on an image"},
+}};
+
+// What one Export node is to write. `values` fit the format: check_fit() was called.
+struct Job {
+  Context& context;
+  std::string path;  // below the output folder
+  const Format& format;
+  std::map<std::string, Value> values;  // by type name
+
+  // Null if no value of this type is connected.
+  template <class T>
+  const T* find(const char* type) const {
+    const auto it = values.find(type);
+    return it == values.end() ? nullptr : &it->second.as<T>();
+  }
+  const Particles* particles() const { return find<Particles>("Particles"); }
+  const Volume* volume() const { return find<Volume>("Volume"); }
+  const Value& only() const { return values.begin()->second; }  // of formats that hold one value
+};
+
+// Each throws the errors of its writer.
+void write_csv_file(const Job&);
+void write_dream3d_file(const Job&);
+void write_glb_file(const Job&);  // also "no-uv"
+void write_inp_file(const Job&);
+void write_json_file(const Job&);
+void write_mesh_file(const Job&);   // .obj, .ply
+void write_nifti_file(const Job&);  // .nii, .nii.gz
+void write_npy_file(const Job&);
+void write_nvdb_file(const Job&);
+void write_pictures(const Job&);  // .png, .tif, .exr, .jpg, .hdr; one file per section
+void write_scene(const Job&);     // .usda, .xml (Mitsuba), .pbrt
+void write_stl_file(const Job&);  // of shapes or of a volume; also "format-does-not-fit"
+void write_surfaces(const Job&);  // .msh and .stl of a volume; also "missing-input"
+void write_vdb_file(const Job&);
+void write_vti_file(const Job&);
+
+}  // namespace terrazzo::exporting
