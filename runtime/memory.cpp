@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "graph/diagnostic.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 
 namespace terrazzo {
 namespace fs = std::filesystem;

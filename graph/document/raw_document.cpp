@@ -16,7 +16,6 @@
 #include "graph/document/yaml_mistakes.h"
 #include "graph/text/element_name.h"
 #include "graph/text/nearest.h"
-#include "graph/text/number_text.h"
 #include "graph/text/read_number.h"
 #include "graph/text/utf8.h"
 

@@ -14,7 +14,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/input_file.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "runtime/files.h"
 
 namespace terrazzo {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "graph/input_file.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "runtime/cache/cache_folder.h"
 #include "runtime/files.h"
 #include "runtime/files/host_name.h"

@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {

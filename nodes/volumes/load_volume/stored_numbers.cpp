@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "graph/diagnostic.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 
 namespace terrazzo::load_volume {
 namespace {

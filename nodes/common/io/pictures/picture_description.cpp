@@ -8,7 +8,7 @@
 #include <numeric>
 #include <pugixml.hpp>
 
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "nodes/common/io/picture_pages.h"
 #include "nodes/common/io/pictures/picture_check.h"
 #include "nodes/common/io/pictures/pixel_scale.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <thread>
 
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "runtime/clients/cli/slurm/slurm_detached.h"
 #include "runtime/clients/cli/slurm/slurm_job.h"
 #include "runtime/files.h"

@@ -15,7 +15,7 @@
 
 #include "graph/document/raw_document.h"
 #include "graph/input_file.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "graph/text/utf8.h"
 #include "runtime/clients/studio/live/save_file.h"
 #include "runtime/files.h"

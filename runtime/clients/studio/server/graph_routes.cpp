@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/document/paste_nodes.h"
-#include "graph/text/number_text.h"
+#include "graph/text/read_number.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/json_text.h"
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/describe.h"
-#include "graph/text/number_text.h"
 #include "graph/text/read_number.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/server/graph_routes.h"
